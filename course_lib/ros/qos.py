@@ -1,0 +1,39 @@
+"""Quality of service, as the middleware sees it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+_INFINITE = 2**63 - 1  # [ns]
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """What a publisher offers or a subscription requests; durations in [ns], None means infinite."""
+
+    history: Literal["keep_last", "keep_all"] = "keep_last"
+    depth: int = 10
+    reliability: Literal["reliable", "best_effort"] = "reliable"
+    durability: Literal["volatile", "transient_local"] = "volatile"
+    deadline_ns: int | None = None
+    lifespan_ns: int | None = None
+    liveliness: Literal["automatic", "manual_by_topic"] = "automatic"
+    lease_ns: int | None = None
+
+
+def incompatible(offered: Qos, requested: Qos) -> str | None:
+    """Name the policy that keeps a publisher and a subscription apart, as DDS matches them.
+
+    Returns:
+        ``RELIABILITY``, ``DURABILITY``, ``DEADLINE`` or ``LIVELINESS``; None if they match.
+    """
+    if offered.reliability == "best_effort" and requested.reliability == "reliable":
+        return "RELIABILITY"
+    if offered.durability == "volatile" and requested.durability == "transient_local":
+        return "DURABILITY"
+    if (offered.deadline_ns or _INFINITE) > (requested.deadline_ns or _INFINITE):
+        return "DEADLINE"
+    if offered.liveliness == "automatic" and requested.liveliness == "manual_by_topic":
+        return "LIVELINESS"
+    if (offered.lease_ns or _INFINITE) > (requested.lease_ns or _INFINITE):
+        return "LIVELINESS"
+    return None
