@@ -1,0 +1,50 @@
+"""Robot time and the heap of events that moves it."""
+
+import heapq
+from collections.abc import Callable
+
+START_NS = 1_700_000_000 * 10**9  # [ns] robot time at the start of every run
+THREADS = 1 << 30  # stands for the node where a thread, not a node, is woken: after all nodes
+
+
+class Alarm:
+    """One event that will happen, unless it is cancelled before."""
+
+    __slots__ = ("action", "cancelled", "due_ns")
+
+    def __init__(self, due_ns: int, action: Callable[[], None]) -> None:
+        self.due_ns = due_ns
+        self.action = action
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        """Make sure that the event does not happen."""
+        self.cancelled = True
+
+
+class Clock:
+    """Owns the heap: events in the order (due time, node start order, entity order, sequence)."""
+
+    def __init__(self, start_ns: int = START_NS) -> None:
+        self.now_ns = start_ns
+        self._heap: list[tuple[int, int, int, int, Alarm]] = []
+        self._sequence = 0
+
+    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
+        """Have `action` called at `due_ns`, or at once in the order of events if that has passed."""
+        alarm = Alarm(max(due_ns, self.now_ns), action)
+        self._sequence += 1
+        heapq.heappush(self._heap, (alarm.due_ns, node, entity, self._sequence, alarm))
+        return alarm
+
+    def next_due_ns(self) -> int | None:
+        """Say when the next event is due; None if nothing will ever happen."""
+        while self._heap and self._heap[0][4].cancelled:
+            heapq.heappop(self._heap)
+        return self._heap[0][0] if self._heap else None
+
+    def pop(self) -> Alarm:
+        """Take the next event out of the heap and move the time to it."""
+        alarm = heapq.heappop(self._heap)[4]
+        self.now_ns = alarm.due_ns
+        return alarm

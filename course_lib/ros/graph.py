@@ -1,0 +1,181 @@
+"""One run: its clock, its nodes and its topics."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from course_lib.ros.clock import START_NS, Alarm, Clock
+from course_lib.ros.qos import Qos
+from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample, Subscription, Topics
+
+__all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
+
+DELAY_NS = 1_000_000  # [ns] from publication to delivery
+
+
+class Graph:
+    """The nodes and topics of one run and the clock that owns its events.
+
+    Args:
+        start_ns: Robot time at which the run starts.
+        end_ns: Robot time of its end, if it has one; events due exactly then still happen.
+        delay_ns: From the publication of a message to its delivery.
+        notebook: A kernel's own graph, with the forgiving rules of a notebook.
+    """
+
+    def __init__(
+        self,
+        *,
+        start_ns: int = START_NS,
+        end_ns: int | None = None,
+        delay_ns: int = DELAY_NS,
+        notebook: bool = False,
+    ) -> None:
+        self.end_ns = end_ns
+        self.ended = False
+        self.notebook = notebook
+        self.state: dict[str, Any] = {}  # per-run state of the stand-in packages
+        self.pace: Callable[[int], None] | None = None  # holds the clock back to the wall's pace
+        self._clock = Clock(start_ns)
+        self._delay_ns = delay_ns
+        self._topics = Topics()
+        self._nodes: dict[int, NodeInfo] = {}
+        self._last_id = 0
+        self._taps: list[Callable[[Sample], None]] = []
+        self._watchers: list[Callable[[int], None]] = []
+
+    @property
+    def now_ns(self) -> int:
+        """Robot time, [ns]."""
+        return self._clock.now_ns
+
+    def add_node(self, name: str, namespace: str) -> int:
+        """Add a node; returns its id, which is its start order."""
+        self._last_id += 1
+        self._nodes[self._last_id] = NodeInfo(self._last_id, name, namespace)
+        return self._last_id
+
+    def remove_node(self, node: int) -> None:
+        """Remove a node with its endpoints."""
+        self._nodes.pop(node, None)
+        for endpoint in self._topics.endpoints():
+            if endpoint.node == node:
+                self._topics.remove(endpoint.id)
+
+    def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
+        """Add a publisher on a fully resolved topic; returns its endpoint id."""
+        self._last_id += 1
+        self._topics.add_publisher(EndpointInfo(self._last_id, "pub", node, topic, type_name, qos))
+        return self._last_id
+
+    def add_subscription(
+        self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
+    ) -> int:
+        """Add a subscription; `on_message(cdr, source_ns, received_ns)` is called for each sample."""
+        self._last_id += 1
+        info = EndpointInfo(self._last_id, "sub", node, topic, type_name, qos)
+        subscription = Subscription(info, entity, on_message)
+        for sample in self._topics.add_subscription(subscription):
+            self._deliver(sample, subscription)
+        return self._last_id
+
+    def remove_endpoint(self, endpoint: int) -> None:
+        """Remove a publisher or a subscription."""
+        self._topics.remove(endpoint)
+
+    def publish(self, endpoint: int, cdr: bytes) -> None:
+        """Publish serialised data; it reaches each matching subscription as an event after the delay."""
+        publisher = self._topics.publishers[endpoint]
+        info = publisher.info
+        sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
+        if info.qos.durability == "transient_local":
+            publisher.kept.append(sample)
+        for listener in tuple(self._taps):
+            listener(sample)
+        for subscription in self._topics.receivers(info):
+            self._deliver(sample, subscription)
+
+    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
+        """Have `action` called at robot time `due_ns`, in the order of events."""
+        return self._clock.call_at(due_ns, action, node=node, entity=entity)
+
+    def advance(self) -> bool:
+        """Let the next event happen.
+
+        Returns:
+            False when no event is left before the end; at the end, `ended` is True from then on.
+        """
+        due_ns = self._clock.next_due_ns()
+        at_end = self.end_ns is not None and (due_ns is None or due_ns > self.end_ns)
+        target_ns = self.end_ns if at_end else due_ns
+        if target_ns is None:
+            return False
+        if self.pace is not None:
+            self.pace(target_ns)
+            if not at_end and self._clock.next_due_ns() != due_ns:
+                return True  # something came in between while the wall clock ran: look again
+        moved = target_ns > self.now_ns
+        alarm = None if at_end else self._clock.pop()
+        self._clock.now_ns = max(target_ns, self.now_ns)
+        self.ended = at_end
+        for watcher in tuple(self._watchers) if moved else ():
+            watcher(self.now_ns)
+        if alarm is not None:
+            alarm.action()
+        return alarm is not None
+
+    def next_due_ns(self) -> int | None:
+        """Say when the next event is due, [ns]; None if nothing will ever happen."""
+        return self._clock.next_due_ns()
+
+    def nodes(self) -> list[NodeInfo]:
+        """List the nodes in their start order."""
+        return list(self._nodes.values())
+
+    def endpoints(self) -> list[EndpointInfo]:
+        """List the publishers and subscriptions in the order of their making."""
+        return self._topics.endpoints()
+
+    def tap(self, listener: Callable[[Sample], None]) -> Callable[[], None]:
+        """Show every published sample to `listener` at once; returns what ends that."""
+        self._taps.append(listener)
+        return lambda: self._taps.remove(listener)
+
+    def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
+        """Call `listener(now_ns)` whenever robot time moves; returns what ends that."""
+        self._watchers.append(listener)
+        return lambda: self._watchers.remove(listener)
+
+    def latched(self) -> list[Sample]:
+        """List what TRANSIENT_LOCAL publishers hold for late subscriptions, oldest first."""
+        kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
+        return sorted(kept, key=lambda sample: sample.stamp_ns)
+
+    def _deliver(self, sample: Sample, subscription: Subscription) -> None:
+        info = subscription.info
+
+        def arrive() -> None:
+            if info.id in self._topics.subscriptions:
+                subscription.on_message(sample.cdr, sample.stamp_ns, self.now_ns)
+
+        due_ns = max(sample.stamp_ns + self._delay_ns, self.now_ns)
+        self._clock.call_at(due_ns, arrive, node=info.node, entity=subscription.entity)
+
+
+_current = Graph()
+
+
+def current_graph() -> Graph:
+    """Return the graph that the stand-in talks to."""
+    return _current
+
+
+@contextmanager
+def use_graph(graph: Graph) -> Iterator[Graph]:
+    """Let the stand-in talk to another graph for a while."""
+    global _current
+    before, _current = _current, graph
+    try:
+        yield graph
+    finally:
+        _current = before

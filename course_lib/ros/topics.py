@@ -1,0 +1,109 @@
+"""Who publishes and who subscribes, and which sample reaches whom."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from course_lib.ros.qos import Qos, incompatible
+
+OnMessage = Callable[[bytes, int, int], None]  # (cdr, source_ns, received_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One published message: robot time of publication [ns], topic, type, CDR bytes, offered QoS, node id."""
+
+    stamp_ns: int
+    topic: str
+    type_name: str
+    cdr: bytes
+    qos: Qos
+    node: int
+
+
+@dataclass(frozen=True, slots=True)
+class NodeInfo:
+    """A node of the graph; its id is its start order."""
+
+    id: int
+    name: str
+    namespace: str
+
+
+@dataclass(frozen=True, slots=True)
+class EndpointInfo:
+    """A publisher or a subscription of the graph."""
+
+    id: int
+    kind: Literal["pub", "sub"]
+    node: int
+    topic: str
+    type_name: str
+    qos: Qos
+
+
+@dataclass(slots=True)
+class Publisher:
+    """A publisher's endpoint, with what it keeps for late subscriptions (TRANSIENT_LOCAL)."""
+
+    info: EndpointInfo
+    kept: deque[Sample] = field(default_factory=deque)
+
+
+@dataclass(slots=True)
+class Subscription:
+    """A subscription's endpoint; `entity` is its place among its node's entities."""
+
+    info: EndpointInfo
+    entity: int
+    on_message: OnMessage
+
+
+class Topics:
+    """The publishers and subscriptions of one run, and their matching."""
+
+    def __init__(self) -> None:
+        self.publishers: dict[int, Publisher] = {}
+        self.subscriptions: dict[int, Subscription] = {}
+        self._subscriptions_of: dict[str, list[Subscription]] = {}
+
+    def endpoints(self) -> list[EndpointInfo]:
+        """List all endpoints in the order of their making."""
+        both = [*self.publishers.values(), *self.subscriptions.values()]
+        return sorted((endpoint.info for endpoint in both), key=lambda info: info.id)
+
+    def add_publisher(self, info: EndpointInfo) -> None:
+        """Add a publisher; the samples that it keeps are bounded by its history."""
+        depth = info.qos.depth if info.qos.history == "keep_last" else None
+        self.publishers[info.id] = Publisher(info, deque(maxlen=depth))
+
+    def add_subscription(self, subscription: Subscription) -> list[Sample]:
+        """Add a subscription; returns the kept samples that it gets as a late joiner, oldest first."""
+        info = subscription.info
+        self.subscriptions[info.id] = subscription
+        self._subscriptions_of.setdefault(info.topic, []).append(subscription)
+        if info.qos.durability != "transient_local":
+            return []
+        kept = [s for p in self.publishers.values() if matches(p.info, info) for s in p.kept]
+        return sorted(kept, key=lambda sample: sample.stamp_ns)
+
+    def remove(self, endpoint: int) -> None:
+        """Remove an endpoint; unknown ones are already gone."""
+        self.publishers.pop(endpoint, None)
+        subscription = self.subscriptions.pop(endpoint, None)
+        if subscription is not None:
+            self._subscriptions_of[subscription.info.topic].remove(subscription)
+
+    def receivers(self, publisher: EndpointInfo) -> list[Subscription]:
+        """List the subscriptions that a publisher's sample reaches."""
+        return [s for s in self._subscriptions_of.get(publisher.topic, ()) if matches(publisher, s.info)]
+
+
+def matches(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+    """Say whether samples flow: same topic, same type, compatible QoS."""
+    return (
+        publisher.topic == subscription.topic
+        and publisher.type_name == subscription.type_name
+        and incompatible(publisher.qos, subscription.qos) is None
+    )
