@@ -1,0 +1,46 @@
+"""Arrays at the viewer's border: what comes in is checked, converted and frozen once."""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.errors import CourseError
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Integers: TypeAlias = npt.NDArray[np.uint32]
+Matrix: TypeAlias = npt.NDArray[np.float64]
+
+
+class ShapeError(CourseError):
+    """An array does not have the shape that its name asks for."""
+
+
+def checked(name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tuple[int | None, ...]) -> Any:
+    """Return a read-only copy of an array that has one of the shapes (None stands for any length).
+
+    Raises:
+        ShapeError: If it has none of them; the message shows both shapes.
+    """
+    array = np.array(value, dtype=dtype)
+    if array.size == 0 and not shapes[0][0]:  # [] is an empty list of anything
+        array = array.reshape(tuple(length or 0 for length in shapes[0]))
+    if not any(_fits(array.shape, shape) for shape in shapes):
+        wanted = " or ".join(_shape_text(shape) for shape in shapes)
+        raise ShapeError(f"{name} has shape {_shape_text(array.shape)}, expected {wanted}.")
+    array.setflags(write=False)
+    return array
+
+
+def floats(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> Floats:
+    """Check an array and keep it in single precision, as it is drawn."""
+    array: Floats = checked(name, value, np.float32, *shapes)
+    return array
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(shape) == len(wanted) and all(w in (None, n) for n, w in zip(shape, wanted, strict=True))
+
+
+def _shape_text(shape: tuple[int | None, ...]) -> str:
+    return f"({', '.join('N' if length is None else str(length) for length in shape)})"

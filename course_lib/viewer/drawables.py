@@ -1,0 +1,136 @@
+"""What a scene is made of: arrays that never change; colours are RGBA in 0..1, lengths in [m]."""
+
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.errors import CourseError
+from course_lib.viewer.arrays import Integers, checked, floats
+
+Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
+
+OPAQUE_FROM = 0.9998  # below this alpha RViz blends, and writes no depth
+
+
+class Solids:
+    """Many copies of one unit shape.
+
+    Args:
+        shape: Unit box, sphere of diameter 1, or cylinder or cone of diameter 1 and height 1 along z; all
+            are centred on their origin, the tip of the cone points to +z.
+        placements: Affine transforms from the unit shape to the node, shape (N, 4, 4).
+        colors: Shape (N, 4), or (4,) for all of them.
+        lit: Whether faces are shaded.
+    """
+
+    def __init__(
+        self, shape: Shape, placements: npt.ArrayLike, colors: npt.ArrayLike, lit: bool = True
+    ) -> None:
+        if shape not in get_args(Shape):
+            raise CourseError(
+                f"Solids(shape={shape!r}) is not known, take one of {', '.join(get_args(Shape))}."
+            )
+        self.shape: Shape = shape
+        self.placements = floats("placements", placements, (None, 4, 4))
+        self.colors = floats("colors", colors, (len(self.placements), 4), (4,))
+        self.lit = lit
+
+
+class Mesh:
+    """Triangles, seen from both sides.
+
+    Args:
+        vertices: Shape (V, 3).
+        faces: Corners of each triangle by index, shape (F, 3); None if each three vertices make one.
+        colors: Shape (V, 4), or (4,) for all of them.
+        normals: Unit normals at the vertices, shape (V, 3); None gives each triangle its own.
+        lit: Whether faces are shaded.
+    """
+
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike | None,
+        colors: npt.ArrayLike,
+        normals: npt.ArrayLike | None = None,
+        lit: bool = True,
+    ) -> None:
+        self.vertices = floats("vertices", vertices, (None, 3))
+        count = len(self.vertices)
+        self.faces = _faces(faces, count)
+        self.colors = floats("colors", colors, (count, 4), (4,))
+        self.normals = None if normals is None else floats("normals", normals, (count, 3))
+        self.lit = lit
+
+
+class Lines:
+    """Strips that turn their flat side to the camera, as RViz's billboard lines do.
+
+    Args:
+        points: Shape (P, 3); joined one after the other, or, if not ``strip``, in pairs.
+        colors: Shape (P, 4), or (4,) for all of them.
+        width: Width of the strip; 0 draws a line that is one pixel wide.
+        strip: Whether each point is joined to the next.
+    """
+
+    def __init__(
+        self, points: npt.ArrayLike, colors: npt.ArrayLike, width: float = 0.0, strip: bool = True
+    ) -> None:
+        self.points = floats("points", points, (None, 3))
+        if not strip and len(self.points) % 2:
+            raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
+        self.colors = floats("colors", colors, (len(self.points), 4), (4,))
+        self.width = float(width)
+        self.strip = strip
+
+
+class Points:
+    """Squares that face the camera.
+
+    Args:
+        points: Shape (P, 3).
+        colors: Shape (P, 4), or (4,) for all of them.
+        size: Width and height, in [m], or in pixels.
+        pixels: Whether the size is in pixels.
+    """
+
+    def __init__(
+        self, points: npt.ArrayLike, colors: npt.ArrayLike, size: tuple[float, float], pixels: bool = False
+    ) -> None:
+        self.points = floats("points", points, (None, 3))
+        self.colors = floats("colors", colors, (len(self.points), 4), (4,))
+        self.size = (float(size[0]), float(size[1]))
+        self.pixels = pixels
+
+
+class Text:
+    """Words that face the camera, centred on the origin of their node.
+
+    Args:
+        text: May have several lines.
+        height: Height of a capital letter.
+        color: Shape (4,).
+    """
+
+    def __init__(self, text: str, height: float, color: npt.ArrayLike = (1.0, 1.0, 1.0, 1.0)) -> None:
+        self.text = text
+        self.height = float(height)
+        self.color = floats("color", color, (4,))
+
+
+Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text
+
+
+def _faces(faces: npt.ArrayLike | None, count: int) -> Integers:
+    """Return the corners of all triangles, shape (F, 3)."""
+    if faces is None:
+        if count % 3:
+            raise CourseError(
+                f"A mesh without faces needs 3 vertices per triangle, there are {count} vertices."
+            )
+        faces = np.arange(count).reshape(-1, 3)
+    corners: Integers = checked("faces", faces, np.uint32, (None, 3))
+    if corners.size and corners.max() >= count:
+        raise CourseError(f"A face of the mesh names vertex {corners.max()}, the last one is {count - 1}.")
+    return corners

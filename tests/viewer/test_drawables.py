@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.viewer.drawables import Lines, Mesh, Points, Solids
+
+RED = (1, 0, 0, 1)
+
+
+def test_lists_become_read_only_arrays() -> None:
+    lines = Lines([[0, 0, 0], [1, 0, 0]], RED)
+    assert lines.points.dtype == np.float32
+    with pytest.raises(ValueError, match="read-only"):
+        lines.points[0, 0] = 1
+
+
+def test_empty_lists_are_drawn_as_nothing() -> None:
+    assert Points([], [], (0.1, 0.1)).points.shape == (0, 3)
+    assert Solids("box", [], RED).placements.shape == (0, 4, 4)
+
+
+def test_a_soup_of_triangles_gets_its_faces() -> None:
+    assert Mesh(np.zeros((6, 3)), None, RED).faces.tolist() == [[0, 1, 2], [3, 4, 5]]
+
+
+def test_colours_must_be_one_or_as_many_as_points() -> None:
+    with pytest.raises(CourseError, match=r"colors has shape \(3, 4\), expected \(2, 4\) or \(4\)"):
+        Lines([[0, 0, 0], [1, 0, 0]], [RED] * 3)
+
+
+def test_a_face_of_a_missing_vertex_is_refused() -> None:
+    with pytest.raises(CourseError, match="names vertex 3, the last one is 2"):
+        Mesh(np.zeros((3, 3)), [[0, 1, 3]], RED)
+
+
+def test_an_odd_point_of_pairs_is_refused() -> None:
+    with pytest.raises(CourseError, match="even number of points, there are 3"):
+        Lines(np.zeros((3, 3)), RED, strip=False)
+
+
+def test_an_unknown_shape_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(CourseError, match=r"'cube'.*box, sphere, cylinder, cone"):
+        Solids("cube", [np.eye(4)], RED)  # type: ignore[arg-type]  # the mistake under test

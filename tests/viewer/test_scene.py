@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.scene import Scene
+
+BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
+
+
+def moved(x: float) -> np.ndarray:
+    transform_node_to_parent = np.eye(4)
+    transform_node_to_parent[0, 3] = x  # [m]
+    return transform_node_to_parent
+
+
+def test_last_value_of_a_path_wins() -> None:
+    scene = Scene()
+    other = Solids("sphere", [np.eye(4)], (0, 1, 0, 1))
+    scene.set_object("a/b", BOX)
+    scene.set_object("a/b", other)
+    assert scene.objects() == {"a/b": other}
+
+
+def test_slashes_that_name_nothing_are_dropped() -> None:
+    scene = Scene()
+    scene.set_object("/meshcat//box/", BOX)
+    assert list(scene.objects()) == ["meshcat/box"]
+    assert scene.visible("/meshcat/box")
+
+
+def test_delete_takes_the_subtree_and_leaves_neighbours_of_like_names() -> None:
+    scene = Scene()
+    for path in ("a", "a/b/c", "ab"):
+        scene.set_object(path, BOX)
+    scene.delete("a")
+    scene.delete("never there")
+    assert list(scene.objects()) == ["ab"]
+    scene.set_object("a/b", BOX)
+    assert np.array_equal(scene.transform("a"), np.eye(4))
+
+
+def test_deleting_the_root_empties_the_scene() -> None:
+    scene = Scene()
+    scene.set_object("a/b", BOX)
+    scene.delete("")
+    assert scene.objects() == {}
+
+
+def test_world_transform_joins_all_parents() -> None:
+    scene = Scene()
+    scene.set_object("a/b", BOX)
+    scene.set_transform("a", moved(1.0))
+    scene.set_transform("a/b", moved(2.0))
+    assert scene.world_transform("a/b")[0, 3] == 3.0
+    assert scene.transform("a/b")[0, 3] == 2.0
+
+
+def test_a_hidden_parent_hides_its_children() -> None:
+    scene = Scene()
+    scene.set_object("a/b", BOX)
+    scene.set_visible("a", False)
+    assert not scene.visible("a/b")
+    scene.set_visible("a", True)
+    assert scene.visible("a/b")
+
+
+def test_a_transform_is_copied_so_that_later_changes_of_the_array_do_not_move_the_node() -> None:
+    scene = Scene()
+    matrix = moved(1.0)
+    scene.set_transform("a", matrix)
+    matrix[0, 3] = 5.0
+    assert scene.transform("a")[0, 3] == 1.0
+
+
+def test_a_wrong_shape_is_refused_with_both_shapes() -> None:
+    with pytest.raises(CourseError, match=r"transform of 'a' has shape \(3, 3\), expected \(4, 4\)"):
+        Scene().set_transform("a", np.eye(3))
+
+
+def test_an_unknown_path_is_refused_with_the_near_ones() -> None:
+    scene = Scene()
+    scene.set_object("displays/grid", BOX)
+    with pytest.raises(CourseError, match="there is displays/grid"):
+        scene.transform("displays/gird")
+
+
+def test_listeners_hear_every_change_until_they_stop() -> None:
+    scene = Scene()
+    heard: list[tuple[str, str]] = []
+    stop = scene.listen(lambda what, path: heard.append((what, path)))
+    scene.set_object("a", BOX)
+    scene.background = (1, 2, 3)
+    scene.delete("a")
+    stop()
+    scene.set_object("a", BOX)
+    assert heard == [("object", "a"), ("look", ""), ("delete", "a")]
