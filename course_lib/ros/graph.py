@@ -158,7 +158,7 @@ class Graph:
             if info.id in self._topics.subscriptions:
                 subscription.on_message(sample.cdr, sample.stamp_ns, self.now_ns)
 
-        due_ns = max(sample.stamp_ns + self._delay_ns, self.now_ns)
+        due_ns = self.now_ns + self._delay_ns
         self._clock.call_at(due_ns, arrive, node=info.node, entity=subscription.entity)
 
 

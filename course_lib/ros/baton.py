@@ -1,0 +1,291 @@
+"""One program thread runs at a time: the baton says which.
+
+A thread that the baton knows belongs to the program: its time is robot time, and it stops only in calls of
+the kit (waits, sleeps, locks). When all known threads wait, the baton's holder lets the next event happen.
+Threads that the baton does not know (Jupyter's own) run as ever, by the wall clock.
+"""
+
+import _thread
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from course_lib.errors import CourseError
+from course_lib.ros.clock import THREADS
+from course_lib.ros.graph import Graph, current_graph
+
+POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
+POLLS_PER_STEP = 10
+POLL_STEP_NS = 1_000_000  # [ns]
+RETURNS_AFTER_THE_END = 1_000  # waits that return at once after the end, before the thread is ended
+
+
+class DeadlockError(CourseError):
+    """Every thread waits for another one, so nothing can happen any more."""
+
+
+class ProgramThread:
+    """A thread that belongs to the program, and what it waits for."""
+
+    def __init__(self, index: int, *, name: str, main: bool) -> None:
+        self.index = index
+        self.name = name
+        self.main = main
+        self.turn = _thread.allocate_lock()  # held; released by whoever hands over the baton
+        self.turn.acquire()
+        self.graph: Graph | None = None  # the run it waits in; None while it is running
+        self.ready: Callable[[], bool] = _always
+        self.has_deadline = False
+        self.deadline_passed = False
+        self.what = ""
+        self.events_help = True
+        self.depth = 1
+        self.polls = 0
+        self.waits_after_end = 0
+        self.raises: BaseException | None = None
+        self.done = False
+
+    def can_run(self, graph: Graph) -> bool:
+        """Say whether its wait is over."""
+        if self.graph is not graph:
+            return False
+        return self.deadline_passed or graph.ended or self.raises is not None or self.ready()
+
+    def pass_deadline(self) -> None:
+        """Note that its deadline has come: the event that ends its wait."""
+        self.deadline_passed = True
+
+
+class Baton:
+    """Hands the right to run from thread to thread, in an order that depends on nothing but the program."""
+
+    def __init__(self) -> None:
+        self._threads: dict[int, ProgramThread] = {}  # by thread identifier
+        self._waiting: list[ProgramThread] = []  # in the order of their making
+        self._holder: ProgramThread | None = None
+        self._made = 0
+        self._mutex = _thread.allocate_lock()
+
+    def governs(self) -> bool:
+        """Say whether the calling thread belongs to the program."""
+        return _thread.get_ident() in self._threads
+
+    @contextmanager
+    def known(self) -> Iterator[None]:
+        """Let the calling thread belong to the program for a while."""
+        ident = _thread.get_ident()
+        me = self._threads.get(ident)
+        if me is not None:
+            me.depth += 1
+        else:
+            thread = threading.current_thread()
+            me = self.new_thread(thread.name, main=thread is threading.main_thread())
+            self.enter(me)
+        try:
+            _raise_pending(me)
+            yield
+        finally:
+            me.depth -= 1
+            if me.depth == 0:
+                self.leave(me)
+
+    @contextmanager
+    def unknown(self) -> Iterator[None]:
+        """Let the calling program thread be an ordinary one for a moment; it keeps the baton."""
+        ident = _thread.get_ident()
+        me = self._threads.pop(ident)
+        try:
+            yield
+        finally:
+            self._threads[ident] = me
+
+    def new_thread(self, name: str, *, main: bool = False) -> ProgramThread:
+        """Give a thread its place in the order of threads."""
+        self._made += 1
+        return ProgramThread(self._made, name=name, main=main)
+
+    def line_up(self, thread: ProgramThread) -> None:
+        """Let a thread that has just been started wait for its first turn."""
+        thread.graph, thread.ready, thread.what = current_graph(), _always, "its start"
+        self._waiting.append(thread)
+
+    def drop_out(self, thread: ProgramThread) -> None:
+        """Forget a thread that lined up but could not be started."""
+        self._stop_waiting(thread)
+
+    def enter(self, me: ProgramThread) -> None:
+        """Make the calling thread a program thread; returns when it has the baton."""
+        with self._mutex:
+            self._threads[_thread.get_ident()] = me
+            if me.graph is None:
+                self.line_up(me)
+            free = self._holder is None
+            if free:
+                self._holder = me
+        if not free:
+            self._await_turn(me)
+        self._stop_waiting(me)
+
+    def leave(self, me: ProgramThread) -> None:
+        """End the calling thread's belonging to the program and hand the baton on."""
+        with self._mutex:
+            me.done = True
+            del self._threads[_thread.get_ident()]
+            heir = None  # without the main thread time stands still
+            if not me.main:
+                heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
+            self._give(heir)
+
+    def wait(
+        self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
+    ) -> bool:
+        """Block the calling program thread; other threads and events run meanwhile.
+
+        Args:
+            ready: Says whether the wait is over.
+            until_ns: Robot time at which it is over anyway, [ns].
+            what: What is waited for, as it is named in a deadlock.
+            events_help: Whether events alone can end the wait (they never release a lock).
+
+        Returns:
+            What `ready` says in the end: False when the deadline or the end of the run came first.
+
+        Raises:
+            DeadlockError: In the main thread, when nothing can happen any more.
+        """
+        if ready():
+            return True
+        graph, me = current_graph(), self._threads[_thread.get_ident()]
+        me.polls = 0
+        if graph.ended:
+            self._count_wait_after_end(me)
+        alarm = None
+        if until_ns is not None:
+            alarm = graph.call_at(until_ns, me.pass_deadline, node=THREADS, entity=me.index)
+        me.graph, me.ready, me.what, me.events_help = graph, ready, what, events_help
+        me.has_deadline = alarm is not None
+        self._waiting.append(me)
+        self._waiting.sort(key=lambda thread: thread.index)
+        try:
+            self._run_others(me, graph)
+        finally:
+            self._stop_waiting(me)
+            if alarm is not None:
+                alarm.cancel()
+        _raise_pending(me)
+        return ready()
+
+    def sleep_until(self, wake_ns: int, what: str) -> None:
+        """Block the calling program thread until robot time `wake_ns`, [ns]."""
+        self.wait(_never, until_ns=wake_ns, what=what)
+
+    def poll(self) -> None:
+        """Note a call that does not wait but that a program may loop on; looped on, it lets time pass."""
+        me = self._threads.get(_thread.get_ident())
+        if me is None:
+            return
+        me.polls += 1
+        polls = me.polls
+        if polls >= POLLS_BEFORE_TIME_PASSES and polls % POLLS_PER_STEP == 0:
+            self.sleep_until(current_graph().now_ns + POLL_STEP_NS, "a loop that polls")
+            me.polls = polls  # it is still the same loop
+
+    def let_others_finish(self) -> None:
+        """After the end of a run: let the other threads return from their waits and come to their ends."""
+        graph, me = current_graph(), self._threads[_thread.get_ident()]
+        while any(thread.graph is graph for thread in self._waiting):
+            me.waits_after_end = 0
+            self.wait(_never, until_ns=None, what="the others' ends")
+
+    def _count_wait_after_end(self, me: ProgramThread) -> None:
+        me.waits_after_end += 1
+        if me.waits_after_end > RETURNS_AFTER_THE_END:
+            raise KeyboardInterrupt if me.main else SystemExit
+
+    def _run_others(self, me: ProgramThread, graph: Graph) -> None:
+        yielded = False
+        while not me.can_run(graph) or (graph.ended and not yielded):
+            other = self._runnable(me, graph)
+            yielded = True
+            if other is not None:
+                self._hand_over(me, other)
+            elif graph.ended:
+                return
+            elif not self._driven():
+                self._park(me)
+            elif not self._events_can_help(graph) or not (graph.advance() or graph.ended):
+                self._name_deadlock(me, graph)
+
+    def _runnable(self, me: ProgramThread, graph: Graph) -> ProgramThread | None:
+        """Find the next thread, in the order after `me`, whose wait is over."""
+        able = [t for t in self._waiting if t is not me and t.can_run(graph)]
+        return _after(able, me) if able else None
+
+    def _driven(self) -> bool:
+        """Time moves only while the main thread is in a call of the kit."""
+        return any(thread.main for thread in self._threads.values())
+
+    def _events_can_help(self, graph: Graph) -> bool:
+        return any(t.events_help or t.has_deadline for t in self._waiting if t.graph is graph)
+
+    def _name_deadlock(self, me: ProgramThread, graph: Graph) -> None:
+        waits = ", ".join(f'thread "{t.name}" waits for {t.what}' for t in self._waiting if t.graph is graph)
+        error = DeadlockError(
+            f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or another "
+            "thread; give it a time limit, or let another thread spin."
+        )
+        main = next((t for t in self._waiting if t.main and t.graph is graph), me)
+        main.raises = error
+
+    def _hand_over(self, me: ProgramThread, other: ProgramThread) -> None:
+        """Give the baton to `other` and block until it comes back."""
+        self._give(other)
+        self._await_turn(me)
+
+    def _park(self, me: ProgramThread) -> None:
+        """Put the baton down until the main thread is back."""
+        with self._mutex:
+            self._give(self._runnable(me, current_graph()))
+        self._await_turn(me)
+
+    def _await_turn(self, me: ProgramThread) -> None:
+        """Block until the baton is handed over; an interrupt is raised only with the baton in hand."""
+        try:
+            me.turn.acquire()
+        except KeyboardInterrupt as interrupt:
+            me.raises = interrupt
+            me.turn.acquire()
+
+    def _give(self, thread: ProgramThread | None) -> None:
+        self._holder = thread
+        if thread is not None:
+            thread.turn.release()
+
+    def _stop_waiting(self, me: ProgramThread) -> None:
+        if me in self._waiting:
+            self._waiting.remove(me)
+        me.graph, me.ready, me.events_help = None, _always, True
+        me.has_deadline = me.deadline_passed = False
+
+
+def _after(threads: list[ProgramThread], me: ProgramThread) -> ProgramThread:
+    """Pick the first thread after `me`, round robin."""
+    return next((t for t in threads if t.index > me.index), threads[0])
+
+
+def _raise_pending(me: ProgramThread) -> None:
+    """Raise what another thread, or an interrupt, left for this one."""
+    if me.raises is not None:
+        error, me.raises = me.raises, None
+        raise error
+
+
+def _always() -> bool:
+    return True
+
+
+def _never() -> bool:
+    return False
+
+
+baton = Baton()

@@ -1,0 +1,159 @@
+import asyncio
+import concurrent.futures
+import queue
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from course_lib.ros import virtual_time
+from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, use_graph
+
+SECOND = 10**9  # [ns]
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    virtual_time.install()
+    with use_graph(Graph(end_ns=START_NS + 100 * SECOND)) as graph, baton.known():
+        yield graph
+        graph.end_ns = graph.now_ns
+        baton.let_others_finish()
+
+
+def seconds(graph: Graph) -> float:
+    return (graph.now_ns - START_NS) / SECOND
+
+
+def test_sleep_moves_robot_time_and_not_the_walls(graph: Graph) -> None:
+    wall = virtual_time.real_monotonic()
+    time.sleep(50)
+    assert seconds(graph) == 50
+    assert time.time() == pytest.approx(START_NS / SECOND + 50)
+    assert virtual_time.real_monotonic() - wall < 1
+
+
+def test_threads_that_jupyter_started_keep_the_wall_clock() -> None:
+    virtual_time.install()
+    assert time.time() > START_NS / SECOND + 1_000_000
+    wall = virtual_time.real_monotonic()
+    time.sleep(0.02)
+    assert virtual_time.real_monotonic() - wall >= 0.02
+
+
+def test_threads_take_turns_in_one_order(graph: Graph) -> None:
+    seen: list[tuple[float, str]] = []
+
+    def tick(name: str, period: float) -> None:
+        for _ in range(3):
+            time.sleep(period)
+            seen.append((seconds(graph), name))
+
+    threads = [threading.Thread(target=tick, args=args) for args in (("a", 2.0), ("b", 1.0))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert seen == [(1, "b"), (2, "a"), (2, "b"), (3, "b"), (4, "a"), (6, "a")]
+
+
+def test_event_queue_and_condition_time_out_in_robot_time(graph: Graph) -> None:
+    assert threading.Event().wait(3) is False
+    assert seconds(graph) == 3
+    with pytest.raises(queue.Empty):
+        queue.Queue[int]().get(timeout=4)
+    assert seconds(graph) == 7
+    condition = threading.Condition()
+    with condition:
+        assert condition.wait(5) is False
+    assert seconds(graph) == 12
+
+
+def test_a_queue_carries_items_between_threads(graph: Graph) -> None:
+    items: queue.Queue[int] = queue.Queue()
+
+    def produce() -> None:
+        for item in range(3):
+            time.sleep(1)
+            items.put(item)
+
+    threading.Thread(target=produce).start()
+    assert [items.get() for _ in range(3)] == [0, 1, 2]
+    assert seconds(graph) == 3
+
+
+def test_a_mutex_hands_the_baton_to_its_holder(graph: Graph) -> None:
+    lock, order = threading.Lock(), []
+
+    def hold() -> None:
+        with lock:
+            time.sleep(5)
+            order.append("holder")
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    time.sleep(1)
+    with lock:
+        order.append("main")
+    thread.join()
+    assert order == ["holder", "main"]
+
+
+def test_a_thread_pool_works_in_robot_time(graph: Graph) -> None:
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(lambda n: (time.sleep(n), n)[1], [3, 1, 2])) == [3, 1, 2]
+    assert seconds(graph) == 3
+
+
+def test_asyncio_sleeps_in_robot_time(graph: Graph) -> None:
+    async def both() -> list[str]:
+        async def say(word: str, delay: float) -> str:
+            await asyncio.sleep(delay)
+            return word
+
+        return await asyncio.gather(say("late", 20), say("early", 10))
+
+    wall = virtual_time.real_monotonic()
+    assert asyncio.run(both()) == ["late", "early"]
+    assert seconds(graph) == pytest.approx(20, abs=0.01)
+    assert virtual_time.real_monotonic() - wall < 2
+
+
+def test_a_loop_that_only_polls_the_clock_ends(graph: Graph) -> None:
+    start = time.time()
+    while time.time() - start < 1:
+        pass
+    assert seconds(graph) == pytest.approx(1, abs=0.01)
+
+
+def test_a_deadlock_is_named_in_the_main_thread(graph: Graph) -> None:
+    mine = threading.Lock()
+    mine.acquire()
+    thread = threading.Thread(target=mine.acquire, name="other", daemon=True)
+    thread.start()
+    with pytest.raises(DeadlockError, match='thread "other" waits for a lock'):
+        thread.join()
+    mine.release()
+
+
+def test_at_the_end_every_wait_returns_and_endless_loops_are_ended(graph: Graph) -> None:
+    graph.end_ns = START_NS + 2 * SECOND
+    time.sleep(1000)
+    assert graph.ended
+    assert seconds(graph) == 2
+    threading.Event().wait()
+
+    def forever() -> None:
+        while True:
+            time.sleep(1)
+
+    thread = threading.Thread(target=forever)
+    thread.start()
+    baton.let_others_finish()
+    thread.join()
+    assert not thread.is_alive()
+    with pytest.raises(KeyboardInterrupt):
+        forever()
