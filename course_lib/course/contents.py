@@ -1,0 +1,94 @@
+"""The first page of the student's folder: every week, how long it takes, and how far one got."""
+
+import tomllib
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.exercise_file import read_notebook, source
+from course_lib.course.files import exercises_dir, lessons_dir
+from course_lib.course.state import State, write_atomically
+
+CONTENTS_FILE = "contents.md"
+
+
+@dataclass(frozen=True)
+class Week:
+    """One row of the page."""
+
+    name: str  # "week01"
+    title: str
+    minutes: int  # [min] of the lesson
+    lesson: str  # file name
+    exercise: str | None  # file name
+    deadline: datetime | None
+    points: dict[str, float]  # of the tasks that count towards 100
+
+
+def load_weeks() -> tuple[Week, ...]:
+    """All weeks that have a lesson, in order; deadlines and points from course.toml."""
+    settings = tomllib.loads((exercises_dir() / "course.toml").read_text(encoding="utf-8"))["weeks"]
+    return tuple(_week(path, settings) for path in sorted(lessons_dir().glob("week*.ipynb")))
+
+
+def _week(lesson: Path, settings: dict[str, Any]) -> Week:
+    notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
+    exercise = exercises_dir() / f"{name}_exercise.ipynb"
+    table = settings.get(name, {})
+    return Week(
+        name=name,
+        title=source(notebook["cells"][0]).splitlines()[0].lstrip("# "),
+        minutes=notebook["metadata"]["course"]["minutes"],
+        lesson=lesson.name,
+        exercise=exercise.name if exercise.exists() else None,
+        deadline=table.get("deadline"),
+        points=table.get("points", {}),
+    )
+
+
+def progress(week: Week, state: State) -> str:
+    """How far the public checks of a week are passed, e.g. "2 of 4 tasks"; empty without tasks."""
+    kept = state.section("progress")
+    done = [task for task in week.points if _full(kept.get(f"{week.name}.{task}", {}))]
+    return f"{len(done)} of {len(week.points)} tasks" if week.points else ""
+
+
+def _full(result: dict[str, float]) -> bool:
+    return bool(result) and result["score"] >= result["of"]
+
+
+def contents_page(state: State) -> str:
+    """The page as Markdown; links open inside JupyterLab."""
+    lines = [
+        "# Contents and progress",
+        "",
+        "*Made anew by every `course lab`. Your own notes are safe in any other file.*",
+        "",
+        "| lesson | minutes | exercise | hand in by | public checks passed |",
+        "|---|---|---|---|---|",
+    ]
+    for week in load_weeks():
+        exercise = f"[{week.exercise}]({week.exercise})" if week.exercise else ""
+        deadline = f"{week.deadline:%d %B %Y, %H:%M}" if week.deadline else ""
+        cells = (
+            f"[{week.title}]({week.lesson})",
+            f"{week.minutes}",
+            exercise,
+            deadline,
+            progress(week, state),
+        )
+        lines.append(f"| {' | '.join(cells)} |")
+    lines += [
+        "",
+        "Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def write_contents(folder: Path) -> Path:
+    """Write the page into the student's folder."""
+    path = folder / CONTENTS_FILE
+    write_atomically(path, contents_page(State(folder)))
+    return path

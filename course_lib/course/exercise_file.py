@@ -1,0 +1,57 @@
+"""Exercise notebooks as JSON: quick to read, and written the way Jupyter writes them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.state import write_atomically
+from course_lib.errors import CourseError
+
+Notebook = dict[str, Any]
+
+
+def read_notebook(path: Path) -> Notebook:
+    """A notebook as plain data.
+
+    Raises:
+        CourseError: it is missing, no JSON, or no notebook of format 4.
+    """
+    try:
+        notebook = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise CourseError(f"{path} can't be read as a notebook: {error}") from error
+    if not isinstance(notebook, dict) or notebook.get("nbformat") != 4 or "cells" not in notebook:
+        raise CourseError(f"{path} is no notebook of format 4. Save it again in JupyterLab.")
+    return notebook
+
+
+def notebook_text(notebook: Notebook) -> str:
+    """The file's text in Jupyter's own layout: indent 1, keys sorted, non-ASCII as it is."""
+    return json.dumps(notebook, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+
+
+def source(cell: dict[str, Any]) -> str:
+    """A cell's text; the file format allows a string or a list of lines."""
+    text = cell.get("source", "")
+    return text if isinstance(text, str) else "".join(text)
+
+
+def stamp(notebook: Notebook, student: str) -> bool:
+    """Store the student's ID in the notebook's metadata; True if that changed it."""
+    course = notebook.setdefault("metadata", {}).setdefault("course", {})
+    changed = course.get("student") != student
+    course["student"] = student
+    return bool(changed)
+
+
+def stamp_exercises(folder: Path, student: str) -> list[Path]:
+    """Store the ID in every exercise of the student's folder; files that are no notebooks are left alone."""
+    exercises = sorted(folder.glob("week*_exercise*.ipynb"))
+    for path in exercises:
+        try:
+            notebook = read_notebook(path)
+        except CourseError:
+            continue  # `course check` names what is wrong with it; an ID can still be given
+        if stamp(notebook, student):
+            write_atomically(path, notebook_text(notebook))
+    return exercises

@@ -1,0 +1,127 @@
+"""`course lab`: JupyterLab on the student's folder, with the address on the terminal."""
+
+import json
+import os
+import secrets
+import signal
+import socket
+import subprocess
+import sys
+import time
+import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from course_lib.course.contents import CONTENTS_FILE, write_contents
+from course_lib.course.folder import DEFAULT_FOLDER, prepare
+from course_lib.errors import CourseError
+
+FIRST_PORT = 8888
+PORTS_TO_TRY = 100
+START_SECONDS = 60.0  # [s] a first start compiles Python files on slow disks
+JUPYTER_SETTINGS = Path(__file__).parent / "jupyter"  # no news pop-ups; Markdown opens as a page
+
+
+def free_port(first: int = FIRST_PORT) -> int:
+    """The first port from `first` on that nobody on this machine listens to.
+
+    Raises:
+        CourseError: none is free, or there is no such port.
+    """
+    if not 1 <= first <= 65535:
+        raise CourseError(f"--port {first}: a port is a number from 1 to 65535. Try: course lab --port 8888")
+    for port in range(first, min(first + PORTS_TO_TRY, 65536)):
+        with socket.socket() as probe, suppress(OSError):
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(("127.0.0.1", port))
+            return port
+    raise CourseError(f"no free port from {first} on. Name another one: course lab --port 9500")
+
+
+def command(folder: Path, port: int) -> list[str]:
+    """The line that starts the server: this Python, this folder only, no pop-ups; root as in containers."""
+    allow_root = ["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    return [
+        *(sys.executable, "-m", "jupyterlab", "--no-browser", *allow_root),
+        f"--ServerApp.root_dir={folder}",
+        f"--ServerApp.port={port}",
+        "--ServerApp.answer_yes=True",  # one Ctrl+C ends it
+        "--ServerApp.log_level=ERROR",
+        f"--LabApp.default_url=/lab/tree/{CONTENTS_FILE}",
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+    ]
+
+
+@contextmanager
+def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]", str]]:
+    """A running JupyterLab and its address; it and its kernels are gone when the block ends."""
+    token = secrets.token_hex(24)
+    settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
+    environment = {"JUPYTER_TOKEN": token, "JUPYTER_CONFIG_PATH": os.pathsep.join(settings)}
+    process = subprocess.Popen(
+        command(folder, port), env=os.environ | environment, cwd=folder, stdin=subprocess.DEVNULL
+    )
+    try:
+        yield process, f"{_wait_for_server(process)}lab/tree/{CONTENTS_FILE}?token={token}"
+    finally:
+        process.terminate()  # the server shuts its kernels down, then leaves
+        try:
+            process.wait(timeout=10)  # [s]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def _wait_for_server(process: "subprocess.Popen[bytes]") -> str:
+    """The server's URL, from the file that Jupyter writes once it listens."""
+    from jupyter_core.paths import jupyter_runtime_dir
+
+    facts = Path(jupyter_runtime_dir()) / f"jpserver-{process.pid}.json"
+    deadline = time.monotonic() + START_SECONDS
+    while process.poll() is None and time.monotonic() < deadline:
+        with suppress(OSError, ValueError):  # not there yet, or half written
+            return str(json.loads(facts.read_text())["url"])
+        time.sleep(0.1)  # [s]
+    raise CourseError("JupyterLab did not start; its own message stands above. Try: python -m jupyterlab")
+
+
+def can_open_browser() -> bool:
+    """Whether a browser with windows can be opened from here; text browsers would take the terminal."""
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        return False
+    with suppress(webbrowser.Error):
+        webbrowser.get()
+        return True
+    return False
+
+
+def lab(folder: Path = DEFAULT_FOLDER, *, port: int | None = None, browser: bool = True) -> None:
+    """Refresh the student's folder and serve it until Ctrl+C (or SIGTERM, as containers stop).
+
+    Raises:
+        CourseError: the folder or the port can't be used, or JupyterLab did not start.
+    """
+    folder = folder.expanduser().resolve()
+    chosen = free_port(FIRST_PORT if port is None else port)
+    report = prepare(folder).lines()
+    write_contents(folder)
+    if port not in (None, chosen):
+        report.append(f"Port {port} is taken, using {chosen}.")
+    say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with server(folder, chosen) as (process, address):
+            say(f"Open this address in a browser:\n\n    {address}\n\nStop with Ctrl+C.")
+            if browser and can_open_browser():
+                webbrowser.open(address)
+            process.wait()
+    except KeyboardInterrupt:
+        say("\nJupyterLab is stopped. Your files are kept.")
+
+
+def say(text: str) -> None:
+    """One message to the terminal, at once, also into a pipe."""
+    print(text, flush=True)  # noqa: T201  the command's own voice

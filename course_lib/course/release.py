@@ -1,0 +1,52 @@
+"""`course release OUT`: the students' copy, an installable project without answers."""
+
+import shutil
+from pathlib import Path
+
+from course_lib.course.exercise import write_exercises
+from course_lib.course.files import checkout_root
+from course_lib.errors import CourseError
+
+# solutions/, tests/ (they hold right and wrong answers) and everything hidden stay with the instructors.
+RELEASED = (
+    "course_lib",
+    "notebooks",
+    "exercises",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    "CHANGELOG.md",
+)
+LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
+
+
+def release(out: Path) -> list[Path]:
+    """Copy what students get into `out`; returns what was copied, as paths in `out`.
+
+    Raises:
+        CourseError: not a checkout, `out` holds something already, or can't be written.
+    """
+    root, out = checkout_root(), out.expanduser().resolve()
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise CourseError(f"{out} is not an empty folder. Name a new one, or remove it first.")
+    if out.is_relative_to(root / "course_lib") or out.is_relative_to(root / "exercises"):
+        raise CourseError(f"{out} lies inside what is released. Name a folder elsewhere.")
+    stale = write_exercises()
+    if stale:
+        names = ", ".join(path.name for path in stale)
+        raise CourseError(
+            f"made anew from the solutions, please look and commit, then release again: {names}"
+        )
+    try:
+        return [_copy(root / name, out / name) for name in RELEASED if (root / name).exists()]
+    except OSError as error:
+        raise CourseError(f"can't write the release to {out}: {error.strerror}") from error
+
+
+def _copy(source: Path, place: Path) -> Path:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if source.is_dir():
+        shutil.copytree(source, place, ignore=LEFT_OUT)
+    else:
+        shutil.copyfile(source, place)
+    return place
