@@ -1,0 +1,99 @@
+"""What tf2 remembers of one frame: its transforms to its parent."""
+
+from dataclasses import replace
+
+from course_lib.ros.tf2_transform import Transform, interpolated
+
+
+class NoDataError(Exception):
+    """A cache has nothing at the requested time; the text is the first half of tf2's."""
+
+
+class StaticCache:
+    """One transform that holds at any time."""
+
+    def __init__(self, transform: Transform) -> None:
+        self._transform = replace(transform, stamp_ns=0)
+
+    def at(self, time_ns: int) -> Transform:
+        """Return the transform, whatever the time."""
+        del time_ns
+        return self._transform
+
+    def latest(self) -> Transform:
+        """Return the transform, stamped 0."""
+        return self._transform
+
+
+class TimeCache:
+    """The transforms of the last seconds.
+
+    Args:
+        length_ns: How far behind the newest one the cache reaches, [ns].
+    """
+
+    def __init__(self, length_ns: int) -> None:
+        self._length_ns = length_ns
+        self._stored: list[Transform] = []  # by stamp; among equal stamps the last to come is last
+
+    def insert(self, transform: Transform) -> bool:
+        """Remember a transform, an exact copy only once; False if it is older than the cache reaches."""
+        stored = self._stored
+        oldest_ns = stored[-1].stamp_ns - self._length_ns if stored else 0
+        while stored and stored[0].stamp_ns < oldest_ns:
+            del stored[0]
+        if stored and transform.stamp_ns < oldest_ns:
+            return False
+        end = start = self._count_until(transform.stamp_ns)
+        while start and stored[start - 1].stamp_ns == transform.stamp_ns:
+            start -= 1
+        if transform not in stored[start:end]:
+            stored.insert(end, transform)
+        return True
+
+    def at(self, time_ns: int) -> Transform:
+        """Return the transform at a time, interpolated between its neighbours; 0 means the latest.
+
+        Raises:
+            NoDataError: If the time lies outside of what is stored.
+        """
+        stored = self._stored
+        if stored and time_ns in (0, stored[-1].stamp_ns):
+            return stored[-1]
+        if stored and time_ns == stored[0].stamp_ns:
+            return stored[0]
+        self._refuse_outside(time_ns)
+        index = self._count_until(time_ns)
+        older, newer = stored[index - 1], stored[index]
+        return interpolated(older, newer, time_ns) if older.parent == newer.parent else older
+
+    def latest(self) -> Transform | None:
+        """Return the newest transform."""
+        return self._stored[-1] if self._stored else None
+
+    def _count_until(self, time_ns: int) -> int:
+        """Count what is not newer than a time, from the end, where nearly all queries fall."""
+        count = len(self._stored)
+        while count and self._stored[count - 1].stamp_ns > time_ns:
+            count -= 1
+        return count
+
+    def _refuse_outside(self, time_ns: int) -> None:
+        wanted = seconds(time_ns)
+        if len(self._stored) < 2:
+            only = seconds(self._stored[0].stamp_ns if self._stored else 0)
+            raise NoDataError(
+                f"Lookup would require extrapolation at time {wanted}, but only time {only} is in the buffer"
+            )
+        edges = ("future", "latest", self._stored[-1]), ("past", "earliest", self._stored[0])
+        direction, edge, nearest = edges[time_ns < self._stored[0].stamp_ns]
+        if not self._stored[0].stamp_ns < time_ns < self._stored[-1].stamp_ns:
+            raise NoDataError(
+                f"Lookup would require extrapolation into the {direction}.  Requested time {wanted} "
+                f"but the {edge} data is at time {seconds(nearest.stamp_ns)}"
+            )
+
+
+def seconds(time_ns: int) -> str:
+    """Write a time in [s] as tf2 does."""
+    return f"{time_ns / 1e9:.6f}"

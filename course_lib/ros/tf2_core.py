@@ -1,0 +1,212 @@
+"""tf2's buffer: a tree of frames over time (geometry2, tf2/src/buffer_core.cpp, Jazzy)."""
+
+from course_lib.ros.tf2_cache import NoDataError, StaticCache, TimeCache, seconds
+from course_lib.ros.tf2_errors import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+    TransformException,
+)
+from course_lib.ros.tf2_input import complaints_about
+from course_lib.ros.tf2_transform import IDENTITY, Pose, Transform, compose, inverted, normalized
+
+CACHE_NS = 10_000_000_000  # [ns]
+_MAX_DEPTH = 1000
+
+
+class BufferCore:
+    """Remembers transforms and answers how one frame lies in another.
+
+    Args:
+        cache_ns: How long dynamic transforms are remembered, [ns].
+    """
+
+    def __init__(self, cache_ns: int = CACHE_NS) -> None:
+        self._cache_ns = cache_ns
+        self._caches: dict[str, StaticCache | TimeCache] = {}
+        self._frames: dict[str, None] = {}  # all frames that were ever named, in that order
+        self.authorities: dict[str, str] = {}
+
+    def set_transform(
+        self, transform: Transform, authority: str = "default_authority", is_static: bool = False
+    ) -> tuple[str, ...]:
+        """Remember a transform; a static one holds at any time.
+
+        Returns:
+            What tf2 logs when it ignores a transform; nothing if it was stored.
+        """
+        parent, child = transform.parent.removeprefix("/"), transform.child.removeprefix("/")
+        complaints = complaints_about(transform, parent, child, authority)
+        if complaints:
+            return complaints
+        self._frames.setdefault(child)
+        self._frames.setdefault(parent)
+        rotation = normalized(transform.rotation)
+        stored = Transform(parent, child, transform.stamp_ns, transform.translation, rotation)
+        if not self._store(stored, is_static):
+            return (
+                f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
+                f"{seconds(transform.stamp_ns)} according to authority {authority}\n"
+                "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
+            )
+        self.authorities[child] = authority
+        return ()
+
+    def lookup(self, target: str, source: str, time_ns: int = 0) -> Transform:
+        """Return the transform that takes coordinates in `source` to coordinates in `target`.
+
+        Args:
+            target: Frame to express things in; the parent of the result.
+            source: Frame the things are given in; the child of the result.
+            time_ns: [ns]; 0 means the latest time at which all of the chain is known.
+
+        Raises:
+            TransformException: One of tf2's, with tf2's text.
+        """
+        if target == source:
+            cache = None if time_ns else self._caches.get(target)
+            latest = cache.latest() if cache else None
+            return Transform(target, source, latest.stamp_ns if latest else time_ns, *IDENTITY)
+        self._check_frame(target, "target_frame")
+        self._check_frame(source, "source_frame")
+        time_ns = time_ns or self._latest_common_time(target, source)
+        translation, rotation = self._walk(target, source, time_ns)
+        return Transform(target, source, time_ns, translation, normalized(rotation))
+
+    def can_transform(self, target: str, source: str, time_ns: int = 0) -> str | None:
+        """Say why a lookup would fail, in the words of tf2's canTransform; None if it would not."""
+        if target == source:
+            return None
+        for name, argument in ((target, "target_frame"), (source, "source_frame")):
+            reason = _bad_name(name) or (None if name in self._frames else "frame does not exist")
+            if reason:
+                return f'Invalid frame ID "{name}" passed to canTransform argument {argument} - {reason}'
+        try:
+            self.lookup(target, source, time_ns)
+        except TransformException as error:
+            return str(error)
+        return None
+
+    def frames(self) -> list[str]:
+        """List all frames that were ever named."""
+        return list(self._frames)
+
+    def parent(self, frame: str) -> str | None:
+        """Return the parent that a frame had last; None for a root or an unknown frame."""
+        cache = self._caches.get(frame)
+        latest = cache.latest() if cache else None
+        return latest.parent if latest else None
+
+    def clear(self) -> None:
+        """Forget all dynamic transforms; static ones and the names of frames stay, as in tf2."""
+        for child, cache in self._caches.items():
+            if isinstance(cache, TimeCache):
+                self._caches[child] = TimeCache(self._cache_ns)
+
+    def _store(self, transform: Transform, is_static: bool) -> bool:
+        if is_static:
+            self._caches[transform.child] = StaticCache(transform)
+            return True
+        cache = self._caches.get(transform.child)
+        if not isinstance(cache, TimeCache):
+            cache = self._caches[transform.child] = TimeCache(self._cache_ns)
+        return cache.insert(transform)
+
+    def _check_frame(self, name: str, argument: str) -> None:
+        where = f"passed to lookupTransform argument {argument}"
+        reason = _bad_name(name)
+        if reason:
+            raise InvalidArgumentException(f'Invalid argument "{name}" {where} - {reason}')
+        if name not in self._frames:
+            raise LookupException(f'"{name}" {where} does not exist. ')
+
+    def _walk(self, target: str, source: str, time_ns: int) -> Pose:
+        """Compose the transforms from both frames up to where their ways meet."""
+        pose_source_to_top, top, source_error = self._climb(source, {target}, time_ns)
+        if top == target:
+            return pose_source_to_top
+        pose_target_to_end, end, target_error = self._climb(target, {top, source}, time_ns)
+        if end == source:
+            return inverted(pose_target_to_end)
+        if end == top:
+            return compose(inverted(pose_target_to_end), pose_source_to_top)
+        error = target_error or source_error
+        if error:
+            raise ExtrapolationException(
+                f"{error}, when looking up transform from frame [{source}] to frame [{target}]"
+            )
+        raise _unconnected(target, source)
+
+    def _climb(self, start: str, ends: set[str], time_ns: int) -> tuple[Pose, str, str | None]:
+        """Follow parents from a frame until an end, a root or missing data.
+
+        Returns:
+            The pose of the start in the last frame, that frame, and what tf2 says of missing data.
+        """
+        pose, frame = IDENTITY, start
+        for _ in range(_MAX_DEPTH):
+            cache = self._caches.get(frame)
+            if frame in ends or cache is None:
+                return pose, frame, None
+            try:
+                step = cache.at(time_ns)
+            except NoDataError as error:
+                return pose, frame, str(error)
+            pose = compose((step.translation, step.rotation), pose)
+            frame = step.parent
+        raise self._loop()
+
+    def _latest_common_time(self, target: str, source: str) -> int:
+        """Return the newest time at which the whole chain is known, [ns]; 0 if it is static."""
+        from_source = self._latest_steps(source, {target})
+        if from_source and from_source[-1].parent == target:
+            return _earliest(from_source)
+        met = {step.parent for step in from_source}
+        from_target = self._latest_steps(target, met | {source})
+        meeting = from_target[-1].parent if from_target else ""
+        if meeting == source and meeting not in met:
+            return _earliest(from_target)
+        if meeting not in met:
+            raise _unconnected(target, source)
+        until = next(i for i, step in enumerate(from_source) if step.parent == meeting)
+        return _earliest(from_target + from_source[: until + 1])
+
+    def _latest_steps(self, start: str, ends: set[str]) -> list[Transform]:
+        """Follow the latest parents from a frame until one of the ends or a root."""
+        steps: list[Transform] = []
+        frame = start
+        for _ in range(_MAX_DEPTH):
+            cache = self._caches.get(frame)
+            step = cache.latest() if cache else None
+            if step is None:
+                return steps
+            steps.append(step)
+            frame = step.parent
+            if frame in ends:
+                return steps
+        raise self._loop()
+
+    def _loop(self) -> LookupException:
+        parents = (
+            (frame, self.parent(frame) or "NO_PARENT") for frame in self._frames if frame in self._caches
+        )
+        tree = "".join(f"Frame {frame} exists with parent {parent}.\n" for frame, parent in parents)
+        return LookupException(f"The tf tree is invalid because it contains a loop.\n{tree}\n")
+
+
+def _earliest(steps: list[Transform]) -> int:
+    return min((step.stamp_ns for step in steps if step.stamp_ns), default=0)
+
+
+def _bad_name(frame: str) -> str | None:
+    if not frame:
+        return "in tf2 frame_ids cannot be empty"
+    return "in tf2 frame_ids cannot start with a '/'" if frame.startswith("/") else None
+
+
+def _unconnected(target: str, source: str) -> ConnectivityException:
+    return ConnectivityException(
+        f"Could not find a connection between '{target}' and '{source}' because they are not part of the "
+        "same tree.Tf has two or more unconnected trees."
+    )

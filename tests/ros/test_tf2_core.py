@@ -1,0 +1,260 @@
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_lib.ros.tf2_core import BufferCore
+from course_lib.ros.tf2_errors import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+)
+from course_lib.ros.tf2_transform import Quaternion, Transform, Vector
+
+S = 1_000_000_000  # [ns]
+NONE: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+def turn(angle: float) -> Quaternion:
+    """Turn about z."""
+    return (0.0, 0.0, float(np.sin(angle / 2)), float(np.cos(angle / 2)))
+
+
+def step(
+    parent: str, child: str, stamp_ns: int = 0, at: Vector = (0.0, 0.0, 0.0), rotation: Quaternion = NONE
+) -> Transform:
+    return Transform(parent, child, stamp_ns, at, rotation)
+
+
+def chain() -> BufferCore:
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "odom", at=(1.0, 0.0, 0.0), rotation=turn(pi / 2)), is_static=True)
+    buffer.set_transform(step("odom", "base", at=(2.0, 0.0, 0.5)), is_static=True)
+    buffer.set_transform(step("map", "beacon", at=(0.0, 0.0, 3.0)), is_static=True)
+    return buffer
+
+
+def test_a_chain_is_composed_upwards() -> None:
+    found = chain().lookup("map", "base")
+    assert found.translation == pytest.approx((1.0, 2.0, 0.5))
+    assert found.rotation == pytest.approx(turn(pi / 2))
+    assert (found.parent, found.child, found.stamp_ns) == ("map", "base", 0)
+
+
+def test_down_the_tree_is_the_inverse_of_up() -> None:
+    buffer = chain()
+    up, down = buffer.lookup("map", "base").matrix(), buffer.lookup("base", "map").matrix()
+    np.testing.assert_allclose(up @ down, np.eye(4), atol=1e-12)
+
+
+def test_two_branches_meet_at_their_common_parent() -> None:
+    found = chain().lookup("beacon", "base")
+    assert found.translation == pytest.approx((1.0, 2.0, -2.5))
+
+
+def test_between_two_stamps_position_and_rotation_are_interpolated() -> None:
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "base", 1 * S, (0.0, 0.0, 0.0), turn(0.0)))
+    buffer.set_transform(step("map", "base", 2 * S, (4.0, 0.0, 0.0), turn(1.0)))
+    found = buffer.lookup("map", "base", 1 * S + S // 4)
+    assert found.translation == pytest.approx((1.0, 0.0, 0.0))
+    assert found.rotation == pytest.approx(turn(0.25))
+
+
+def test_rotation_takes_the_shorter_arc_whatever_the_sign_of_the_quaternion() -> None:
+    buffer = BufferCore()
+    x, y, z, w = turn(1.0)
+    buffer.set_transform(step("map", "base", 1 * S, rotation=turn(0.0)))
+    buffer.set_transform(step("map", "base", 2 * S, rotation=(-x, -y, -z, -w)))
+    assert buffer.lookup("map", "base", 3 * S // 2).rotation == pytest.approx(turn(0.5))
+
+
+def test_time_zero_means_the_latest_time_that_all_of_the_chain_knows() -> None:
+    buffer = BufferCore()
+    for stamp in (1, 2, 3):
+        buffer.set_transform(step("map", "odom", stamp * S, (float(stamp), 0.0, 0.0)))
+    for stamp in (1, 2):
+        buffer.set_transform(step("odom", "base", stamp * S))
+    found = buffer.lookup("map", "base")
+    assert (found.stamp_ns, found.translation[0]) == (2 * S, 2.0)
+
+
+def test_static_transforms_do_not_hold_back_the_latest_common_time() -> None:
+    buffer = chain()
+    buffer.set_transform(step("base", "wheel", 5 * S))
+    assert buffer.lookup("beacon", "wheel").stamp_ns == 5 * S
+
+
+def test_a_frame_in_itself_is_the_identity_even_if_nobody_knows_it() -> None:
+    buffer = BufferCore()
+    assert buffer.lookup("nowhere", "nowhere", 7 * S).stamp_ns == 7 * S
+    assert buffer.can_transform("nowhere", "nowhere") is None
+
+
+def test_slashes_are_stripped_on_input_and_refused_in_questions() -> None:
+    buffer = BufferCore()
+    buffer.set_transform(step("/map", "/base", 1 * S))
+    assert buffer.frames() == ["base", "map"]
+    with pytest.raises(InvalidArgumentException) as caught:
+        buffer.lookup("/map", "base")
+    assert str(caught.value) == (
+        'Invalid argument "/map" passed to lookupTransform argument target_frame - '
+        "in tf2 frame_ids cannot start with a '/'"
+    )
+    with pytest.raises(InvalidArgumentException, match="source_frame - in tf2 frame_ids cannot be empty"):
+        buffer.lookup("map", "")
+
+
+@pytest.mark.parametrize(("target", "source"), [("foo", "map"), ("map", "foo")])
+def test_an_unknown_frame_is_named(target: str, source: str) -> None:
+    argument = "target_frame" if target == "foo" else "source_frame"
+    with pytest.raises(LookupException) as caught:
+        chain().lookup(target, source)
+    assert str(caught.value) == f'"foo" passed to lookupTransform argument {argument} does not exist. '
+    assert chain().can_transform(target, source) == (
+        f'Invalid frame ID "foo" passed to canTransform argument {argument} - frame does not exist'
+    )
+
+
+@pytest.mark.parametrize("time_ns", [0, 1 * S])
+def test_two_trees_have_no_connection(time_ns: int) -> None:
+    buffer = chain()
+    buffer.set_transform(step("world", "camera"), is_static=True)
+    with pytest.raises(ConnectivityException) as caught:
+        buffer.lookup("map", "camera", time_ns)
+    assert str(caught.value) == (
+        "Could not find a connection between 'map' and 'camera' because they are not part of the same tree."
+        "Tf has two or more unconnected trees."
+    )
+
+
+EXTRAPOLATIONS = {
+    "future": (
+        2 * S,
+        "Lookup would require extrapolation into the future.  Requested time 2.000000 but the latest data is "
+        "at time 1.500000",
+    ),
+    "past": (
+        S // 2,
+        "Lookup would require extrapolation into the past.  Requested time 0.500000 but the earliest data is "
+        "at time 1.000000",
+    ),
+}
+
+
+@pytest.mark.parametrize("direction", EXTRAPOLATIONS)
+@pytest.mark.parametrize(("target", "source"), [("map", "base"), ("base", "map")])
+def test_nothing_is_extrapolated(direction: str, target: str, source: str) -> None:
+    time_ns, text = EXTRAPOLATIONS[direction]
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "base", 1 * S))
+    buffer.set_transform(step("map", "base", 3 * S // 2))
+    with pytest.raises(ExtrapolationException) as caught:
+        buffer.lookup(target, source, time_ns)
+    suffix = f", when looking up transform from frame [{source}] to frame [{target}]"
+    assert str(caught.value) == text + suffix
+
+
+def test_one_sample_answers_for_its_own_time_only() -> None:
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "base", 1 * S))
+    assert buffer.lookup("map", "base", 1 * S).stamp_ns == 1 * S
+    with pytest.raises(ExtrapolationException) as caught:
+        buffer.lookup("map", "base", 2 * S)
+    assert str(caught.value).startswith(
+        "Lookup would require extrapolation at time 2.000000, but only time 1.000000 is in the buffer, when"
+    )
+
+
+def test_ten_seconds_are_remembered() -> None:
+    buffer = BufferCore()
+    for stamp in range(1, 22):
+        assert buffer.set_transform(step("map", "base", stamp * S)) == ()
+    assert buffer.can_transform("map", "base", 11 * S) is None
+    assert "the earliest data is at time 10.000000" in str(buffer.can_transform("map", "base", 5 * S))
+    (complaint,) = buffer.set_transform(step("map", "base", 5 * S))
+    assert complaint.startswith(
+        "TF_OLD_DATA ignoring data from the past for frame base at time 5.000000 according to authority "
+        "default_authority\nPossible reasons are listed at http://wiki.ros.org/tf/Errors%20explained"
+    )
+
+
+NAN = float("nan")
+REJECTED = {
+    "TF_SELF_TRANSFORM": step("map", "/map"),
+    "TF_NO_CHILD_FRAME_ID": step("map", ""),
+    "TF_NO_FRAME_ID": step("", "base"),
+    "TF_NAN_INPUT": step("map", "base", at=(NAN, 0.0, 0.0)),
+    "TF_DENORMALIZED_QUATERNION": step("map", "base", rotation=(0.0, 0.0, 1.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("name", REJECTED)
+def test_bad_input_is_ignored_with_the_name_of_the_rule(name: str) -> None:
+    buffer = BufferCore()
+    complaints = buffer.set_transform(REJECTED[name])
+    assert [complaint.partition(":")[0] for complaint in complaints] == [name]
+    assert buffer.frames() == []
+
+
+def test_a_rejected_quaternion_is_quoted() -> None:
+    (complaint,) = BufferCore().set_transform(REJECTED["TF_DENORMALIZED_QUATERNION"])
+    assert complaint == (
+        'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "base" from authority '
+        '"default_authority" because of an invalid quaternion in the transform '
+        "(0.000000 0.000000 1.000000 1.000000)"
+    )
+
+
+def test_a_loop_is_an_error_and_not_a_hang() -> None:
+    buffer = BufferCore()
+    for parent, child in (("a", "b"), ("b", "c"), ("c", "a"), ("x", "y")):
+        buffer.set_transform(step(parent, child, 1 * S))
+    with pytest.raises(LookupException, match=r"contains a loop\.\nFrame b exists with parent a\."):
+        buffer.lookup("x", "a", 1 * S)
+    with pytest.raises(LookupException, match="contains a loop"):
+        buffer.lookup("x", "a")
+
+
+def test_a_static_transform_replaces_dynamic_ones_and_the_other_way_round() -> None:
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "base", 1 * S, (1.0, 0.0, 0.0)))
+    buffer.set_transform(step("map", "base", 0, (2.0, 0.0, 0.0)), is_static=True)
+    assert buffer.lookup("map", "base", 9 * S).translation[0] == 2.0
+    buffer.set_transform(step("map", "base", 3 * S, (3.0, 0.0, 0.0)))
+    assert buffer.lookup("map", "base", 3 * S).translation[0] == 3.0
+
+
+def test_of_two_transforms_with_one_stamp_the_later_one_is_the_latest() -> None:
+    buffer = BufferCore()
+    for x in (1.0, 2.0, 2.0):
+        buffer.set_transform(step("map", "base", 1 * S, (x, 0.0, 0.0)))
+    assert buffer.lookup("map", "base").translation[0] == 2.0
+
+
+def test_clear_keeps_what_is_static_and_the_names() -> None:
+    buffer = chain()
+    buffer.set_transform(step("base", "wheel", 1 * S))
+    buffer.clear()
+    assert buffer.can_transform("map", "base") is None
+    assert "wheel" in buffer.frames()
+    with pytest.raises(ConnectivityException):
+        buffer.lookup("map", "wheel")
+
+
+angles = st.floats(-pi, pi)
+places = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
+
+
+@given(angles, places, angles, places)
+def test_lookups_obey_the_laws_of_transforms(a: float, p: Vector, b: float, q: Vector) -> None:
+    buffer = BufferCore()
+    buffer.set_transform(step("map", "left", at=p, rotation=turn(a)), is_static=True)
+    buffer.set_transform(step("map", "right", at=q, rotation=turn(b)), is_static=True)
+    across = buffer.lookup("left", "right").matrix()
+    via_map = buffer.lookup("left", "map").matrix() @ buffer.lookup("map", "right").matrix()
+    np.testing.assert_allclose(across, via_map, atol=1e-9)
+    np.testing.assert_allclose(across @ buffer.lookup("right", "left").matrix(), np.eye(4), atol=1e-9)
