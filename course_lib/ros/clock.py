@@ -44,7 +44,5 @@ class Clock:
         return self._heap[0][0] if self._heap else None
 
     def pop(self) -> Alarm:
-        """Take the next event out of the heap and move the time to it."""
-        alarm = heapq.heappop(self._heap)[4]
-        self.now_ns = alarm.due_ns
-        return alarm
+        """Take the next event out of the heap."""
+        return heapq.heappop(self._heap)[4]

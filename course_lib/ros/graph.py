@@ -114,12 +114,9 @@ class Graph:
             self.pace(target_ns)
             if not at_end and self._clock.next_due_ns() != due_ns:
                 return True  # something came in between while the wall clock ran: look again
-        moved = target_ns > self.now_ns
         alarm = None if at_end else self._clock.pop()
-        self._clock.now_ns = max(target_ns, self.now_ns)
+        self._move_to(target_ns)
         self.ended = at_end
-        for watcher in tuple(self._watchers) if moved else ():
-            watcher(self.now_ns)
         if alarm is not None:
             alarm.action()
         return alarm is not None
@@ -150,6 +147,12 @@ class Graph:
         """List what TRANSIENT_LOCAL publishers hold for late subscriptions, oldest first."""
         kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
         return sorted(kept, key=lambda sample: sample.stamp_ns)
+
+    def _move_to(self, now_ns: int) -> None:
+        if now_ns > self._clock.now_ns:
+            self._clock.now_ns = now_ns
+            for watcher in tuple(self._watchers):
+                watcher(now_ns)
 
     def _deliver(self, sample: Sample, subscription: Subscription) -> None:
         info = subscription.info

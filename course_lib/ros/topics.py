@@ -70,8 +70,8 @@ class Topics:
 
     def endpoints(self) -> list[EndpointInfo]:
         """List all endpoints in the order of their making."""
-        both = [*self.publishers.values(), *self.subscriptions.values()]
-        return sorted((endpoint.info for endpoint in both), key=lambda info: info.id)
+        infos = [p.info for p in self.publishers.values()] + [s.info for s in self.subscriptions.values()]
+        return sorted(infos, key=lambda info: info.id)
 
     def add_publisher(self, info: EndpointInfo) -> None:
         """Add a publisher; the samples that it keeps are bounded by its history."""

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from course_lib.ros import locks
+from course_lib.ros import locks, wall
 from course_lib.ros.baton import ProgramThread, baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph
@@ -19,8 +19,6 @@ from course_lib.ros.graph import current_graph
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join
 _real_select = selectors.DefaultSelector.select
-real_monotonic = time.monotonic
-real_sleep = time.sleep
 
 
 def install() -> None:
@@ -59,7 +57,7 @@ def _robot_clock(real: Callable[[], Any], origin_ns: int, unit: float) -> Callab
 
 def _sleep(seconds: float, /) -> None:
     if not baton.governs():
-        real_sleep(seconds)
+        wall.sleep(seconds)
         return
     if seconds < 0:
         raise ValueError("sleep length must be non-negative")

@@ -1,0 +1,109 @@
+"""Length-prefixed msgpack frames between two processes; the other side is not trusted."""
+
+import socket
+import struct
+from collections.abc import Iterable
+from typing import Any
+
+import msgpack
+
+from course_lib.errors import CourseError
+from course_lib.ros import wall
+
+MAX_FRAME = 64 * 2**20  # [B]
+_HEADER = struct.Struct("!I")
+
+
+class ChannelError(CourseError):
+    """The other side broke the protocol."""
+
+
+class ChannelClosedError(ChannelError):
+    """The other side is gone."""
+
+
+class ChannelTimeoutError(ChannelError):
+    """The other side did not answer in time."""
+
+
+class Channel:
+    """One end of a socket pair.
+
+    Args:
+        connection: A connected stream socket; the channel owns it from here on.
+    """
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._socket = connection
+        self.deadline: float | None = None  # [s] of the wall's monotonic clock
+        self._unsent: list[bytes] = []
+
+    def queue(self, frame: list[Any]) -> None:
+        """Keep a frame that needs no answer until the next `send`."""
+        body = msgpack.packb(frame, use_bin_type=True)
+        self._unsent.append(_HEADER.pack(len(body)) + body)
+
+    def send(self, frame: list[Any]) -> None:
+        """Send a frame, behind the queued ones.
+
+        Raises:
+            ChannelClosedError: If the other side is gone.
+            ChannelTimeoutError: If it takes nothing until the deadline.
+        """
+        self.queue(frame)
+        data, self._unsent = b"".join(self._unsent), []
+        self._set_timeout()
+        try:
+            self._socket.sendall(data)
+        except TimeoutError as error:
+            raise ChannelTimeoutError("The other process takes no more data.") from error
+        except OSError as error:
+            raise ChannelClosedError("The other process is gone.") from error
+
+    def receive(self) -> list[Any]:
+        """Receive the next frame.
+
+        Raises:
+            ChannelError: If what came is no frame: too large, no msgpack, or no list that starts with a name.
+            ChannelClosedError: If the other side is gone.
+            ChannelTimeoutError: If nothing came until the deadline.
+        """
+        (size,) = _HEADER.unpack(self._read(_HEADER.size))
+        if size > MAX_FRAME:
+            raise ChannelError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
+        body = self._read(size)
+        try:
+            frame = msgpack.unpackb(body, raw=False, strict_map_key=True)
+        except (ValueError, msgpack.UnpackException, RecursionError) as error:
+            raise ChannelError(f"What came is not a frame: {error}") from error
+        if not isinstance(frame, list) or not frame or not isinstance(frame[0], str):
+            raise ChannelError("What came is not a list that starts with its name.")
+        return frame
+
+    def close(self) -> None:
+        """Close this end."""
+        self._socket.close()
+
+    def _read(self, size: int) -> bytes:
+        data = bytearray()
+        for chunk in self._chunks(size):
+            data += chunk
+        return bytes(data)
+
+    def _chunks(self, missing: int) -> Iterable[bytes]:
+        while missing:
+            self._set_timeout()
+            try:
+                chunk = self._socket.recv(min(missing, 2**20))
+            except TimeoutError as error:
+                raise ChannelTimeoutError("The other process did not answer in time.") from error
+            except OSError as error:
+                raise ChannelClosedError("The other process is gone.") from error
+            if not chunk:
+                raise ChannelClosedError("The other process is gone.")
+            missing -= len(chunk)
+            yield chunk
+
+    def _set_timeout(self) -> None:
+        left = None if self.deadline is None else max(self.deadline - wall.monotonic(), 1e-3)
+        self._socket.settimeout(left)

@@ -1,0 +1,171 @@
+"""Gives a student's process its place in a graph that lives here, out of its reach."""
+
+from collections.abc import Callable
+from dataclasses import astuple
+from typing import Any
+
+from course_lib.ros.channel import Channel, ChannelError
+from course_lib.ros.clock import Alarm
+from course_lib.ros.graph import Graph
+from course_lib.ros.qos import Qos
+
+MAX_NAME = 1_000  # characters of a topic, type or node
+MAX_ENTITIES = 10_000  # nodes and endpoints
+MAX_SAMPLES = 1_000_000
+MAX_BYTES = 256 * 2**20  # [B] of all samples
+
+
+class RecordingLimitError(ChannelError):
+    """The student's process published more than a recording may hold."""
+
+
+class GraphServer:
+    """Serves one process over its channel; every frame from there is checked as hostile input.
+
+    Args:
+        graph: The graph that owns the clock.
+        channel: The end of the pipe on this side.
+    """
+
+    def __init__(self, graph: Graph, channel: Channel) -> None:
+        self.graph = graph
+        self.last_frame: list[Any] | None = None  # the frame that ended the serving: not one of the graph's
+        self.nodes: set[int] = set()  # of that process
+        self._channel = channel
+        self._endpoints: set[int] = set()
+        self._alarms: dict[int, Alarm] = {}
+        self._samples = self._bytes = 0
+        self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
+            "node": ((str, str), self._node),
+            "unnode": ((int,), self._unnode),
+            "pub": ((int, str, str, list), self._pub),
+            "sub": ((int, int, str, str, list), self._sub),
+            "unend": ((int,), self._unend),
+            "publish": ((int, bytes), self._publish),
+            "alarm": ((int, int, int, int), self._alarm),
+            "cancel": ((int,), self._cancel),
+            "nodes": ((), lambda: [astuple(node) for node in graph.nodes()]),
+            "endpoints": ((), lambda: [astuple(endpoint) for endpoint in graph.endpoints()]),
+        }
+
+    def serve(self) -> None:
+        """Do what the process asks until it is idle, or sends a frame that is not the graph's.
+
+        Raises:
+            ChannelError: If a frame is not well formed; nothing of it has been done.
+        """
+        while self.last_frame is None:
+            name, *arguments = frame = self._channel.receive()
+            if name == "idle":
+                return
+            if name not in self._handlers:
+                self.last_frame = frame
+                return
+            kinds, handler = self._handlers[name]
+            if len(arguments) != len(kinds) or any(
+                type(a) is not kind for a, kind in zip(arguments, kinds, strict=True)
+            ):
+                raise ChannelError(f"A frame {name!r} came with the wrong arguments.")
+            answer = handler(*arguments)
+            if answer is not None:
+                self._channel.send(["answer", answer])
+
+    def end(self) -> None:
+        """Tell the process that the run is over and serve it until it sends its last frame."""
+        while self.last_frame is None:
+            self._channel.send(["end", self.graph.now_ns])
+            self.serve()
+
+    def _node(self, name: str, namespace: str) -> int:
+        self._count_entity(name, namespace)
+        node = self.graph.add_node(name, namespace)
+        self.nodes.add(node)
+        return node
+
+    def _unnode(self, node: int) -> None:
+        self._check(node in self.nodes, "node", node)
+        self.nodes.remove(node)
+        self.graph.remove_node(node)
+
+    def _pub(self, node: int, topic: str, type_name: str, qos: list[Any]) -> int:
+        self._check(node in self.nodes, "node", node)
+        self._count_entity(topic, type_name)
+        endpoint = self.graph.add_publisher(node, topic, type_name, _qos(qos))
+        self._endpoints.add(endpoint)
+        return endpoint
+
+    def _sub(self, node: int, entity: int, topic: str, type_name: str, qos: list[Any]) -> int:
+        self._check(node in self.nodes, "node", node)
+        self._count_entity(topic, type_name)
+        made: list[int] = []
+
+        def on_message(cdr: bytes, source_ns: int, received_ns: int) -> None:
+            self._wake(["message", received_ns, made[0], cdr, source_ns])
+
+        made.append(self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message))
+        self._endpoints.add(made[0])
+        return made[0]
+
+    def _unend(self, endpoint: int) -> None:
+        self._check(endpoint in self._endpoints, "endpoint", endpoint)
+        self._endpoints.remove(endpoint)
+        self.graph.remove_endpoint(endpoint)
+
+    def _publish(self, endpoint: int, cdr: bytes) -> None:
+        self._check(endpoint in self._endpoints, "endpoint", endpoint)
+        self._samples += 1
+        self._bytes += len(cdr)
+        if self._samples > MAX_SAMPLES or self._bytes > MAX_BYTES:
+            raise RecordingLimitError(
+                f"{self._samples} messages of {self._bytes} bytes in all were published; "
+                f"at most {MAX_SAMPLES} of {MAX_BYTES} bytes are recorded."
+            )
+        self.graph.publish(endpoint, cdr)
+
+    def _alarm(self, number: int, due_ns: int, node: int, entity: int) -> None:
+        def fire() -> None:
+            del self._alarms[number]
+            self._wake(["fire", self.graph.now_ns, number])
+
+        self._check(number not in self._alarms, "alarm", number)
+        self._alarms[number] = self.graph.call_at(due_ns, fire, node=node, entity=entity)
+
+    def _cancel(self, number: int) -> None:
+        alarm = self._alarms.pop(number, None)
+        self._check(alarm is not None, "alarm", number)
+        if alarm is not None:
+            alarm.cancel()
+
+    def _wake(self, frame: list[Any]) -> None:
+        if self.last_frame is None:
+            self._channel.send(frame)
+            self.serve()
+
+    def _count_entity(self, *names: str) -> None:
+        if len(self.nodes) + len(self._endpoints) >= MAX_ENTITIES or any(len(n) > MAX_NAME for n in names):
+            raise ChannelError(
+                f"More than {MAX_ENTITIES} nodes and topics were asked for, "
+                f"or a name of over {MAX_NAME} characters."
+            )
+
+    @staticmethod
+    def _check(known: bool, what: str, number: int) -> None:
+        if not known:
+            raise ChannelError(f"The process speaks of {what} {number}, which is not its own.")
+
+
+def _qos(values: list[Any]) -> Qos:
+    try:
+        qos = Qos(*values)
+    except TypeError as error:
+        raise ChannelError(f"Not a QoS: {values!r:.200}") from error
+    durations = (qos.deadline_ns, qos.lifespan_ns, qos.lease_ns)
+    words = (qos.history, qos.reliability, qos.durability, qos.liveliness)
+    if (
+        type(qos.depth) is not int
+        or not 0 <= qos.depth <= 10**6
+        or not all(isinstance(word, str) for word in words)
+        or not all(d is None or type(d) is int for d in durations)
+    ):
+        raise ChannelError(f"Not a QoS: {values!r:.200}")
+    return qos

@@ -1,0 +1,122 @@
+"""The graph as a student's process sees it: its clock and its topics are at the other end of a pipe."""
+
+from collections.abc import Callable
+from dataclasses import astuple
+from typing import Any
+
+from course_lib.ros.channel import Channel, ChannelError
+from course_lib.ros.clock import Alarm
+from course_lib.ros.graph import Graph
+from course_lib.ros.qos import Qos
+from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample
+
+
+class RemoteAlarm(Alarm):
+    """An event in the other process's heap."""
+
+    __slots__ = ("_tell",)
+
+    def __init__(self, due_ns: int, action: Callable[[], None], tell: Callable[[], None]) -> None:
+        super().__init__(due_ns, action)
+        self._tell = tell
+
+    def cancel(self) -> None:
+        """Take the event back from the other process."""
+        if not self.cancelled:
+            super().cancel()
+            self._tell()
+
+
+class RemoteGraph(Graph):
+    """Lock-step: every event comes from the other process, which waits until this one is idle again."""
+
+    def __init__(self, channel: Channel, *, start_ns: int, end_ns: int) -> None:
+        super().__init__(start_ns=start_ns, end_ns=end_ns)
+        self._channel = channel
+        self._alarms: dict[int, RemoteAlarm] = {}
+        self._last_alarm = 0
+        self._publishers: dict[int, EndpointInfo] = {}
+        self._on_message: dict[int, OnMessage] = {}
+
+    def add_node(self, name: str, namespace: str) -> int:
+        """Add a node; the other process gives it its id."""
+        return int(self._ask(["node", name, namespace])[0])
+
+    def remove_node(self, node: int) -> None:
+        """Remove a node with its endpoints."""
+        self._channel.queue(["unnode", node])
+
+    def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
+        """Add a publisher; returns its endpoint id."""
+        endpoint = int(self._ask(["pub", node, topic, type_name, astuple(qos)])[0])
+        self._publishers[endpoint] = EndpointInfo(endpoint, "pub", node, topic, type_name, qos)
+        return endpoint
+
+    def add_subscription(
+        self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
+    ) -> int:
+        """Add a subscription; returns its endpoint id."""
+        endpoint = int(self._ask(["sub", node, entity, topic, type_name, astuple(qos)])[0])
+        self._on_message[endpoint] = on_message
+        return endpoint
+
+    def remove_endpoint(self, endpoint: int) -> None:
+        """Remove a publisher or a subscription."""
+        self._on_message.pop(endpoint, None)
+        self._channel.queue(["unend", endpoint])
+
+    def publish(self, endpoint: int, cdr: bytes) -> None:
+        """Publish serialised data."""
+        info = self._publishers[endpoint]
+        sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
+        for listener in tuple(self._taps):
+            listener(sample)
+        self._channel.queue(["publish", endpoint, cdr])
+
+    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
+        """Have `action` called when the other process says that `due_ns` has come."""
+        self._last_alarm += 1
+        number = self._last_alarm
+        alarm = RemoteAlarm(due_ns, action, lambda: self._cancel(number))
+        self._alarms[number] = alarm
+        self._channel.queue(["alarm", number, due_ns, node, entity])
+        return alarm
+
+    def advance(self) -> bool:
+        """Say that this process is idle, and do what the other one sends."""
+        if self.ended:
+            return False
+        self._channel.send(["idle"])
+        name, now_ns, *rest = self._channel.receive()
+        self._move_to(now_ns)
+        if name == "end":
+            self.ended = True
+            return False
+        if name == "fire":
+            self._alarms.pop(rest[0]).action()
+        elif name == "message":
+            self._on_message[rest[0]](rest[1], rest[2], now_ns)
+        else:
+            raise ChannelError(f"Expected fire, message or end, got {name!r}.")
+        return True
+
+    def next_due_ns(self) -> int | None:
+        """Only the other process knows."""
+        return None
+
+    def nodes(self) -> list[NodeInfo]:
+        """List the nodes in their start order."""
+        return [NodeInfo(*row) for row in self._ask(["nodes"])[0]]
+
+    def endpoints(self) -> list[EndpointInfo]:
+        """List the publishers and subscriptions in the order of their making."""
+        rows = self._ask(["endpoints"])[0]
+        return [EndpointInfo(i, kind, node, topic, of, Qos(*qos)) for i, kind, node, topic, of, qos in rows]
+
+    def _ask(self, frame: list[Any]) -> list[Any]:
+        self._channel.send(frame)
+        return self._channel.receive()[1:]
+
+    def _cancel(self, number: int) -> None:
+        if self._alarms.pop(number, None) is not None:
+            self._channel.queue(["cancel", number])
