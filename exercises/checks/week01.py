@@ -1,0 +1,197 @@
+"""Week 1, the first marker: tasks, hints and public checks."""
+
+import math
+from typing import Any
+
+from course_lib.grading.task import Message, Scenario, Task, my
+from course_lib.grading.vocabulary import (
+    expect_circle,
+    expect_marker,
+    expect_marker_count,
+    expect_message,
+    expect_rate,
+)
+
+TOPIC = "/visualization_marker"
+RED = (1.0, 0.0, 0.0)
+YELLOW = (1.0, 1.0, 0.0)
+GREEN = (0.0, 1.0, 0.0)
+BLUE = (0.0, 0.0, 1.0)
+PURPLE = (1.0, 0.0, 1.0)
+LAMPS = (("red", RED, 1.8), ("yellow", YELLOW, 1.3), ("green", GREEN, 0.8))  # centre height [m]
+SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
+
+
+def ghost(kind: int, position: Any, scale: Any, color: Any, number: int = 0) -> Message:
+    """The expected picture of one marker: type number, centre [m], size [m], RGB."""
+    fields = {
+        "header": {"frame_id": "map"},
+        "ns": "expected",
+        "id": number,
+        "type": kind,
+        "pose": {"position": dict(zip("xyz", position, strict=True))},
+        "scale": dict(zip("xyz", scale, strict=True)),
+        "color": dict(zip("rgba", (*color, 1.0), strict=True)),
+    }
+    return Message(TOPIC, "visualization_msgs/msg/Marker", fields)
+
+
+RED_CUBE = Task(
+    "week01.red_cube",
+    title="A red cube on the ground",
+    kind="node",
+    name="RedCubeNode",
+    hints=(
+        "Which fields does a marker need so that somebody can see it? Look at section 2 of the lesson.",
+        "The cube's edge is 1 m, so its centre is half an edge above the ground. Scales are lengths.",
+        "Set header.frame_id, header.stamp, ns, id, type, pose.position.z, scale.x/y/z and color.r/g/b/a, "
+        "then call self.publisher.publish(marker).",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=3.0,  # [s]
+            seed=1,
+            checks=(
+                expect_marker(TOPIC, type="CUBE", frame="map").titled("a cube in the frame map"),
+                expect_marker(TOPIC, position=(0.0, 0.0, 0.5), scale=(1.0, 1.0, 1.0)).titled(
+                    "1 m large, standing on the ground"
+                ),
+                expect_marker(TOPIC, color=(*RED, 0.8)).titled("red, alpha 0.8"),
+            ),
+        ),
+    ),
+    ghost=(ghost(1, (0.0, 0.0, 0.5), (1.0, 1.0, 1.0), RED),),
+)
+
+BLUE_CYLINDER = Task(
+    "week01.blue_cylinder",
+    title="A blue cylinder of your height",
+    kind="node",
+    name="BlueCylinderNode",
+    hints=(
+        "pose.position is the centre of the cylinder, not its foot.",
+        "scale.x and scale.y are diameters, scale.z is the height. Half of the height lies below the centre.",
+        "With HEIGHT as your height: pose.position.z = HEIGHT / 2 and scale.z = HEIGHT.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=3.0,  # [s]
+            seed=1,
+            checks=(
+                expect_marker(TOPIC, type="CYLINDER", frame="map").titled("a cylinder in the frame map"),
+                expect_marker(TOPIC, scale=(0.4, 0.4, my("height"))).titled("0.4 m wide, of your height"),
+                expect_marker(TOPIC, position=(1.0, 0.0, my("height", times=0.5))).titled(
+                    "on the ground at x = 1 m"
+                ),
+            ),
+        ),
+    ),
+    personal={
+        "height": (0.6, 0.8, 1.2, 1.4, 1.6, 1.8)
+    },  # [m]; 1.0 is left out: it is what copying the lesson gives
+    ghost=(ghost(3, (1.0, 0.0, my("height", times=0.5)), (0.4, 0.4, my("height")), BLUE),),
+)
+
+TRAFFIC_LIGHT = Task(
+    "week01.traffic_light",
+    title="A traffic light of three spheres",
+    kind="node",
+    name="TrafficLightNode",
+    hints=(
+        "RViz2 keeps one marker per pair of namespace and id. What happens to two markers of one pair?",
+        "Give all three the namespace traffic_light, and the ids 0, 1, 2. Yellow is red and green together.",
+        "for number, (color, height) in enumerate(...): make a SPHERE with id = number, then publish it.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=3.0,  # [s]
+            seed=1,
+            checks=(
+                expect_marker_count(TOPIC, 3, type="SPHERE").titled("three spheres at once"),
+                *(
+                    expect_marker(
+                        TOPIC,
+                        type="SPHERE",
+                        ns="traffic_light",
+                        position=(0.0, 0.0, height),
+                        color=(*color, 1.0),
+                    ).titled(f"the {name} lamp")
+                    for name, color, height in LAMPS
+                ),
+            ),
+        ),
+    ),
+    ghost=tuple(
+        ghost(2, (0.0, 0.0, height), (0.4, 0.4, 0.4), color, number)
+        for number, (_, color, height) in enumerate(LAMPS)
+    ),
+)
+
+PURPLE_CIRCLE = Task(
+    "week01.purple_circle",
+    title="A purple sphere on a circle",
+    kind="node",
+    name="PurpleCircleNode",
+    hints=(
+        "A point on a circle: x = r cos(angle), y = r sin(angle). What must change from call to call?",
+        "math.cos takes radians. A full turn is 2 pi, and it takes 10 s at 10 calls a second.",
+        "Start with self.angle = 0.0; in every call use it, then add 2 * math.pi / 100 to it.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=6.0,  # [s]
+            seed=1,
+            checks=(
+                expect_rate(TOPIC, 10.0).titled("10 messages a second"),
+                expect_circle(TOPIC, radius=2.0).titled("a circle of radius 2 m"),
+                expect_marker(TOPIC, type="SPHERE", scale=(0.5, 0.5, 0.5), color=(*PURPLE, 1.0)).titled(
+                    "a purple sphere, 0.5 m large"
+                ),
+            ),
+        ),
+    ),
+    ghost=tuple(
+        ghost(
+            2,
+            (2.0 * math.cos(number * math.pi / 6), 2.0 * math.sin(number * math.pi / 6), 0.5),
+            (0.1, 0.1, 0.1),
+            PURPLE,
+            number,
+        )
+        for number in range(12)
+    ),
+)
+
+SQUARE_ROUTE = Task(
+    "week01.square_route",
+    title="Stretch: a closed square route",
+    kind="node",
+    name="SquareRouteNode",
+    hints=(
+        "LINE_STRIP joins each point with the next one, and it does not close by itself.",
+        "Points are geometry_msgs/msg/Point. The width of the line is scale.x; a width of 0 draws nothing.",
+        "Append the four corners to marker.points, then the first corner once more; scale.x = 0.05.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=3.0,  # [s]
+            seed=1,
+            checks=(
+                expect_marker(TOPIC, type="LINE_STRIP", points=(*SQUARE, SQUARE[0])).titled(
+                    "the corners of the square"
+                ),
+                expect_message(TOPIC, {"scale.x": 0.05, "color.a": 1.0}).titled(
+                    "a visible line, 0.05 m wide"
+                ),
+            ),
+        ),
+    ),
+    ghost=tuple(ghost(2, corner, (0.1, 0.1, 0.1), YELLOW, number) for number, corner in enumerate(SQUARE)),
+)
+
+TASKS = (RED_CUBE, BLUE_CYLINDER, TRAFFIC_LIGHT, PURPLE_CIRCLE, SQUARE_ROUTE)
