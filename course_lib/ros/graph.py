@@ -1,5 +1,6 @@
 """One run: its clock, its nodes and its topics."""
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -34,8 +35,8 @@ class Graph:
         self.end_ns = end_ns
         self.ended = False
         self.notebook = notebook
-        self.state: dict[str, Any] = {}  # per-run state of the stand-in packages
         self.pace: Callable[[int], None] | None = None  # holds the clock back to the wall's pace
+        self._states: dict[str, dict[str, Any]] = {}
         self._clock = Clock(start_ns)
         self._delay_ns = delay_ns
         self._topics = Topics()
@@ -48,6 +49,11 @@ class Graph:
     def now_ns(self) -> int:
         """Robot time, [ns]."""
         return self._clock.now_ns
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """What the stand-in packages keep for this run, and in it for the calling program."""
+        return self._states.setdefault(program.name, {})
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node; returns its id, which is its start order."""
@@ -165,6 +171,11 @@ class Graph:
         self._clock.call_at(due_ns, arrive, node=info.node, entity=subscription.entity)
 
 
+class _Program(threading.local):
+    name = ""
+
+
+program = _Program()  # which of the programs that share a graph the calling thread belongs to
 _current = Graph()
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from course_lib.ros import locks, wall
 from course_lib.ros.baton import ProgramThread, baton
 from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import current_graph
+from course_lib.ros.graph import current_graph, program
 
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join
@@ -45,6 +45,11 @@ def install() -> None:
         setattr(owner, name, replacement)
 
 
+def is_of_the_program(thread: threading.Thread) -> bool:
+    """Say whether a program thread started this one."""
+    return hasattr(thread, "_program_thread")
+
+
 def _robot_clock(real: Callable[[], Any], origin_ns: int, unit: float) -> Callable[[], Any]:
     def now() -> Any:
         if not baton.governs():
@@ -70,9 +75,10 @@ def _start(thread: threading.Thread) -> None:
         _real_start(thread)
         return
     program_thread = baton.new_thread(thread.name)
-    run = thread.run
+    run, of_program = thread.run, program.name
 
     def run_with_the_baton() -> None:
+        program.name = of_program
         baton.enter(program_thread)
         try:
             run()

@@ -1,0 +1,100 @@
+"""Runs unmodified rclpy programs in this process, on robot time."""
+
+import sys
+import threading
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+from course_lib.errors import CourseError
+from course_lib.ros import standin_path, virtual_time
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import Graph, current_graph, program
+from course_lib.ros.seeding import seeded
+
+
+def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> int:
+    """Run Python files as if each were started on its own; they share the current graph.
+
+    Args:
+        files: The programs, in their start order.
+        seed: Seeds every source of chance.
+        args: What each finds in `sys.argv` behind its name.
+
+    Returns:
+        The exit code: the first one that is not 0.
+
+    Raises:
+        CourseError: If a file is missing or is not Python text.
+    """
+    standin_path.install()
+    virtual_time.install()
+    programs = [Program(file, args) for file in files]
+    with seeded(seed), baton.known():
+        if len(programs) == 1:
+            programs[0].run()
+        else:
+            _run_beside_each_other(programs)
+        _finish(current_graph())
+    return next((p.exit_code for p in programs if p.exit_code), 0)
+
+
+class Program:
+    """One file with its own `__main__`.
+
+    Args:
+        file: The file.
+        args: What it finds in `sys.argv` behind its name.
+    """
+
+    def __init__(self, file: Path, args: Sequence[str]) -> None:
+        self.file = file
+        self.exit_code = 0
+        self._argv = [str(file), *args]
+        try:
+            self._code = compile(file.read_bytes(), str(file), "exec")
+        except (OSError, ValueError) as error:
+            raise CourseError(f"{file} cannot be read: {error}. Give the path of a Python file.") from error
+        except SyntaxError as error:
+            raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
+
+    def run(self) -> None:
+        """Run the program to its end; what it raises is shown as Python shows it."""
+        module = ModuleType("__main__")
+        module.__file__ = str(self.file)
+        sys.modules["__main__"] = module
+        sys.argv = self._argv
+        sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
+        try:
+            exec(self._code, module.__dict__)
+        except SystemExit as leaving:
+            self.exit_code = leaving.code if isinstance(leaving.code, int) else int(bool(leaving.code))
+        except KeyboardInterrupt:
+            self.exit_code = 0 if current_graph().ended else 130
+        except BaseException as error:
+            frames = error.__traceback__.tb_next if error.__traceback__ else None  # without this file's own
+            traceback.print_exception(type(error), error, frames)
+            self.exit_code = 1
+
+
+def _run_beside_each_other(programs: Sequence[Program]) -> None:
+    threads = []
+    for one in programs:
+        program.name = str(one.file)
+        threads.append(threading.Thread(target=one.run, name=one.file.name))
+        threads[-1].start()
+    program.name = ""
+    for thread in threads:
+        thread.join()
+
+
+def _finish(graph: Graph) -> None:
+    """End as Python ends: when the threads that are not daemons have ended; then stop the others."""
+    for thread in threading.enumerate():
+        if virtual_time.is_of_the_program(thread) and not thread.daemon:
+            thread.join()
+    graph.end_ns = graph.now_ns
+    while graph.advance():
+        pass
+    baton.let_others_finish()
