@@ -1,0 +1,159 @@
+"""ROS's own checks of what may be assigned to a field, in its own words.
+
+The texts are those of rosidl_generator_py (resource/_msg.py.em). Jazzy leaves these checks off, and a
+publisher then aborts the whole process on a value of a wrong type; here they are on, as in Humble.
+"""
+
+from array import array
+from collections import UserString
+from collections.abc import Callable, Collection, Sequence, Set
+from math import isinf
+from typing import Any
+
+import numpy as np
+
+from course_lib.ros.messages.definitions import FieldDefinition
+from course_lib.ros.messages.primitives import Primitive
+
+Check = Callable[[Any], None]  # raises AssertionError
+
+
+def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
+    """Make the check of a number, a bool or a string."""
+    python = primitive.python
+
+    def check(value: Any) -> None:
+        if not isinstance(value, python):
+            raise AssertionError(f"The '{field.name}' field must be of type '{python.__name__}'")
+        if primitive.range_word and not _in_range(value, primitive):
+            article = "an" if primitive.python is int else "a"
+            limits = f"[{primitive.low}, {primitive.high}]"
+            raise AssertionError(
+                f"The '{field.name}' field must be {article} {primitive.range_word} in {limits}"
+            )
+
+    return check
+
+
+def bounded_string_check(field: FieldDefinition) -> Check:
+    """Make the check of a string that has a greatest length."""
+
+    def check(value: Any) -> None:
+        if not (isinstance(value, str) and len(value) <= field.string_bound):
+            raise AssertionError(
+                f"The '{field.name}' field must be string value not longer than {field.string_bound}"
+            )
+
+    return check
+
+
+def byte_check(field: FieldDefinition) -> Check:
+    """Make the check of a ``byte``, which is a ``bytes`` of length 1."""
+
+    def check(value: Any) -> None:
+        if not (isinstance(value, bytes | bytearray) and len(value) == 1):
+            raise AssertionError(
+                f"The '{field.name}' field must be of type 'bytes' or 'ByteString' with length 1"
+            )
+
+    return check
+
+
+def message_check(field: FieldDefinition, item: type) -> Check:
+    """Make the check of a sub message."""
+
+    def check(value: Any) -> None:
+        if not isinstance(value, item):
+            raise AssertionError(f"The '{field.name}' field must be a sub message of type '{item.__name__}'")
+
+    return check
+
+
+def collection_check(field: FieldDefinition, item: type, primitive: Primitive | None) -> Check:
+    """Make the check of a sequence or array of `item`; of numbers, `primitive` gives the range."""
+    text = f"The '{field.name}' field must be {_collection_words(field, item, primitive)}"
+    ranged = primitive if primitive is not None and primitive.range_word else None
+
+    def check(value: Any) -> None:
+        fits = (
+            isinstance(value, Sequence | Set)
+            and not isinstance(value, str | UserString)
+            and _length_fits(value, field)
+            and all(isinstance(element, item) for element in value)
+            and (not field.string_bound or all(len(element) <= field.string_bound for element in value))
+            and (ranged is None or all(_in_range(element, ranged) for element in value))
+        )
+        if not fits:
+            raise AssertionError(text)
+
+    return check
+
+
+def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
+    """Make the check of a sequence of numbers: an array.array by its type code, else element by element.
+
+    A flat numpy array whose values fit passes too, as it does on Jazzy.
+    """
+    check_elements = collection_check(field, primitive.python, primitive)
+
+    def check(value: Any) -> None:
+        if isinstance(value, array):
+            if value.typecode != primitive.code:
+                raise AssertionError(
+                    f"The '{field.name}' array.array() must have the type code of '{primitive.code}'"
+                )
+            if not _length_fits(value, field):
+                raise AssertionError(f"The '{field.name}' array.array() must have a size <= {field.size}")
+        elif not (isinstance(value, np.ndarray) and _flat_numbers(value, field, primitive)):
+            check_elements(value)
+
+    return check
+
+
+def block_check(field: FieldDefinition, primitive: Primitive) -> Check:
+    """Make the check of an array of a fixed number of numbers: a numpy array, else element by element."""
+    check_elements = collection_check(field, primitive.python, primitive)
+
+    def check(value: Any) -> None:
+        if not isinstance(value, np.ndarray):
+            check_elements(value)
+        elif value.dtype != primitive.dtype:
+            dtype = f"numpy.{primitive.dtype.name}"
+            raise AssertionError(f"The '{field.name}' numpy.ndarray() must have the dtype of '{dtype}'")
+        elif value.shape != (field.size,):
+            raise AssertionError(f"The '{field.name}' numpy.ndarray() must have a size of {field.size}")
+
+    return check
+
+
+def _in_range(value: Any, primitive: Primitive) -> bool:
+    if primitive.python is float:
+        return not (value < primitive.low or value > primitive.high) or isinf(value)
+    return bool(primitive.low <= value <= primitive.high)
+
+
+def _length_fits(value: Collection[Any], field: FieldDefinition) -> bool:
+    if field.container == "array":
+        return len(value) == field.size
+    return not field.size or len(value) <= field.size
+
+
+def _flat_numbers(value: "np.ndarray[Any, Any]", field: FieldDefinition, primitive: Primitive) -> bool:
+    if value.ndim != 1 or value.dtype.kind not in ("iuf" if primitive.python is float else "iu"):
+        return False
+    ends = [value.min(), value.max()] if value.size and primitive.python is int else []
+    return all(_in_range(end, primitive) for end in ends) and _length_fits(value, field)
+
+
+def _collection_words(field: FieldDefinition, item: type, primitive: Primitive | None) -> str:
+    words = ["a set or sequence"]
+    if field.size:
+        words.append(f"with length {'<= ' if field.container == 'sequence' else ''}{field.size}")
+    if field.string_bound:
+        words.append(f"and each string value not longer than {field.string_bound}")
+    words.append(f"and each value of type '{item.__name__}'")
+    if primitive is not None and primitive.range_word:
+        style = ".6f" if primitive.python is float else "d"
+        limits = f"[{primitive.low:{style}}, {primitive.high:{style}}]"
+        words.append(f"and each {primitive.range_word} in {limits}")
+    return " ".join(words)

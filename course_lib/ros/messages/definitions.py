@@ -1,0 +1,111 @@
+"""What each ROS message type consists of: rosbags' type store, with the default values that it lacks.
+
+Types that the store does not have (services and actions among them) will be .msg, .srv and .action files in
+a folder ``definitions/`` beside this file, read by ``rosbags.typesys.get_types_from_msg``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING, Any, Literal
+
+from course_lib.errors import CourseError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+# common_interfaces and rcl_interfaces (jazzy): every field whose .msg line gives a default value.
+DEFAULTS: Mapping[tuple[str, str], Any] = {
+    ("geometry_msgs/msg/Quaternion", "x"): 0.0,
+    ("geometry_msgs/msg/Quaternion", "y"): 0.0,
+    ("geometry_msgs/msg/Quaternion", "z"): 0.0,
+    ("geometry_msgs/msg/Quaternion", "w"): 1.0,
+    ("rcl_interfaces/msg/ParameterDescriptor", "dynamic_typing"): False,
+    ("rcl_interfaces/msg/ParameterDescriptor", "read_only"): False,
+    ("sensor_msgs/msg/NavSatStatus", "status"): -2,
+    ("type_description_interfaces/msg/FieldType", "type_id"): 0,
+}
+# CDR knows no empty struct: a message without fields carries one byte under this name.
+PLACEHOLDER = "structure_needs_at_least_one_member"
+
+
+@dataclass(frozen=True, slots=True)
+class FieldDefinition:
+    """One line of a .msg file; ``base`` is a primitive (``float64``) or a message type's full name."""
+
+    name: str
+    base: str
+    string_bound: int  # longest string, 0: any
+    container: Literal["scalar", "array", "sequence"]
+    size: int  # an array's length, a sequence's greatest length, 0: any
+    default: Any  # None where the .msg file gives none
+
+    @property
+    def is_message(self) -> bool:
+        """Whether the field holds other messages."""
+        return "/" in self.base
+
+
+@dataclass(frozen=True, slots=True)
+class MessageDefinition:
+    """One .msg file."""
+
+    type_name: str
+    constants: Mapping[str, Any]
+    fields: tuple[FieldDefinition, ...]
+
+
+@cache
+def typestore() -> "Typestore":
+    """Give rosbags' store of ROS 2 Jazzy types, loaded on first use."""
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def type_names() -> list[str]:
+    """List the known types, ``visualization_msgs/msg/Marker`` and the like."""
+    return sorted(typestore().fielddefs)
+
+
+@cache
+def definition(type_name: str) -> MessageDefinition:
+    """Look a type up.
+
+    Raises:
+        CourseError: No such type; names the closest ones.
+    """
+    known = typestore().fielddefs
+    if type_name not in known:
+        close = get_close_matches(type_name, known, n=3, cutoff=0.5)
+        hint = (
+            f"Did you mean {' or '.join(close)}?" if close else "Written like visualization_msgs/msg/Marker."
+        )
+        raise CourseError(f"No message type {type_name!r} here. {hint}")
+    constants, fields = known[type_name]
+    return MessageDefinition(
+        type_name,
+        {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
+        tuple(_field(type_name, name, desc) for name, desc in fields),
+    )
+
+
+def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:
+    """Read rosbags' nested tuples ``(kind, (inner, size))``; a base type is ``(1, (name, string_bound))``."""
+    default = DEFAULTS.get((type_name, name))
+    kind, detail = desc
+    container, size = _CONTAINERS[kind], 0
+    if container != "scalar":
+        (kind, detail), size = detail
+    base, bound = (detail, 0) if isinstance(detail, str) else detail
+    return FieldDefinition(name, base, bound, container, size, default)
+
+
+# rosbags.interfaces.Nodetype by value.
+_CONTAINERS: Mapping[int, Literal["scalar", "array", "sequence"]] = {
+    1: "scalar",
+    2: "scalar",
+    3: "array",
+    4: "sequence",
+}

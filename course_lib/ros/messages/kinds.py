@@ -1,0 +1,133 @@
+"""One row per kind of field: what it holds, and how that is checked, kept, constructed and sent.
+
+rosbags wants plain numbers and numpy arrays of the field's own type; ROS programs see array.array, numpy,
+``bytes`` and lists. `to_wire` and `from_wire` convert where the two differ.
+"""
+
+from array import array
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from course_lib.ros.messages import checks
+from course_lib.ros.messages.definitions import FieldDefinition
+from course_lib.ros.messages.primitives import PRIMITIVES, Primitive
+
+Convert = Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """How the values of one field behave; None stands for "as it is"."""
+
+    default: Callable[[], Any]
+    check: checks.Check
+    construct: Convert | None = None  # what a constructor makes of its argument before the setter sees it
+    keep: Convert | None = None  # what the setter stores
+    to_wire: Convert | None = None
+    from_wire: Convert | None = None
+
+
+def kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kind:
+    """Find a field's kind; `message_class` gives the class of a sub message."""
+    if field.is_message:
+        item = message_class(field.base)
+        return _message(field, item) if field.container == "scalar" else _list(field, item, None)
+    primitive = PRIMITIVES[field.base]
+    if field.container == "scalar":
+        return _SCALARS.get(field.base, _number)(field, primitive)
+    if primitive.code:
+        return (_block if field.container == "array" else _numbers)(field, primitive)
+    return _list(field, primitive.python, primitive)
+
+
+def _default(field: FieldDefinition, otherwise: Callable[[], Any]) -> Callable[[], Any]:
+    return otherwise if field.default is None else lambda: field.default
+
+
+def _number(field: FieldDefinition, primitive: Primitive) -> Kind:
+    return Kind(_default(field, primitive.python), checks.scalar_check(field, primitive))
+
+
+def _string(field: FieldDefinition, primitive: Primitive) -> Kind:
+    bounded = bool(field.string_bound)
+    check = checks.bounded_string_check(field) if bounded else checks.scalar_check(field, primitive)
+    return Kind(_default(field, str), check)
+
+
+def _byte(field: FieldDefinition, _: Primitive) -> Kind:
+    return Kind(
+        _default(field, lambda: b"\x00"),
+        checks.byte_check(field),
+        to_wire=lambda value: int.from_bytes(value, signed=True),
+        from_wire=lambda value: value.to_bytes(1, signed=True),
+    )
+
+
+_SCALARS: Mapping[str, Callable[[FieldDefinition, Primitive], Kind]] = {"string": _string, "byte": _byte}
+
+
+def _message(field: FieldDefinition, item: type) -> Kind:
+    return Kind(item, checks.message_check(field, item))
+
+
+def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
+    """An array.array; one that is assigned is kept itself, anything else is copied into a new one."""
+    code, dtype = primitive.code, primitive.dtype
+
+    def pack(value: Any) -> "array[Any]":
+        if not isinstance(value, np.ndarray) or value.ndim != 1:
+            return array(code, value)
+        packed = array(code)
+        packed.frombytes(np.ascontiguousarray(value, dtype).data.cast("B"))
+        return packed
+
+    return Kind(
+        default=lambda: array(code),
+        check=checks.numbers_check(field, primitive),
+        construct=pack,
+        keep=lambda value: value if isinstance(value, array) else pack(value),
+        to_wire=lambda value: np.frombuffer(value, dtype),
+        from_wire=pack,
+    )
+
+
+def _block(field: FieldDefinition, primitive: Primitive) -> Kind:
+    """A numpy array of fixed length; one that is assigned is kept itself."""
+    dtype = primitive.dtype
+    return Kind(
+        default=lambda: np.zeros(field.size, dtype),
+        check=checks.block_check(field, primitive),
+        construct=lambda value: np.array(value, dtype),
+        keep=lambda value: value if isinstance(value, np.ndarray) else np.array(value, dtype),
+        to_wire=np.ascontiguousarray,
+        from_wire=np.copy,
+    )
+
+
+def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Kind:
+    """A list kept by reference, so what a program appended is checked only when it is sent."""
+    check = checks.collection_check(field, item, primitive)
+    send, receive = _LISTS.get(field.base, (None, None))
+
+    def to_wire(value: Any) -> Any:
+        check(value)
+        return value if send is None else send(value)
+
+    one = _byte(field, primitive).default if primitive and field.base == "byte" else item
+    length = field.size if field.container == "array" else 0
+    return Kind(
+        default=lambda: [one() for _ in range(length)], check=check, to_wire=to_wire, from_wire=receive
+    )
+
+
+# How lists travel that rosbags wants as numpy arrays.
+_LISTS: Mapping[str, tuple[Convert, Convert]] = {
+    "bool": (lambda value: np.array(list(value), bool), lambda value: value.tolist()),
+    "byte": (
+        lambda value: np.frombuffer(b"".join(value), np.uint8),
+        lambda value: [bytes([octet]) for octet in value.tobytes()],
+    ),
+}

@@ -1,0 +1,132 @@
+"""What all message classes share, and how one is made from its definition."""
+
+from array import array
+from collections.abc import Callable, Mapping
+from operator import attrgetter
+from typing import Any, ClassVar
+
+import numpy as np
+
+from course_lib.ros.messages.definitions import PLACEHOLDER, FieldDefinition, MessageDefinition
+from course_lib.ros.messages.kinds import Kind, kind_of
+from course_lib.ros.messages.primitives import PRIMITIVES
+
+
+class Message:
+    """A ROS message; its class knows the kind of each field, its slots hold the values.
+
+    Args:
+        check_fields: Whether assignments are checked; False is Jazzy's own default and aborts on publishing.
+        values: Field values by name.
+
+    Raises:
+        TypeError: A value without a name, with Python's text.
+        AssertionError: Unknown field or a value that does not fit, with ROS's text.
+    """
+
+    __slots__ = ()
+    _TYPE_NAME: ClassVar[str]  # "visualization_msgs/msg/Marker"
+    _KINDS: ClassVar[Mapping[str, Kind]]
+    _fields_and_field_types: ClassVar[Mapping[str, str]]
+    _check_fields: bool
+
+    def __init__(self, *positional: Any, check_fields: bool = True, **values: Any) -> None:
+        if positional:
+            given = f"takes 1 positional argument but {1 + len(positional)} were given"
+            raise TypeError(f"{type(self).__name__}.__init__() {given}")
+        self._check_fields = check_fields  # type: ignore[misc]  # its slot is made by make_class
+        unknown = values.keys() - self._KINDS.keys()
+        if unknown and check_fields:
+            raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(sorted(unknown))}")
+        for name, kind in self._KINDS.items():
+            if name not in values:
+                setattr(self, "_" + name, kind.default())
+            elif kind.construct is None:
+                setattr(self, name, values[name])
+            else:
+                setattr(self, name, kind.construct(values[name]))
+
+    def __repr__(self) -> str:
+        package, folder, name = self._TYPE_NAME.split("/")
+        fields = ", ".join(f"{field}={_field_repr(getattr(self, field))}" for field in self._KINDS)
+        return f"{package}.{folder}.{name}({fields})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, self.__class__):
+            return False
+        return all(_equal(getattr(self, name), getattr(other, name)) for name in self._KINDS)
+
+    __hash__ = None  # type: ignore[assignment]  # as in ROS: messages are mutable
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """Give each field's type in ROS's words, ``sequence<geometry_msgs/Point>`` and the like."""
+        return dict(cls._fields_and_field_types)
+
+
+def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[Message]:
+    """Make the class of a message type; `message_class` gives the classes of its sub messages."""
+    package, folder, name = definition.type_name.split("/")
+    fields = [field for field in definition.fields if field.name != PLACEHOLDER]
+    kinds = {field.name: kind_of(field, message_class) for field in fields}
+    defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
+    namespace = {
+        "__doc__": _docstring(definition),
+        "__module__": f"{package}.{folder}._{snake_case(name)}",
+        "__slots__": [*("_" + field.name for field in fields), "_check_fields"],
+        "_TYPE_NAME": definition.type_name,
+        "_KINDS": kinds,
+        "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
+    }
+    accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
+    return type(name, (Message,), {**namespace, **definition.constants, **defaults, **accessors})
+
+
+def snake_case(name: str) -> str:
+    """Turn ``UInt8MultiArray`` into ``u_int8_multi_array``, as rosidl names a message's module."""
+    from re import sub
+
+    return sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", name)).lower()
+
+
+def ros_type(field: FieldDefinition) -> str:
+    """Name a field's type as get_fields_and_field_types() does."""
+    if field.is_message:
+        package, _, name = field.base.split("/")
+        base = f"{package}/{name}"
+    else:
+        base = PRIMITIVES[field.base].ros_name
+    bounded = f"{base}<{field.string_bound}>" if field.string_bound else base
+    size = f", {field.size}" if field.size else ""
+    return {
+        "scalar": bounded,
+        "array": f"{bounded}[{field.size}]",
+        "sequence": f"sequence<{bounded}{size}>",
+    }[field.container]
+
+
+def _docstring(definition: MessageDefinition) -> str:
+    name = definition.type_name.rsplit("/", 1)[1]
+    constants = "".join(f"\n  {constant}" for constant in definition.constants)
+    return f"Message class '{name}'." + (f"\n\nConstants:{constants}\n" if constants else "")
+
+
+def _accessor(name: str, kind: Kind) -> property:
+    slot, check, keep = "_" + name, kind.check, kind.keep
+
+    def assign(self: Message, value: Any) -> None:
+        if self._check_fields:
+            check(value)
+        setattr(self, slot, value if keep is None else keep(value))
+
+    return property(attrgetter(slot), assign, doc=f"Message field '{name}'.")
+
+
+def _field_repr(value: Any) -> str:
+    return repr(value.tolist()) if isinstance(value, array) else repr(value)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other)
+    return bool(one == other)

@@ -1,0 +1,113 @@
+"""Messages to CDR bytes and back, by rosbags' serialiser."""
+
+from collections.abc import Callable
+from functools import cache
+from struct import error as StructError  # noqa: N812  # a class under a lower-case name
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from course_lib.errors import CourseError
+from course_lib.ros.messages.definitions import definition, typestore
+from course_lib.ros.messages.kinds import Convert
+from course_lib.ros.messages.message import Message
+from course_lib.ros.messages.registry import message_class
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import MsgType, Typestore
+
+M = TypeVar("M", bound=Message)
+
+
+def serialize(message: Message) -> bytes:
+    """Give a message's CDR bytes (little endian, with the 4 bytes of encapsulation header).
+
+    Raises:
+        AssertionError: A value that does not fit got in behind the setters' back, by ``append`` for example.
+    """
+    store = _store_with(message._TYPE_NAME)
+    try:
+        return bytes(store.serialize_cdr(message, message._TYPE_NAME, little_endian=True))
+    except (AttributeError, TypeError, ValueError, StructError):
+        _check(message)
+        raise
+
+
+def deserialize(cdr: bytes, cls: type[M]) -> M:
+    """Make a message of CDR bytes.
+
+    Raises:
+        CourseError: These bytes are no such message.
+    """
+    from rosbags.serde import SerdeError
+
+    store = _store_with(cls._TYPE_NAME)
+    try:
+        return cast("M", store.deserialize_cdr(memoryview(cdr), cls._TYPE_NAME))
+    except SerdeError as error:
+        raise CourseError(f"These {len(cdr)} bytes are no {cls._TYPE_NAME}: {error}") from error
+
+
+@cache
+def _store_with(type_name: str) -> "Typestore":
+    """Give the store of our own classes after adding one type and the types of its fields."""
+    store = _store()
+    if type_name not in store.types:
+        cls, fields = message_class(type_name), definition(type_name).fields
+        known = typestore().fielddefs[type_name][1]
+        names = [_wire_name(cls, field.name) for field in fields]
+        store.fielddefs[type_name] = (
+            [],
+            [(name, desc) for name, (_, desc) in zip(names, known, strict=True)],
+        )
+        # rosbags only ever calls it with the values of the fields in order
+        store.types[type_name] = cast("type[MsgType]", _maker(cls))
+        for field in fields:
+            if field.is_message:
+                _store_with(field.base)
+    return store
+
+
+@cache
+def _store() -> "Typestore":
+    from rosbags.typesys.store import Typestore
+
+    return Typestore()
+
+
+def _wire_name(cls: type[Message], name: str) -> str:
+    """Name the attribute that rosbags reads: the slot itself, or a property that converts what is in it."""
+    kind, wire_name = cls._KINDS.get(name), f"_wire_{name}"
+    if kind is None:
+        setattr(cls, wire_name, 0)  # the placeholder of a message without fields
+    elif kind.to_wire is None:
+        return f"_{name}"
+    else:
+        setattr(cls, wire_name, _converted(f"_{name}", kind.to_wire))
+    return wire_name
+
+
+def _converted(slot: str, to_wire: Convert) -> property:
+    return property(lambda message: to_wire(getattr(message, slot)))
+
+
+def _maker(cls: type[Message]) -> Callable[..., Message]:
+    """Make the function that rosbags calls to build a message from the values of its fields."""
+    plain = [("_" + name, kind.from_wire) for name, kind in cls._KINDS.items()]
+
+    def make(*values: Any) -> Message:
+        message = cls.__new__(cls)
+        message._check_fields = True  # type: ignore[misc]  # its slot is made by make_class
+        for (slot, from_wire), value in zip(plain, values, strict=False):  # the placeholder has no slot
+            setattr(message, slot, value if from_wire is None else from_wire(value))
+        return message
+
+    return make
+
+
+def _check(message: Message) -> None:
+    """Run the setters' checks on all that a message holds, the innermost first."""
+    for name, kind in message._KINDS.items():
+        value = getattr(message, name)
+        for inner in value if isinstance(value, list | tuple) else [value]:
+            if isinstance(inner, Message):
+                _check(inner)
+        kind.check(value)

@@ -1,0 +1,5 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from ._goal_id import GoalID as GoalID
+from ._goal_status import GoalStatus as GoalStatus
+from ._goal_status_array import GoalStatusArray as GoalStatusArray

@@ -1,0 +1,14 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from course_lib.ros.messages.message import Message
+
+class Time(Message):
+    sec: int
+    nanosec: int
+    def __init__(
+        self,
+        *,
+        sec: int = ...,
+        nanosec: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...

@@ -1,0 +1,34 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from ._accel import Accel as Accel
+from ._accel_stamped import AccelStamped as AccelStamped
+from ._accel_with_covariance import AccelWithCovariance as AccelWithCovariance
+from ._accel_with_covariance_stamped import AccelWithCovarianceStamped as AccelWithCovarianceStamped
+from ._inertia import Inertia as Inertia
+from ._inertia_stamped import InertiaStamped as InertiaStamped
+from ._point import Point as Point
+from ._point32 import Point32 as Point32
+from ._point_stamped import PointStamped as PointStamped
+from ._polygon import Polygon as Polygon
+from ._polygon_instance import PolygonInstance as PolygonInstance
+from ._polygon_instance_stamped import PolygonInstanceStamped as PolygonInstanceStamped
+from ._polygon_stamped import PolygonStamped as PolygonStamped
+from ._pose import Pose as Pose
+from ._pose2_d import Pose2D as Pose2D
+from ._pose_array import PoseArray as PoseArray
+from ._pose_stamped import PoseStamped as PoseStamped
+from ._pose_with_covariance import PoseWithCovariance as PoseWithCovariance
+from ._pose_with_covariance_stamped import PoseWithCovarianceStamped as PoseWithCovarianceStamped
+from ._quaternion import Quaternion as Quaternion
+from ._quaternion_stamped import QuaternionStamped as QuaternionStamped
+from ._transform import Transform as Transform
+from ._transform_stamped import TransformStamped as TransformStamped
+from ._twist import Twist as Twist
+from ._twist_stamped import TwistStamped as TwistStamped
+from ._twist_with_covariance import TwistWithCovariance as TwistWithCovariance
+from ._twist_with_covariance_stamped import TwistWithCovarianceStamped as TwistWithCovarianceStamped
+from ._vector3 import Vector3 as Vector3
+from ._vector3_stamped import Vector3Stamped as Vector3Stamped
+from ._velocity_stamped import VelocityStamped as VelocityStamped
+from ._wrench import Wrench as Wrench
+from ._wrench_stamped import WrenchStamped as WrenchStamped

@@ -1,0 +1,1 @@
+"""Stand-in for ROS 2's nav_msgs."""

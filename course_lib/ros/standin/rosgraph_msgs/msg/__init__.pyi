@@ -1,0 +1,3 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from ._clock import Clock as Clock

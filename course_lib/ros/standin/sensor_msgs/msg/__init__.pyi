@@ -1,0 +1,29 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from ._battery_state import BatteryState as BatteryState
+from ._camera_info import CameraInfo as CameraInfo
+from ._channel_float32 import ChannelFloat32 as ChannelFloat32
+from ._compressed_image import CompressedImage as CompressedImage
+from ._fluid_pressure import FluidPressure as FluidPressure
+from ._illuminance import Illuminance as Illuminance
+from ._image import Image as Image
+from ._imu import Imu as Imu
+from ._joint_state import JointState as JointState
+from ._joy import Joy as Joy
+from ._joy_feedback import JoyFeedback as JoyFeedback
+from ._joy_feedback_array import JoyFeedbackArray as JoyFeedbackArray
+from ._laser_echo import LaserEcho as LaserEcho
+from ._laser_scan import LaserScan as LaserScan
+from ._magnetic_field import MagneticField as MagneticField
+from ._multi_dof_joint_state import MultiDOFJointState as MultiDOFJointState
+from ._multi_echo_laser_scan import MultiEchoLaserScan as MultiEchoLaserScan
+from ._nav_sat_fix import NavSatFix as NavSatFix
+from ._nav_sat_status import NavSatStatus as NavSatStatus
+from ._point_cloud import PointCloud as PointCloud
+from ._point_cloud2 import PointCloud2 as PointCloud2
+from ._point_field import PointField as PointField
+from ._range import Range as Range
+from ._region_of_interest import RegionOfInterest as RegionOfInterest
+from ._relative_humidity import RelativeHumidity as RelativeHumidity
+from ._temperature import Temperature as Temperature
+from ._time_reference import TimeReference as TimeReference

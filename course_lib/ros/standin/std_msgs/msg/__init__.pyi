@@ -1,0 +1,32 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from ._bool import Bool as Bool
+from ._byte import Byte as Byte
+from ._byte_multi_array import ByteMultiArray as ByteMultiArray
+from ._char import Char as Char
+from ._color_rgba import ColorRGBA as ColorRGBA
+from ._empty import Empty as Empty
+from ._float32 import Float32 as Float32
+from ._float32_multi_array import Float32MultiArray as Float32MultiArray
+from ._float64 import Float64 as Float64
+from ._float64_multi_array import Float64MultiArray as Float64MultiArray
+from ._header import Header as Header
+from ._int16 import Int16 as Int16
+from ._int16_multi_array import Int16MultiArray as Int16MultiArray
+from ._int32 import Int32 as Int32
+from ._int32_multi_array import Int32MultiArray as Int32MultiArray
+from ._int64 import Int64 as Int64
+from ._int64_multi_array import Int64MultiArray as Int64MultiArray
+from ._int8 import Int8 as Int8
+from ._int8_multi_array import Int8MultiArray as Int8MultiArray
+from ._multi_array_dimension import MultiArrayDimension as MultiArrayDimension
+from ._multi_array_layout import MultiArrayLayout as MultiArrayLayout
+from ._string import String as String
+from ._u_int16 import UInt16 as UInt16
+from ._u_int16_multi_array import UInt16MultiArray as UInt16MultiArray
+from ._u_int32 import UInt32 as UInt32
+from ._u_int32_multi_array import UInt32MultiArray as UInt32MultiArray
+from ._u_int64 import UInt64 as UInt64
+from ._u_int64_multi_array import UInt64MultiArray as UInt64MultiArray
+from ._u_int8 import UInt8 as UInt8
+from ._u_int8_multi_array import UInt8MultiArray as UInt8MultiArray

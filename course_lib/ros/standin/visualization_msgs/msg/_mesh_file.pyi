@@ -1,0 +1,23 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from course_lib.ros.messages.message import Message
+
+class MeshFile(Message):
+    filename: str
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        filename: str = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...

@@ -1,0 +1,25 @@
+import pytest
+
+from course_lib.ros.messages import stubs
+from course_lib.ros.messages.definitions import type_names
+
+
+def test_the_stubs_on_disk_are_what_the_types_say() -> None:
+    assert stubs.main(["--check"]) == 0
+
+
+def test_a_stale_stub_is_named(
+    tmp_path: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(stubs, "STANDIN", tmp_path)
+    assert stubs.main(["--check"]) == 1
+    assert "std_msgs/msg/_string.pyi is not what" in capsys.readouterr().out
+    assert stubs.main([]) == 0
+    assert stubs.main(["--check"]) == 0
+
+
+def test_every_type_can_be_imported_under_its_real_name() -> None:
+    for type_name in type_names():
+        package, folder, name = type_name.split("/")
+        module = __import__(f"{package}.{folder}", fromlist=[name])
+        assert getattr(module, name).__name__ == name
