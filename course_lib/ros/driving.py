@@ -1,0 +1,131 @@
+"""Drives nodes from a notebook cell: the clock moves in these calls and stands still between them."""
+
+import sys
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from course_lib.errors import CourseError
+from course_lib.ros import pace
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import current_graph
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+SECONDS_WITHOUT_A_PAGE = 5.0  # [s] of robot time, where a watched call would go on until it is stopped
+MAX_SECONDS = 1e6  # [s]
+FOR_EVER_NS = 2**62  # [ns]
+
+
+class Done:
+    """The result of a call that has driven nodes; `await` takes it as well."""
+
+    def __await__(self) -> Generator[None, None, None]:
+        """Be awaited: there is nothing left to wait for."""
+        return
+        yield
+
+
+def spin_for(seconds: float, *nodes: "Node") -> Done:
+    """Run nodes for exactly so much robot time, together with those that run live.
+
+    Args:
+        seconds: Robot time to run, [s].
+        nodes: The nodes to run; those of earlier cells rest.
+
+    Raises:
+        CourseError: If `seconds` is no time or a node is none.
+    """
+    if not isinstance(seconds, int | float) or not 0 <= seconds <= MAX_SECONDS:
+        raise CourseError(
+            f"spin_for({seconds!r}, …): give the seconds of robot time first, from 0 to {MAX_SECONDS:g}, "
+            "like spin_for(2.0, node)."
+        )
+    graph = current_graph()
+    with executor_with(nodes) as executor, until_interrupted(), pace.kept(graph):
+        spin_until(executor, graph.now_ns + round(seconds * 1e9))
+    return Done()
+
+
+def spin_node(node: "Node") -> None:
+    """Do what `rclpy.spin` does in a notebook: run until ■; without a page stop after a while and say so."""
+    graph, limit_ns = current_graph(), FOR_EVER_NS
+    if pace.wanted() == "fast":
+        limit_ns = graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9)
+    with executor_with([node]) as executor, until_interrupted(), pace.kept(graph):
+        spin_until(executor, limit_ns, lambda: not executor.context.ok())
+    if graph.now_ns == limit_ns:
+        say(f"No page is watching: rclpy.spin stopped after {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+
+
+def wait_for(ready: Callable[[], bool], *, seconds: float) -> bool:
+    """Drive the live nodes until something has come about.
+
+    Args:
+        ready: Says whether it has.
+        seconds: Robot time to wait at most, [s].
+
+    Returns:
+        Whether it came about.
+    """
+    graph = current_graph()
+    with executor_with(()) as executor, pace.kept(graph):
+        spin_until(executor, graph.now_ns + round(seconds * 1e9), ready)
+    return ready()
+
+
+def spin_until(executor: "Executor", until_ns: int, ready: Callable[[], bool] = lambda: False) -> None:
+    """Run an executor's callbacks until `ready()` or robot time `until_ns`, events due then included."""
+
+    def something_to_do() -> bool:
+        return executor.has_ready() or ready()
+
+    while not ready() and baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+        executor.spin_once(timeout_sec=0.0)
+
+
+@contextmanager
+def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
+    """Give the notebook's executor, with the nodes that run anyway and `nodes` in it for a while.
+
+    Raises:
+        CourseError: If one of `nodes` is no node.
+    """
+    import rclpy
+    from rclpy.node import Node
+
+    for node in nodes:
+        if not isinstance(node, Node):
+            raise CourseError(f"{node!r} is not a node. Give an object of your class, like MyNode().")
+    executor: Executor = rclpy.get_global_executor()
+    with baton.known():
+        added = [node for node in (*running_nodes(), *nodes) if executor.add_node(node)]
+        try:
+            yield executor
+        finally:
+            for node in added:
+                executor.remove_node(node)
+
+
+def running_nodes() -> list["Node"]:
+    """List the nodes that run in every call that waits: live ones and the kit's own. Add one to start it."""
+    nodes: list[Node] = current_graph().state.setdefault("driving.nodes", [])
+    return nodes
+
+
+@contextmanager
+def until_interrupted() -> Iterator[None]:
+    """End quietly with one line when the student presses ■; nodes stay usable."""
+    graph = current_graph()
+    start_ns = graph.now_ns
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time.")
+
+
+def say(line: str) -> None:
+    """Say something to the student, in the cell's output."""
+    sys.stdout.write(f"{line}\n")
