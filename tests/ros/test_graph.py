@@ -1,0 +1,119 @@
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, current_graph, use_graph
+from course_lib.ros.qos import Qos
+
+MS = 10**6  # [ns]
+STRING = "std_msgs/msg/String"
+LATCHED = Qos(depth=2, durability="transient_local")
+
+
+def run(graph: Graph) -> None:
+    while graph.advance():
+        pass
+
+
+def test_events_at_one_time_happen_in_the_order_of_nodes_then_entities_then_sequence() -> None:
+    graph, seen = Graph(), list[str]()
+    for node, entity, name in ((2, 0, "c"), (1, 1, "b"), (1, 0, "a"), (2, 0, "d")):
+        graph.call_at(START_NS + MS, lambda name=name: seen.append(name), node=node, entity=entity)  # type: ignore[misc]  # bound now
+    run(graph)
+    assert seen == ["a", "b", "c", "d"]
+    assert graph.now_ns == START_NS + MS
+
+
+def test_a_cancelled_event_does_not_happen() -> None:
+    graph = Graph()
+    graph.call_at(START_NS + MS, lambda: None, node=0, entity=0).cancel()
+    assert not graph.advance()
+    assert graph.now_ns == START_NS
+
+
+def test_events_due_at_the_end_happen_and_later_ones_do_not() -> None:
+    graph, seen = Graph(end_ns=START_NS + 2 * MS), list[int]()
+    for due in (1, 2, 3):
+        graph.call_at(START_NS + due * MS, lambda due=due: seen.append(due), node=0, entity=0)  # type: ignore[misc]  # bound now
+    run(graph)
+    assert seen == [1, 2]
+    assert graph.ended
+    assert graph.now_ns == START_NS + 2 * MS
+
+
+def test_a_message_arrives_one_millisecond_after_its_publication() -> None:
+    graph, got = Graph(), list[tuple[bytes, int, int]]()
+    node = graph.add_node("talker", "/")
+    publisher = graph.add_publisher(node, "/chatter", STRING, Qos())
+    graph.add_subscription(node, 0, "/chatter", STRING, Qos(), lambda *sample: got.append(sample))
+    graph.publish(publisher, b"hello")
+    assert got == []
+    run(graph)
+    assert got == [(b"hello", START_NS, START_NS + MS)]
+
+
+def test_only_same_types_and_compatible_qos_match() -> None:
+    graph, got = Graph(), list[str]()
+    node = graph.add_node("talker", "/")
+    publisher = graph.add_publisher(node, "/t", STRING, Qos(reliability="best_effort"))
+    wanted = {
+        "reliable": (STRING, Qos()),
+        "other type": ("std_msgs/msg/Bool", Qos(reliability="best_effort")),
+        "latched": (STRING, Qos(reliability="best_effort", durability="transient_local")),
+        "match": (STRING, Qos(reliability="best_effort")),
+    }
+    for name, (type_name, qos) in wanted.items():
+        graph.add_subscription(node, 0, "/t", type_name, qos, lambda *_, name=name: got.append(name))
+    graph.publish(publisher, b"")
+    run(graph)
+    assert got == ["match"]
+
+
+def test_a_late_subscription_gets_the_last_samples_only_if_both_sides_are_transient_local() -> None:
+    graph = Graph()
+    late, volatile = list[bytes](), list[bytes]()
+    node = graph.add_node("map_server", "/")
+    publisher = graph.add_publisher(node, "/map", STRING, LATCHED)
+    for data in (b"1", b"2", b"3"):
+        graph.publish(publisher, data)
+    graph.add_subscription(node, 0, "/map", STRING, LATCHED, lambda cdr, *_: late.append(cdr))
+    graph.add_subscription(node, 1, "/map", STRING, Qos(), lambda cdr, *_: volatile.append(cdr))
+    run(graph)
+    assert late == [b"2", b"3"]
+    assert volatile == []
+    assert [sample.cdr for sample in graph.latched()] == [b"2", b"3"]
+
+
+def test_removing_a_node_removes_its_endpoints_and_what_is_on_its_way_to_them() -> None:
+    graph, got = Graph(), list[bytes]()
+    talker, listener = graph.add_node("talker", "/"), graph.add_node("listener", "/")
+    publisher = graph.add_publisher(talker, "/t", STRING, Qos())
+    graph.add_subscription(listener, 0, "/t", STRING, Qos(), lambda cdr, *_: got.append(cdr))
+    graph.publish(publisher, b"late")
+    graph.remove_node(listener)
+    run(graph)
+    assert got == []
+    assert [node.name for node in graph.nodes()] == ["talker"]
+    assert [endpoint.kind for endpoint in graph.endpoints()] == ["pub"]
+
+
+def test_taps_and_watchers_see_all_until_they_are_taken_off() -> None:
+    graph, samples, times = Graph(), list[bytes](), list[int]()
+    publisher = graph.add_publisher(graph.add_node("talker", "/"), "/t", STRING, Qos())
+    untap = graph.tap(lambda sample: samples.append(sample.cdr))
+    unwatch = graph.watch_time(times.append)
+    graph.publish(publisher, b"seen")
+    untap()
+    graph.publish(publisher, b"unseen")
+    graph.call_at(START_NS + MS, lambda: None, node=0, entity=0)
+    graph.call_at(START_NS + MS, lambda: None, node=0, entity=0)
+    run(graph)
+    unwatch()
+    assert samples == [b"seen"]
+    assert times == [START_NS + MS]
+
+
+def test_another_graph_can_be_used_for_a_while() -> None:
+    before = current_graph()
+    with use_graph(Graph()) as graph:
+        assert current_graph() is graph
+        graph.state["x"] = 1
+    assert current_graph() is before
+    assert "x" not in before.state

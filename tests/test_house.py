@@ -1,0 +1,38 @@
+import ast
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TOP_LEVEL = {
+    "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
+    "CHANGELOG.md",
+}  # fmt: skip
+MAX_FILE, MAX_FUNCTION = 300, 40  # lines
+
+
+def tracked() -> list[Path]:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+    if listed.returncode != 0:
+        pytest.skip("not a git checkout")
+    return [path for path in map(Path, listed.stdout.splitlines()) if (ROOT / path).is_file()]
+
+
+def test_the_top_level_holds_what_the_design_names() -> None:
+    assert {p.parts[0] for p in tracked() if not p.parts[0].startswith(".")} <= TOP_LEVEL
+
+
+def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
+    too_long = []
+    for path in tracked():
+        if path.suffix != ".py" or path.parts[0] == "tests":
+            continue
+        source = (ROOT / path).read_text()
+        if len(source.splitlines()) > MAX_FILE:
+            too_long.append(str(path))
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                lines = (node.end_lineno or 0) - node.body[0].lineno + 1
+                too_long += [f"{path}:{node.name}"] if lines > MAX_FUNCTION else []
+    assert too_long == []
