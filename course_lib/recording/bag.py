@@ -1,0 +1,118 @@
+"""Recordings as rosbag2 bags: a folder with metadata.yaml and one MCAP file."""
+
+import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.recording import bag_qos
+from course_lib.recording.recording import Recording, TopicSummary
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages.definitions import definition, typestore
+from course_lib.ros.qos import Qos
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+    from rosbags.rosbag2 import Reader, Writer
+
+METADATA = "metadata.yaml"
+NAME = "recording"  # of the MCAP file: rosbags names it after the folder and writes that name into it
+
+
+def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) -> None:
+    """Write a recording as a bag; the same recording gives the same bytes, whatever the folder is called.
+
+    The bag is written aside and renamed, so that a crash leaves no half of one.
+
+    Args:
+        recording: What to write.
+        folder: The bag's folder, made with its parents.
+        force: Replace a bag that is there.
+
+    Raises:
+        CourseError: The place is taken, or can't be written to; a message type is not known.
+    """
+    target = Path(folder).absolute()
+    _check_free(target, force)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as aside:
+            _write(recording, Path(aside, NAME))
+            if target.exists():
+                os.replace(target, Path(aside, "replaced"))
+            os.replace(Path(aside, NAME), target)
+    except OSError as error:
+        raise CourseError(
+            f"Can't write the bag {folder}: {error.strerror}. Choose another folder."
+        ) from error
+
+
+def read_bag(folder: str | Path) -> Recording:
+    """Read a bag of MCAP or SQLite files; node numbers are not in bags: they come back as 0.
+
+    Raises:
+        CourseError: There is no bag, or it is damaged.
+    """
+    from rosbags.rosbag2 import Reader
+
+    path = Path(folder)
+    _check_bag(path)
+    try:
+        with Reader(path) as reader:
+            return Recording(tuple(_samples(reader)))
+    # A damaged file makes rosbags, its decompressors and SQLite raise almost anything.
+    except Exception as error:
+        raise CourseError(f"The bag {folder} is damaged or was cut off: {_reason(error)}") from error
+
+
+def _check_free(target: Path, force: bool) -> None:
+    if not target.exists() or (target.is_dir() and not any(target.iterdir())):
+        return
+    if not force:
+        raise CourseError(f"{target} exists already. Choose another folder, or say force to replace the bag.")
+    if not (target / METADATA).is_file():
+        raise CourseError(f"{target} is no bag, so it is not replaced. Choose another folder.")
+
+
+def _check_bag(path: Path) -> None:
+    if not path.exists():
+        raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
+    if not (path / METADATA).is_file():
+        what = "a folder" if path.is_dir() else "a file"
+        raise CourseError(f"{path} is {what} but no bag. Give a bag's folder: the one with a {METADATA}.")
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
+
+
+def _write(recording: Recording, folder: Path) -> None:
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connections = {(topic.name, topic.type_name): _add(writer, topic) for topic in recording.topics()}
+        for sample in recording.samples:
+            writer.write(connections[sample.topic, sample.type_name], sample.stamp_ns, sample.cdr)
+
+
+def _add(writer: "Writer", topic: TopicSummary) -> "Connection":
+    definition(topic.type_name)  # says which type is not known
+    offered = [bag_qos.to_bag(qos) for qos in topic.offered]
+    return writer.add_connection(
+        topic.name, topic.type_name, typestore=typestore(), offered_qos_profiles=offered
+    )
+
+
+def _samples(reader: "Reader") -> list[Sample]:
+    offered = {connection.id: _offered(connection) for connection in reader.connections}
+    return [
+        Sample(stamp_ns, connection.topic, connection.msgtype, bytes(cdr), offered[connection.id], node=0)
+        for connection, stamp_ns, cdr in reader.messages()
+    ]
+
+
+def _offered(connection: Any) -> Qos:
+    """Give the QoS of a topic's first publisher: a bag doesn't say which of them sent a message."""
+    profiles = connection.ext.offered_qos_profiles
+    return bag_qos.from_bag(profiles[0]) if profiles else Qos()

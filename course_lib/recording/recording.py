@@ -1,0 +1,96 @@
+"""What was published in a run, in order."""
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.messages import Message, deserialize, message_class
+from course_lib.ros.qos import Qos
+
+
+@dataclass(frozen=True)
+class TopicSummary:
+    """One topic of a recording, with the QoS that its publishers offered, each once."""
+
+    name: str
+    type_name: str
+    count: int
+    offered: tuple[Qos, ...]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples in the order of their publication."""
+
+    samples: Sequence[Sample]
+
+    @property
+    def start_ns(self) -> int:
+        """Robot time of the first sample, [ns]; 0 if there is none."""
+        return self.samples[0].stamp_ns if self.samples else 0
+
+    @property
+    def end_ns(self) -> int:
+        """Robot time of the last sample, [ns]; 0 if there is none."""
+        return self.samples[-1].stamp_ns if self.samples else 0
+
+    def topics(self) -> list[TopicSummary]:
+        """List the topics by name; a topic that was used with two types comes twice."""
+        groups: dict[tuple[str, str], list[Qos]] = {}
+        for sample in self.samples:
+            groups.setdefault((sample.topic, sample.type_name), []).append(sample.qos)
+        return [
+            TopicSummary(name, type_name, len(qos), tuple(dict.fromkeys(qos)))
+            for (name, type_name), qos in sorted(groups.items())
+        ]
+
+    def messages(self, topic: str) -> Iterator[tuple[int, Message]]:
+        """Yield (robot time [ns], message) of one topic.
+
+        Raises:
+            CourseError: A type that the kit does not know, or bytes that are no such message.
+        """
+        for sample in self.samples:
+            if sample.topic == topic:
+                yield sample.stamp_ns, deserialize(sample.cdr, message_class(sample.type_name))
+
+    def digest(self) -> str:
+        """Give the SHA-256 of every sample's topic, type, stamp and CDR bytes, in hexadecimal digits."""
+        total = hashlib.sha256()
+        for sample in self.samples:
+            stamp = sample.stamp_ns.to_bytes(8, "little", signed=True)
+            for part in (sample.topic.encode(), sample.type_name.encode(), stamp, sample.cdr):
+                total.update(len(part).to_bytes(8, "little"))
+                total.update(part)
+        return total.hexdigest()
+
+
+class Recorder:
+    """Listens to a graph until it is stopped; also a context manager."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._samples = graph.latched()
+        self._untap = graph.tap(self._samples.append)
+        self._listening = True
+
+    def stop(self) -> None:
+        """Stop listening."""
+        if self._listening:
+            self._untap()
+        self._listening = False
+
+    def recording(self) -> Recording:
+        """Give what has been published so far."""
+        return Recording(tuple(self._samples))
+
+    def __enter__(self) -> "Recorder":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+def record(graph: Graph) -> Recorder:
+    """Start to record all that is published in a graph, with what its latched topics hold already."""
+    return Recorder(graph)

@@ -1,0 +1,46 @@
+import time
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording, bag_info, write_bag
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import message_class, serialize
+from course_lib.ros.qos import Qos
+
+EXPECTED = """
+Files:             recording.mcap
+Bag size:          {size}
+Storage id:        mcap
+ROS Distro:        rosbags
+Duration:          1.500000000s
+Start:             Nov 14 2023 22:13:20.000000000 (1700000000.000000000)
+End:               Nov 14 2023 22:13:21.500000000 (1700000001.500000000)
+Messages:          2
+Topic information: Topic: /a | Type: std_msgs/msg/String | Count: 1 | Serialization Format: cdr
+                   Topic: /b | Type: std_msgs/msg/String | Count: 1 | Serialization Format: cdr
+Service:           0
+Service information:{space}
+Digest:            {digest}
+"""
+
+
+def test_info_has_the_format_of_ros2_bag_info(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+    cdr = serialize(message_class("std_msgs/msg/String")())
+    stamps = [(1_700_000_000_000_000_000, "/b"), (1_700_000_001_500_000_000, "/a")]
+    recording = Recording(
+        tuple(Sample(stamp, topic, "std_msgs/msg/String", cdr, Qos(), 1) for stamp, topic in stamps)
+    )
+    write_bag(recording, tmp_path / "bag")
+    size = f"{(tmp_path / 'bag' / 'recording.mcap').stat().st_size / 1024:.1f} KiB"
+    assert bag_info(tmp_path / "bag") == EXPECTED.format(space=" ", size=size, digest=recording.digest())
+    monkeypatch.undo()
+    time.tzset()
+
+
+def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="no bag"):
+        bag_info(tmp_path)
