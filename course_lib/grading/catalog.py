@@ -1,0 +1,111 @@
+"""All tasks of the course: course.toml and the weeks' check files, checked against each other."""
+
+import difflib
+import runpy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.grading.course_file import CourseFile, Week, read_course_file
+from course_lib.grading.task import Scenario, Task, check_scenarios
+
+
+@dataclass(frozen=True)
+class Catalog:
+    """The course as the grader and `check` see it.
+
+    Args:
+        course: What course.toml says.
+        tasks: By id, in the order of the exercises.
+        hidden: Hidden scenarios by task id; empty in a student's copy.
+    """
+
+    course: CourseFile
+    tasks: Mapping[str, Task]
+    hidden: Mapping[str, tuple[Scenario, ...]] = field(default_factory=dict)
+
+    def task(self, task_id: str) -> Task:
+        """One task.
+
+        Raises:
+            CourseError: No task has this id; the message names the close ones.
+        """
+        if task_id not in self.tasks:
+            close = difflib.get_close_matches(str(task_id), self.tasks, n=3, cutoff=0.4) or list(self.tasks)
+            raise CourseError(f"there is no task {task_id!r}. Did you mean {' or '.join(map(repr, close))}?")
+        return self.tasks[task_id]
+
+    def of_week(self, week: str) -> list[Task]:
+        """The tasks of one week, in order."""
+        return [task for task in self.tasks.values() if task.week == week]
+
+    def points(self, task: Task) -> tuple[float, bool]:
+        """The task's points, and whether they are a bonus on top of the week's 100."""
+        week, name = self.course.weeks[task.week], task.id.split(".")[1]
+        return (week.bonus[name], True) if name in week.bonus else (week.points[name], False)
+
+
+def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
+    """Read course.toml, the public check files and, if `solutions` is given, the hidden ones.
+
+    Raises:
+        CourseError: Naming the file and what is wrong in it.
+    """
+    course = read_course_file(exercises / "course.toml")
+    tasks: dict[str, Task] = {}
+    hidden: dict[str, tuple[Scenario, ...]] = {}
+    for week, settings in course.weeks.items():
+        if not settings.points:
+            continue  # a week without tasks, such as week 0
+        path = exercises / "checks" / f"{week}.py"
+        of_week = _tasks(path, week)
+        _same_names(path, settings, of_week)
+        tasks |= of_week
+        if solutions is not None:
+            hidden |= _hidden(solutions / "checks" / f"{week}.py", of_week)
+    return Catalog(course, tasks, hidden)
+
+
+def _tasks(path: Path, week: str) -> dict[str, Task]:
+    tasks = _run(path).get("TASKS")
+    if not isinstance(tasks, tuple) or not all(isinstance(task, Task) for task in tasks):
+        raise CourseError(f"{path}: TASKS: expected a tuple of Task (mind the last comma)")
+    strange = [task.id for task in tasks if task.week != week]
+    if strange or len({task.id for task in tasks}) != len(tasks):
+        raise CourseError(f"{path}: ids of {week}, each once, expected; got {[task.id for task in tasks]}")
+    return {task.id: task for task in tasks}
+
+
+def _hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scenario, ...]]:
+    hidden = _run(path).get("HIDDEN")
+    if not isinstance(hidden, dict):
+        raise CourseError(f"{path}: HIDDEN: expected a dict of task id to scenarios")
+    for task_id, scenarios in hidden.items():
+        if task_id not in tasks:
+            raise CourseError(f"{path}: HIDDEN: unknown task {task_id!r}, known: {', '.join(tasks)}")
+        try:
+            check_scenarios(task_id, tasks[task_id].scenarios + check_scenarios(task_id, scenarios))
+        except CourseError as error:
+            raise CourseError(f"{path}: {error}") from error
+    return dict(hidden)
+
+
+def _same_names(path: Path, week: Week, tasks: Mapping[str, Task]) -> None:
+    with_points = {*week.points, *week.bonus}
+    names = {task_id.split(".")[1] for task_id in tasks}
+    if with_points != names:
+        raise CourseError(
+            f"{path.parent.parent / 'course.toml'}: points for {sorted(with_points)}, "
+            f"but {path} has the tasks {sorted(names)}"
+        )
+
+
+def _run(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise CourseError(f"{path} is missing: every week with points in course.toml has its check file")
+    try:
+        return runpy.run_path(str(path))
+    except Exception as error:  # a check file is a program: whatever it raises, the file must be named
+        raise CourseError(f"{path}: {type(error).__name__}: {error}") from error

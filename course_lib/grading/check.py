@@ -1,0 +1,72 @@
+"""`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from course_lib.course.identity import current_identity
+from course_lib.course.page import show
+from course_lib.course.state import student_state
+from course_lib.errors import CourseError
+from course_lib.grading.catalog import Catalog
+from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.personal import personal_values
+from course_lib.grading.scenario import run_here
+from course_lib.grading.shipped import shipped_catalog
+from course_lib.grading.table import Table
+from course_lib.grading.task import HINTS, Task
+
+STRICT = "COURSE_STRICT"
+
+_bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
+
+
+class CheckFailedError(CourseError):
+    """With COURSE_STRICT=1: a check did not pass."""
+
+
+def check(task_id: str, subject: Any) -> None:
+    """Run your object through a task's public checks and show what passed, what did not, and why.
+
+    Args:
+        task_id: The task, "week01.red_cube".
+        subject: What the task asks for: the node class itself, a function, a value or a text.
+
+    Raises:
+        CourseError: There is no such task; or with COURSE_STRICT=1, a check failed.
+    """
+    if _bind is not None:
+        _bind(task_id, subject)
+        return
+    catalog = shipped_catalog()
+    task = catalog.task(task_id)
+    result = check_here(catalog, task, subject)
+    table = Table(result, _hint(task, result))
+    show(lambda: table, str(table))
+    if os.environ.get(STRICT) == "1" and not result.passed:
+        raise CheckFailedError(str(table))
+
+
+def bind_only(bind: Callable[[str, Any], None]) -> None:
+    """From now on `check` hands the object over and runs nothing: for the grader's worker."""
+    global _bind
+    _bind = bind
+
+
+def check_here(catalog: Catalog, task: Task, subject: Any) -> TaskResult:
+    """Run and judge a task's public scenarios in this process."""
+    personal = personal_values(task, current_identity())
+    runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
+    result = judge_task(task, *catalog.points(task), runs)
+    student_state().put("progress", task.id, {"score": result.score, "of": result.points})
+    return result
+
+
+def _hint(task: Task, result: TaskResult) -> str:
+    """The next hint, if a check failed: the first failure shows the first, and so on."""
+    if result.passed or not task.scenarios:
+        return ""
+    state = student_state()
+    failures = min(state.get("hints", task.id, 0) + 1, HINTS)
+    state.put("hints", task.id, failures)
+    return f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}"

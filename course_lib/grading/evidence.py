@@ -1,0 +1,110 @@
+"""What came out of a run, and what checks say about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Sample
+
+if TYPE_CHECKING:
+    from course_lib.recording import Recording
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one scenario of one task brought out, all of it data.
+
+    Args:
+        task: The task's id.
+        scenario: The scenario's name.
+        seconds: Robot time that the scenario was to last.
+        samples: What the student's side published.
+        returns: Returned values of a function, or the one value or text handed in; plain data.
+        output: What was printed, cut at the limit.
+        errors: One sentence per exception of the student's code.
+        stopped: Which limit ended it early ("time", "memory", …), or "".
+        personal: The student's own values.
+    """
+
+    task: str
+    scenario: str
+    seconds: float
+    samples: tuple[Sample, ...] = ()
+    returns: tuple[Any, ...] = ()
+    output: str = ""
+    errors: tuple[str, ...] = ()
+    stopped: str = ""
+    personal: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def recording(self) -> Recording:
+        """The samples as a recording."""
+        from course_lib.recording import Recording
+
+        return Recording(self.samples)
+
+    @cached_property
+    def topics(self) -> dict[str, str]:
+        """Topic to message type, of what was published."""
+        return {sample.topic: sample.type_name for sample in self.samples}
+
+    def messages(self, topic: str) -> Iterator[tuple[float, Any]]:
+        """Yield ([s] since the start, message) of one topic; bytes that are no such message are left out."""
+        for sample in self.samples:
+            if sample.topic == topic and (message := _decoded(sample)) is not None:
+                yield (sample.stamp_ns - START_NS) / 1e9, message
+
+
+def _decoded(sample: Sample) -> Any:
+    from course_lib.ros.messages import deserialize, message_class
+
+    try:
+        return deserialize(sample.cdr, message_class(sample.type_name))
+    except Exception:  # the bytes come from a student's process: they may be anything, and no message then
+        return None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A check's answer.
+
+    Args:
+        score: From 0 to 1.
+        message: What came in and what was expected; for public checks.
+        mistake: The kind of mistake, without any value; for hidden checks.
+    """
+
+    score: float
+    message: str
+    mistake: str = ""
+
+
+def passed(message: str) -> Verdict:
+    """Full score."""
+    return Verdict(1.0, message)
+
+
+def failed(message: str, mistake: str) -> Verdict:
+    """No score, with the public wording and the hidden one."""
+    return Verdict(0.0, message, mistake)
+
+
+@dataclass(frozen=True)
+class Check:
+    """A pure function from evidence to a verdict, with its title in tables and its weight in the task."""
+
+    title: str
+    judge: Callable[[Evidence], Verdict]
+    weight: float = 1.0
+
+    def titled(self, title: str) -> Check:
+        """The same check under another title."""
+        return replace(self, title=title)
+
+    def worth(self, weight: float) -> Check:
+        """The same check with another share of the task's points; 0 only reports."""
+        return replace(self, weight=weight)

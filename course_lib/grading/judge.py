@@ -1,0 +1,93 @@
+"""From evidence to marks: pure functions, so that the same evidence always gets the same mark."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.task import Scenario, Task
+
+
+class BrokenCheckError(CourseError):
+    """A check raised something: the kit's fault, never the student's."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scenario that has been run: what it was, and what came out."""
+
+    scenario: Scenario
+    evidence: Evidence
+    hidden: bool = False
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """One row of a table: with the public wording and the kind of mistake, for whoever may read which."""
+
+    title: str
+    scenario: str
+    hidden: bool
+    weight: float
+    score: float
+    message: str
+    mistake: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether it has the full score."""
+        return self.score >= 1
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """The mark of one task and its reasons."""
+
+    task: str
+    title: str
+    points: float
+    bonus: bool
+    checks: tuple[CheckResult, ...]
+    errors: tuple[str, ...] = ()
+    stopped: str = ""
+
+    @property
+    def fraction(self) -> float:
+        """The weighted mean of the checks' scores."""
+        whole = sum(check.weight for check in self.checks)
+        return sum(check.weight * check.score for check in self.checks) / whole if whole else 0.0
+
+    @property
+    def score(self) -> float:
+        """In points."""
+        return round(self.points * self.fraction, 2)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check has its full score."""
+        return bool(self.checks) and all(check.passed for check in self.checks)
+
+
+def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> TaskResult:
+    """Judge all runs of a task.
+
+    Raises:
+        BrokenCheckError: A check raised an exception.
+    """
+    checks = tuple(_judge(check, run) for run in runs for check in run.scenario.checks)
+    errors = tuple(dict.fromkeys(error for run in runs for error in run.evidence.errors))
+    stopped = next((run.evidence.stopped for run in runs if run.evidence.stopped), "")
+    return TaskResult(task.id, task.title, points, bonus, checks, errors, stopped)
+
+
+def _judge(check: Check, run: Run) -> CheckResult:
+    try:
+        verdict = check.judge(run.evidence)
+    except Exception as error:  # whatever a check raises is a fault of ours and must be named as such
+        where = f"{run.evidence.task}, {run.scenario.name}, {check.title!r}"
+        raise BrokenCheckError(f"{where} is broken: {type(error).__name__}: {error}") from error
+    score = verdict.score if 0 <= verdict.score <= 1 else 0.0  # NaN is no score
+    mistake = verdict.mistake or ("as expected" if score == 1 else "not as expected")
+    return CheckResult(
+        check.title, run.scenario.name, run.hidden, check.weight, score, verdict.message, mistake
+    )

@@ -1,0 +1,38 @@
+"""Values that depend on the student, so that copying an answer is of no use."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from course_lib.course.identity import current_identity, personal_number
+from course_lib.errors import CourseError
+from course_lib.grading.task import Task
+
+_given: dict[str, dict[str, Any]] | None = None  # set in the grader's worker, which holds no check files
+
+
+def personal_values(task: Task, student: str | None) -> dict[str, Any]:
+    """The task's own values for one student: one option of each row, by a hash of the normalised ID."""
+    return {
+        name: options[personal_number(student, f"{task.id}/{name}", len(options))]
+        for name, options in task.personal.items()
+    }
+
+
+def my_values(task_id: str) -> Mapping[str, Any]:
+    """Your own values of a task, by name: `my_values("week01.red_cube")["height"]`.
+
+    They depend on your student ID. Without one they are those of a guest.
+    """
+    if _given is not None:
+        if task_id not in _given:
+            raise CourseError(f"there is no task {task_id!r} in this exercise, only {', '.join(_given)}")
+        return _given[task_id]
+    from course_lib.grading.shipped import shipped_catalog
+
+    return personal_values(shipped_catalog().task(task_id), current_identity())
+
+
+def give_values(values: dict[str, dict[str, Any]]) -> None:
+    """Make these the values of `my_values`, by task: for the worker that runs a submission."""
+    global _given
+    _given = values

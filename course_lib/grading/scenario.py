@@ -1,0 +1,92 @@
+"""A scenario's stage, which is ours: clock, inputs and recorder; and a whole run of it in this process."""
+
+import io
+from collections.abc import Mapping
+from contextlib import redirect_stderr, redirect_stdout
+from typing import Any
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.message_data import build
+from course_lib.grading.perform import Outcome, Part, perform
+from course_lib.grading.plain import plain
+from course_lib.grading.task import Message, Scenario, Task, resolve
+from course_lib.grading.watchdog import watchdog
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.qos import Qos
+
+INPUT_NODE = "scenario"
+WALL_LIMIT = 20.0  # [s] of the wall clock for a run in this process
+
+
+class Stage:
+    """The graph of one scenario, with our inputs on it and a recorder of what the student's side publishes.
+
+    Args:
+        task: Whose scenario it is.
+        scenario: What runs.
+        personal: The student's own values.
+    """
+
+    def __init__(self, task: Task, scenario: Scenario, personal: Mapping[str, Any]) -> None:
+        self._task, self._scenario, self._personal = task, scenario, personal
+        self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9), notebook=True)
+        self._ours = self.graph.add_node(INPUT_NODE, "/")
+        self._samples: list[Sample] = []
+        self.graph.tap(self._record)
+        for message in scenario.inputs:
+            self._schedule(message)
+        calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
+        self.part = Part(task.kind, scenario.seed, calls)
+
+    def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
+        """What came out, so far."""
+        return Evidence(
+            task=self._task.id,
+            scenario=self._scenario.name,
+            seconds=self._scenario.seconds,
+            samples=tuple(self._samples),
+            returns=tuple(outcome.returns),
+            output=output,
+            errors=tuple(outcome.errors),
+            stopped=stopped,
+            personal=self._personal,
+        )
+
+    def _record(self, sample: Sample) -> None:
+        if sample.node != self._ours:
+            self._samples.append(sample)
+
+    def _schedule(self, message: Message) -> None:
+        from course_lib.ros.messages import serialize
+
+        cdr = serialize(build(message, self._personal))
+        endpoint = self.graph.add_publisher(self._ours, message.topic, message.type_name, Qos())
+        due_ns = START_NS + round(message.at * 1e9)
+
+        def publish() -> None:
+            self.graph.publish(endpoint, cdr)
+
+        self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
+
+
+def run_here(
+    task: Task,
+    scenario: Scenario,
+    subject: Any,
+    personal: Mapping[str, Any],
+    *,
+    wall_limit: float = WALL_LIMIT,
+) -> Evidence:
+    """Run a scenario in this process, interrupted after `wall_limit` [s] of the wall clock."""
+    stage, outcome, output = Stage(task, scenario, personal), Outcome(), io.StringIO()
+    stopped = ""
+    with redirect_stdout(output), redirect_stderr(output), watchdog(wall_limit) as dog:
+        try:
+            perform(stage.part, subject, stage.graph, outcome)
+        except KeyboardInterrupt:
+            if not dog.barked:
+                raise
+            stopped = "time"
+            outcome.errors.append(f"still running after {wall_limit:g} s: an endless loop? It was stopped.")
+    return stage.evidence(outcome, output=output.getvalue(), stopped=stopped)

@@ -1,0 +1,72 @@
+"""What a marker topic shows: Marker and MarkerArray alike."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary.wording import Problem, nothing_on
+
+TYPES = (  # by the number in Marker.type
+    "ARROW", "CUBE", "SPHERE", "CYLINDER", "LINE_STRIP", "LINE_LIST", "CUBE_LIST", "SPHERE_LIST",
+    "POINTS", "TEXT_VIEW_FACING", "MESH_RESOURCE", "TRIANGLE_LIST", "ARROW_STRIP",
+)  # fmt: skip
+MARKER_MESSAGES = ("visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray")
+ADD, DELETE, DELETE_ALL = 0, 2, 3
+
+
+@dataclass(frozen=True)
+class Which:
+    """Selects markers by type name, namespace and id; None means any."""
+
+    type: str | None = None
+    ns: str | None = None
+    id: int | None = None
+
+    def fits(self, marker: Any) -> bool:
+        """Whether a marker is meant."""
+        wanted = {"ns": self.ns, "id": self.id}
+        return self.type in (None, type_of(marker)) and all(
+            value in (None, getattr(marker, name)) for name, value in wanted.items()
+        )
+
+
+def type_of(marker: Any) -> str:
+    """The name of a marker's type, "CUBE"."""
+    return TYPES[marker.type] if 0 <= marker.type < len(TYPES) else f"unknown type {marker.type}"
+
+
+def noun(marker: Any) -> str:
+    """What a marker is called in a sentence: "the cube"."""
+    return f"the {type_of(marker).lower().replace('_', ' ')}"
+
+
+def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
+    """Yield (seconds since the start, marker) of every marker published."""
+    if evidence.topics.get(topic) in MARKER_MESSAGES:
+        for seconds, message in evidence.messages(topic):
+            for marker in getattr(message, "markers", [message]):
+                yield seconds, marker
+
+
+def shown(evidence: Evidence, topic: str) -> list[Any]:
+    """The markers that are there at the end, each as last added; lifetimes are not looked at."""
+    markers: dict[tuple[str, int], Any] = {}
+    for _, marker in each(evidence, topic):
+        if marker.action == ADD:
+            markers[marker.ns, marker.id] = marker
+        elif marker.action == DELETE:
+            markers.pop((marker.ns, marker.id), None)
+        elif marker.action == DELETE_ALL:
+            markers.clear()
+    return list(markers.values())
+
+
+def no_markers(evidence: Evidence, topic: str) -> list[Problem]:
+    """Why a topic shows no marker at all."""
+    if topic not in evidence.topics:
+        return [nothing_on(evidence, topic)]
+    if evidence.topics[topic] not in MARKER_MESSAGES:
+        message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
+        return [Problem(message, "a topic has the wrong message type")]
+    return [Problem(f"{topic} shows no marker at the end: all were deleted", "no marker is left at the end")]

@@ -1,0 +1,149 @@
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.task import my
+from course_lib.grading.vocabulary import expect_all_marker_types, expect_marker, expect_marker_count
+
+TOPIC = "/visualization_marker"
+RED_CUBE = expect_marker(
+    TOPIC, type="CUBE", frame="map", position=(0, 0, 0.5), scale=(1, 1, 1), color=(1, 0, 0, 0.8)
+)
+
+MakeEvidence = Callable[..., Evidence]
+MakeCube = Callable[..., Any]
+
+
+def test_the_cube_of_lesson_1_passes(evidence: MakeEvidence, cube: MakeCube) -> None:
+    assert RED_CUBE.judge(evidence((1, TOPIC, cube()))).score == 1
+
+
+def test_float_noise_does_not_matter(evidence: MakeEvidence, cube: MakeCube) -> None:
+    assert RED_CUBE.judge(evidence((1, TOPIC, cube(pose__position__z=0.1 + 0.2 + 0.2)))).score == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "message", "mistake"),
+    [
+        (
+            {"pose__position__z": 0.2},
+            "the cube is 0.30 m too low: its centre is at z = 0.20 m, expected 0.50 m",
+            "the position of a marker is wrong",
+        ),
+        (
+            {"pose__position__x": 1.5},
+            "the cube is 1.50 m too far towards +x: its centre is at x = 1.50 m, expected 0.00 m",
+            "the position of a marker is wrong",
+        ),
+        (
+            {"header__frame_id": "odom"},
+            "the cube is in frame 'odom', expected 'map'",
+            "the frame of a marker is wrong",
+        ),
+        (
+            {"scale__y": 2.0},
+            "the cube: scale.y is 2.00 m, expected 1.00 m",
+            "the size of a marker is wrong",
+        ),
+        (
+            {"color__r": 0.0, "color__g": 1.0},
+            "the cube's color rgba is (0.00, 1.00, 0.00, 0.80) (green), "
+            "expected (1.00, 0.00, 0.00, 0.80) (red)",
+            "the color of a marker is wrong",
+        ),
+        ({"type": 2}, "the marker is SPHERE, expected CUBE", "the type of a marker is wrong"),
+    ],
+)
+def test_a_message_says_what_came_and_what_was_expected(
+    evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], message: str, mistake: str
+) -> None:
+    verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(**changes))))
+    assert (verdict.score, verdict.message, verdict.mistake) == (0, message, mistake)
+
+
+def test_an_invisible_cube_is_named_as_such(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__a=0.0))))
+    assert "nobody can see it" in verdict.message
+
+
+@pytest.mark.parametrize("field", ["pose__position__z", "scale__x", "color__r"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_nan_and_infinity_never_pass(
+    evidence: MakeEvidence, cube: MakeCube, field: str, value: float
+) -> None:
+    assert RED_CUBE.judge(evidence((1, TOPIC, cube(**{field: value})))).score == 0
+
+
+def test_the_marker_that_fits_best_is_meant(evidence: MakeEvidence, cube: MakeCube) -> None:
+    other = cube(id=1, type=Marker.SPHERE, pose__position__z=9.0)
+    assert RED_CUBE.judge(evidence((1, TOPIC, cube()), (1, TOPIC, other))).score == 1
+
+
+def test_ns_and_id_select_a_marker(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check = expect_marker(TOPIC, id=4, position=(0, 0, 0.5))
+    verdict = check.judge(evidence((1, TOPIC, cube(id=3))))
+    assert "there is: 'basic_shapes' 3" in verdict.message
+
+
+def test_what_is_deleted_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = RED_CUBE.judge(evidence((1, TOPIC, cube()), (2, TOPIC, cube(action=Marker.DELETE))))
+    assert verdict.message == f"{TOPIC} shows no marker at the end: all were deleted"
+
+
+def test_marker_arrays_count_as_markers(evidence: MakeEvidence, cube: MakeCube) -> None:
+    array = MarkerArray(markers=[cube(id=0), cube(id=1)])
+    assert RED_CUBE.judge(evidence((1, TOPIC, array))).score == 1
+    assert expect_marker_count(TOPIC, 2, type="CUBE").judge(evidence((1, TOPIC, array))).score == 1
+    assert "shows 2 markers" in expect_marker_count(TOPIC, 3).judge(evidence((1, TOPIC, array))).message
+
+
+def test_silence_names_the_topics_that_were_heard(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = RED_CUBE.judge(evidence((1, "/visualisation_marker", cube())))
+    assert verdict.message.startswith(f"nothing was published on {TOPIC} in 3 s")
+    assert "/visualisation_marker" in verdict.message
+
+
+def test_a_wrong_message_type_is_named(evidence: MakeEvidence) -> None:
+    verdict = RED_CUBE.judge(evidence((1, TOPIC, String(data="cube"))))
+    assert "carries std_msgs/msg/String" in verdict.message
+
+
+def test_values_of_the_student_are_used(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check = expect_marker(TOPIC, position=(0, 0, my("height")))
+    came = (1, TOPIC, cube(pose__position__z=0.8))
+    assert check.judge(evidence(came, personal={"height": 0.8})).score == 1
+    assert check.judge(evidence(came, personal={"height": 1.1})).score == 0
+
+
+def test_missing_marker_types_are_listed(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check: Check = expect_all_marker_types(TOPIC, "CUBE", "SPHERE", "ARROW")
+    assert check.judge(evidence((1, TOPIC, cube()))).message == (
+        "these types are missing at the end: SPHERE and ARROW"
+    )
+    shapes = [(1, TOPIC, cube(id=kind, type=kind)) for kind in range(3)]
+    assert check.judge(evidence(*shapes)).score == 1
+
+
+def test_text_points_and_yaw_are_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
+    from geometry_msgs.msg import Point
+
+    points = [Point(x=1.0), Point(y=1.0)]
+    marker = cube(text="hello", points=points, pose__orientation__w=0.0, pose__orientation__z=1.0)
+    came = evidence((1, TOPIC, marker))
+    check = expect_marker(TOPIC, text="hello", points=[(0, 1, 0), (1, 0, 0)], yaw=-3.14159)
+    assert check.judge(came).score == 1
+    wrong = expect_marker(TOPIC, text="hi", points=[(0, 1, 0), (2, 0, 0)], yaw=0.0).judge(came)
+    for part in ("says 'hello'", "no point at (2.00, 0.00, 0.00) m", "turned by 3.14 rad"):
+        assert part in wrong.message
+
+
+def test_bytes_that_are_no_message_count_as_silence(evidence: MakeEvidence, cube: MakeCube) -> None:
+    from dataclasses import replace
+
+    came = evidence((1, TOPIC, cube()))
+    broken = replace(came, samples=tuple(replace(s, cdr=b"\0\1\0\0\xff\xff") for s in came.samples))
+    assert RED_CUBE.judge(broken).score == 0

@@ -1,0 +1,73 @@
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import expect_circle, expect_moving
+
+MakeEvidence = Callable[..., Evidence]
+MakeCube = Callable[..., Any]
+MakeRound = Callable[..., Evidence]
+
+TOPIC = "/ball"
+CIRCLE = expect_circle(TOPIC, radius=2.0, height=1.0, period=10.0, counter_clockwise=True)
+
+
+@pytest.fixture
+def going_round(evidence: MakeEvidence, cube: MakeCube) -> MakeRound:
+    def make(
+        radius: float = 2.0, height: float = 1.0, period: float = 10.0, seconds: float = 4.0
+    ) -> Evidence:
+        rows = []
+        for tick in range(round(seconds * 10)):
+            angle = math.tau * tick / 10 / period
+            x, y = radius * math.cos(angle), radius * math.sin(angle)
+            marker = cube(pose__position__x=x, pose__position__y=y, pose__position__z=height)
+            rows.append((tick / 10, TOPIC, marker))
+        return evidence(*rows, seconds=seconds)
+
+    return make
+
+
+def test_the_asked_circle_passes(going_round: MakeRound) -> None:
+    assert CIRCLE.judge(going_round()).score == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "message", "mistake"),
+    [
+        ({"radius": 1.0}, "1.00 m too far in", "the path leaves the circle: wrong radius or centre"),
+        ({"height": 0.5}, "the marker is 0.50 m too low", "the path is at the wrong height"),
+        ({"period": -10.0}, "the marker goes clockwise (from above)", "the direction of turning is wrong"),
+        ({"period": 5.0}, "one turn takes 5.00 s, expected 10.00 s: 5.00 s too fast", "the time of one turn"),
+        ({"period": 1e9}, "the marker stands still", "a marker does not move as expected"),
+        ({"radius": math.nan}, "not at a place", "the path leaves the circle"),
+    ],
+)
+def test_what_is_wrong_about_a_circle_is_named(
+    going_round: MakeRound, changes: dict[str, float], message: str, mistake: str
+) -> None:
+    verdict = CIRCLE.judge(going_round(**changes))
+    assert verdict.score == 0
+    assert message in verdict.message
+    assert verdict.mistake.startswith(mistake)
+
+
+def test_without_a_period_half_a_turn_must_be_seen(going_round: MakeRound) -> None:
+    check = expect_circle(TOPIC, radius=2.0)
+    assert check.judge(going_round(seconds=6.0)).score == 1
+    assert "turned only" in check.judge(going_round(seconds=2.0)).message
+
+
+def test_moving_means_getting_away_from_the_start(going_round: MakeRound) -> None:
+    check = expect_moving(TOPIC, at_least=1.0)
+    assert check.judge(going_round()).score == 1
+    assert "moved 0.00 m" in check.judge(going_round(radius=0.0)).message
+    assert check.judge(going_round(radius=math.nan)).score == 0
+
+
+def test_another_marker_does_not_count(going_round: MakeRound) -> None:
+    verdict = expect_moving(TOPIC, type="SPHERE").judge(going_round())
+    assert verdict.message == "no marker with type 'SPHERE' was added on /ball"

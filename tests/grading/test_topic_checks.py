@@ -1,0 +1,70 @@
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from std_msgs.msg import Float64
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import expect_message, expect_rate, expect_stamps, expect_topic
+from course_lib.ros.clock import START_NS
+
+MakeEvidence = Callable[..., Evidence]
+MakeCube = Callable[..., Any]
+
+KIND = "std_msgs/msg/Float64"
+
+
+def ticks(*times: float) -> list[tuple[float, str, Any]]:
+    return [(at, "/tick", Float64(data=float(at))) for at in times]
+
+
+def test_a_topic_of_the_right_type_passes(evidence: MakeEvidence) -> None:
+    assert expect_topic("/tick", KIND, at_least=2).judge(evidence(*ticks(1, 2))).score == 1
+    assert (
+        "expected at least 3" in expect_topic("/tick", KIND, at_least=3).judge(evidence(*ticks(1, 2))).message
+    )
+    assert (
+        "carries std_msgs/msg/Float64"
+        in expect_topic("/tick", "std_msgs/msg/String").judge(evidence(*ticks(1))).message
+    )
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ((1, 2, 3), "as expected"),
+        ((1, 1, 2, 2, 3, 3), "as expected"),
+        ((0.5, 1, 1.5, 2, 2.5, 3), "/tick is too fast: 2.00 Hz, expected 1.00 Hz"),
+        ((0, 2), "/tick is too slow: 0.50 Hz, expected 1.00 Hz"),
+        ((1,), "/tick was published once in 3 s, expected 1.00 Hz"),
+        ((0, 0.98), "/tick falls silent after 0.98 s of 3 s"),
+        ((), "nothing was published on /tick in 3 s (your side published: on no topic at all)"),
+    ],
+)
+def test_a_rate_is_measured_over_the_whole_scenario(
+    evidence: MakeEvidence, times: tuple[float, ...], message: str
+) -> None:
+    assert expect_rate("/tick", 1.0).judge(evidence(*ticks(*times))).message == message
+
+
+@pytest.mark.parametrize(
+    ("stamp_s", "message"),
+    [
+        (1.0, "as expected"),
+        (0.0, "header.stamp on /m is 1.00 s in the past"),
+        (3.0, "header.stamp on /m is 2.00 s in the future"),
+        (-START_NS / 1e9, "header.stamp on /m is not set"),
+    ],
+)
+def test_stamps_are_the_time_of_publishing(
+    evidence: MakeEvidence, cube: MakeCube, stamp_s: float, message: str
+) -> None:
+    marker = cube(header__stamp__sec=int(START_NS // 10**9 + stamp_s))
+    assert expect_stamps("/m").judge(evidence((1.0, "/m", marker))).message.startswith(message)
+
+
+def test_fields_of_the_last_message_are_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
+    fields = {"header.frame_id": "map", "scale.x": 1.0}
+    assert expect_message("/m", fields).judge(evidence((1, "/m", cube()))).score == 1
+    wrong = expect_message("/m", fields, unit="m").judge(evidence((1, "/m", cube(scale__x=1.5))))
+    assert wrong.message == "scale.x is 1.50 m, expected 1.00 m: 0.50 m too much"

@@ -1,0 +1,93 @@
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.plain import is_plain, plain
+from course_lib.grading.vocabulary import expect_no_error, expect_text, expect_value
+
+MakeEvidence = Callable[..., Evidence]
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (0.1 + 0.2, 0.3),
+        (np.float32(0.5), 0.5),
+        (3, 3.0),
+        ([1, 2], (1.0, 2.0)),
+        (np.array([[1, 2], [3, 4]]), [[1, 2], [3, 4]]),
+        ([1.0, 2.0], np.array([1.0, 2.0])),
+        ("map ", "map"),
+        (True, True),
+        ({"x": 1.0, "extra": 2}, {"x": 1.0}),
+    ],
+)
+def test_equal_values_pass_in_whatever_form(evidence: MakeEvidence, value: Any, expected: Any) -> None:
+    assert expect_value(expected).judge(evidence(returns=(plain(value),))).score == 1
+
+
+@pytest.mark.parametrize(
+    ("value", "expected", "message"),
+    [
+        (0.5, 0.8, "the value is 0.50 m, expected 0.80 m: 0.30 m too little"),
+        (float("nan"), 0.8, "the value is nan m, expected 0.80 m"),
+        (True, 1.0, "the value is True, expected a number"),
+        (1, True, "the value is 1, expected True"),
+        ([1, 2], [1, 2, 3], "the value has 2 items, expected 3"),
+        ([1, 2], [1, 3], "the value[1] is 2.00 m, expected 3.00 m: 1.00 m too little"),
+        ("odom", "map", "the value is 'odom', expected 'map'"),
+        (None, 1.0, "the value is None, expected a number"),
+        (object(), 1.0, "the value is {'object': 'a object'}, expected a number"),
+        ({}, {"x": 1}, "the value has no 'x'"),
+        (3.0, [3.0], "the value is 3.0, expected a list of 1"),
+        ([1], {"x": 1}, "the value is [1], expected a dict"),
+    ],
+)
+def test_other_values_fail_and_say_why(
+    evidence: MakeEvidence, value: Any, expected: Any, message: str
+) -> None:
+    verdict = expect_value(expected, unit="m").judge(evidence(returns=(plain(value),)))
+    assert (verdict.score, verdict.message) == (0, message)
+
+
+def test_a_wrong_sign_is_named_without_the_value(evidence: MakeEvidence) -> None:
+    assert expect_value(0.5).judge(evidence(returns=(-0.5,))).mistake == "a value has the wrong sign"
+
+
+def test_each_call_has_its_own_value(evidence: MakeEvidence) -> None:
+    assert expect_value(2, call=1).judge(evidence(returns=(1, 2))).score == 1
+    assert "nothing came back" in expect_value(2, call=2).judge(evidence(returns=(1, 2))).message
+
+
+@pytest.mark.parametrize("text", ["The fixed frame!", "it is  the FIXED-FRAME, I think"])
+def test_a_text_may_say_it_in_its_own_way(evidence: MakeEvidence, text: str) -> None:
+    assert expect_text("fixed frame", "map").judge(evidence(returns=(text,))).score == 1
+
+
+@pytest.mark.parametrize("text", ["", "the fixed frames", None, 3])
+def test_a_text_that_does_not_say_it_fails(evidence: MakeEvidence, text: Any) -> None:
+    assert expect_text("fixed frame").judge(evidence(returns=(text,))).score == 0
+
+
+def test_an_error_is_reported_but_weighs_nothing(evidence: MakeEvidence) -> None:
+    check = expect_no_error()
+    assert check.weight == 0
+    assert check.judge(evidence(errors=("ValueError: no",))).message == "ValueError: no"
+
+
+def test_plain_data_bounds_what_a_student_can_return() -> None:
+    deep: Any = []
+    for _ in range(1000):
+        deep = [deep]
+    assert is_plain(plain(deep))
+    assert is_plain(plain(10**5000))
+    assert len(str(plain(np.zeros(10**7)))) < 100
+    assert plain({1: (2, "\ud800")}) == {"1": [2, "?"]}
+
+
+@pytest.mark.parametrize("value", [b"bytes", {1: 2}, (1,), object(), [[set()]]])
+def test_only_plain_data_is_taken_from_outside(value: Any) -> None:
+    assert not is_plain(value)
