@@ -14,7 +14,9 @@ from course_lib.viewer.arrays import Matrix, checked
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable
 
-What: TypeAlias = Literal["object", "transform", "visible", "properties", "delete", "look", "animation"]
+What: TypeAlias = Literal[
+    "object", "transform", "visible", "properties", "delete", "background", "camera", "animation"
+]
 Listener: TypeAlias = Callable[[What, str], None]
 
 _IDENTITY = np.eye(4)
@@ -116,7 +118,7 @@ class Scene:
     def delete(self, path: str) -> None:
         """Remove a node with all below it; a node that is not there is no error, "" empties the scene."""
         with self.lock:
-            node = self._nodes.get(_normal(path))
+            node = self.find(path)
             if node is None:
                 return
             for gone in list(node.subtree()):
@@ -135,8 +137,9 @@ class Scene:
     @background.setter
     def background(self, rgb: tuple[int, int, int]) -> None:
         red, green, blue = (min(max(int(value), 0), 255) for value in rgb)
-        self._background = (red, green, blue)
-        self._tell("look", "")
+        with self.lock:
+            self._background = (red, green, blue)
+            self._tell("background", "")
 
     @property
     def camera(self) -> Camera:
@@ -145,8 +148,9 @@ class Scene:
 
     @camera.setter
     def camera(self, camera: Camera) -> None:
-        self._camera = camera
-        self._tell("look", "")
+        with self.lock:
+            self._camera = camera
+            self._tell("camera", "")
 
     def objects(self) -> dict[str, Drawable | MeshcatObject]:
         """Return what is at which path, in the order of the tree."""
@@ -186,13 +190,17 @@ class Scene:
         Raises:
             CourseError: If there is none; the message names similar ones.
         """
-        node = self._nodes.get(_normal(path))
+        node = self.find(path)
         if node is None:
             near = get_close_matches(path, self._nodes, 3) or [name for name in self._nodes if name][:5]
             raise CourseError(
                 f"Nothing is at {path!r} in the scene; there is {', '.join(near) or 'nothing yet'}."
             )
         return node
+
+    def find(self, path: str) -> Node | None:
+        """Return the node at a path, or None."""
+        return self._nodes.get(path) or self._nodes.get(_normal(path))
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Have a function called at every change, with what changed and the path; returns "stop"."""
@@ -208,11 +216,9 @@ class Scene:
             listener(what, path)
 
     def _made(self, path: str) -> Node:
-        node = self._nodes.get(path)
+        node = self.find(path)
         if node is None:
             path = _normal(path)
-            node = self._nodes.get(path)
-        if node is None:
             parent = self._made(path.rpartition("/")[0])
             node = self._nodes[path] = parent.children[path] = Node(path, parent)
         return node

@@ -1,0 +1,69 @@
+"""The viewer's JavaScript: meshcat's own bundle with ours after it, as one script without requests."""
+
+import gzip
+import hashlib
+import re
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from course_lib.errors import CourseError
+
+_MODULES = (
+    "decode",
+    "materials",
+    "surfaces",
+    "billboards",
+    "mirror",
+    "renderer",
+    "orbit",
+    "view",
+    "link",
+    "page",
+)
+_FOLDER = Path(__file__).parent / "js"
+
+# meshcat's bundle finds `module` here, and no RequireJS whatever else the page has loaded.
+_SCRIPT = """\
+globalThis["%(key)s"] ??= (() => {
+const MeshCat = ((module, exports, define) => { %(meshcat)s
+return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
+const { THREE } = MeshCat;
+%(ours)s
+return { Link, mountAll, picture, views };
+})();
+"""
+
+
+@cache
+def bundle() -> tuple[str, str]:
+    """Return the name under which a page finds the viewer, and the script that puts it there."""
+    meshcat, ours = _meshcat(), "\n".join(_joinable(name) for name in _MODULES)
+    key = "__courseViewer_" + hashlib.sha256((meshcat + ours).encode()).hexdigest()[:12]
+    return key, _SCRIPT % {"key": key, "meshcat": meshcat, "ours": ours}
+
+
+@cache
+def bundle_zipped() -> bytes:
+    """Return the script, compressed."""
+    return gzip.compress(bundle()[1].encode(), 9, mtime=0)
+
+
+@cache
+def widget_module() -> str:
+    """Return the module of a widget, which loads the script."""
+    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle()[0])
+
+
+def _meshcat() -> str:
+    package = find_spec("meshcat")  # without importing it, which takes a second
+    if package is None or package.origin is None:
+        raise CourseError("The package meshcat is missing: pip install meshcat==0.3.2")
+    path = Path(package.origin).parent / "viewer" / "dist" / "main.min.js"
+    return path.read_text("utf-8")
+
+
+def _joinable(name: str) -> str:
+    """Return a module's text without its imports and exports: together all are one function."""
+    text = (_FOLDER / f"{name}.js").read_text("utf-8")
+    return re.sub(r"^export ", "", re.sub(r"^import [^;]*;$", "", text, flags=re.M), flags=re.M)

@@ -1,0 +1,66 @@
+"""Scenes as web pages that need nothing but themselves."""
+
+import base64
+import gzip
+from html import escape
+from pathlib import Path
+
+from course_lib.viewer import assets, encoding
+from course_lib.viewer.scene import Scene
+
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>html, body {{ margin: 0; height: 100%; background: rgb{background} }}</style>
+{fragment}
+{script}
+</html>
+"""
+
+_FRAGMENT = """\
+<div class="course-scene" style="height:{height};overflow:hidden" data-label="{label}" data-alone="{alone}">\
+<noscript>{label}: needs JavaScript.</noscript><script type="text/plain">{scene}</script></div>"""
+
+_SCRIPT = """\
+<script>
+(async () => {{
+  const zipped = Uint8Array.from(atob("{zipped}"), (sign) => sign.charCodeAt(0));
+  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
+  (0, eval)(await new Response(stream).text());
+  await globalThis["{key}"].mountAll();
+}})().catch((error) => document.body.append("The 3D view could not start: " + error));
+</script>"""
+
+
+def save_html(scene: Scene, path: str | Path, title: str = "3D view") -> Path:
+    """Write one page that shows a scene and can be turned by hand, also offline and from a file."""
+    fragment = scene_fragment(scene, height="100%", label=title, alone=True)
+    background = str(scene.background)
+    page = _PAGE.format(title=escape(title), background=background, fragment=fragment, script=bundle_script())
+    path = Path(path)
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def scene_fragment(
+    scene: Scene, *, height: str = "300px", label: str = "3D view", alone: bool = False
+) -> str:
+    """Return the element that shows a scene in a page; `bundle_script` comes once, after the last one.
+
+    Args:
+        scene: What to show, as it is now.
+        height: In any of CSS's units.
+        label: What it is, for those who cannot see it.
+        alone: Whether the wheel may zoom without a click before, as nothing else needs it.
+    """
+    zipped = base64.b64encode(gzip.compress(encoding.snapshot(scene), 6, mtime=0)).decode()
+    return _FRAGMENT.format(height=height, label=escape(label), alone=str(alone).lower(), scene=zipped)
+
+
+def bundle_script() -> str:
+    """Return the element that starts all scenes of a page."""
+    zipped = base64.b64encode(assets.bundle_zipped()).decode()
+    return _SCRIPT.format(zipped=zipped, key=assets.bundle()[0])

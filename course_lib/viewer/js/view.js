@@ -1,0 +1,161 @@
+/* global THREE */
+import { Orbit } from "./orbit.js";
+import { draw, views } from "./renderer.js";
+
+const CLICK = 4; // [px] the pointer may move this far in a click
+const TURN = 0.006; // [rad] per pixel
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/** One picture of a scene on the page, with a camera of its own. */
+export class View {
+  /**
+   * @param {HTMLElement} host is filled by the view
+   * @param {import("./mirror.js").Mirror} mirror
+   * @param {{label: string, alone?: boolean, onClick?: (click: any) => void}} options alone: nothing else
+   *   on the page wants the wheel
+   */
+  constructor(host, mirror, options) {
+    this.host = host;
+    this.mirror = mirror;
+    this.options = options;
+    this.orbit = new Orbit();
+    if (mirror.camera) this.orbit.look(mirror.camera);
+    this.frames = 0;
+    this.request = 0;
+    this.seen = true;
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", options.label);
+    this.canvas.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
+    host.append(this.canvas);
+    this.listen();
+    this.sizes = new ResizeObserver(() => this.invalidate());
+    this.sizes.observe(this.canvas);
+    this.sight = new IntersectionObserver((entries) => {
+      this.seen = entries[entries.length - 1].isIntersecting;
+      this.invalidate();
+    });
+    this.sight.observe(this.canvas);
+    mirror.views.add(this);
+    views.add(this);
+    this.invalidate();
+  }
+
+  dispose() {
+    this.sizes.disconnect();
+    this.sight.disconnect();
+    cancelAnimationFrame(this.request);
+    this.mirror.views.delete(this);
+    views.delete(this);
+    this.canvas.remove();
+  }
+
+  /** Draw again, with the next frame of the page. */
+  invalidate() {
+    if (!this.request && this.seen) this.request = requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    this.request = 0;
+    const { clientWidth, clientHeight } = this.canvas;
+    if (!clientWidth || !clientHeight) return;
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    const [width, height] = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)];
+    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
+    const goesOn = this.mirror.tick();
+    draw(this.canvas, this.mirror, this.orbit.camera(clientWidth, clientHeight));
+    this.frames++;
+    if (goesOn) this.invalidate();
+  }
+
+  listen() {
+    const on = (/** @type {string} */ name, /** @type {(event: any) => void} */ act) =>
+      this.canvas.addEventListener(name, act, { passive: false });
+    /** @type {{x: number, y: number, far: number, button: number} | null} */
+    let drag = null;
+    on("pointerdown", (event) => {
+      drag = { x: event.clientX, y: event.clientY, far: 0, button: event.shiftKey ? 1 : event.button };
+      this.canvas.setPointerCapture(event.pointerId);
+      this.canvas.focus({ preventScroll: true });
+      event.preventDefault();
+    });
+    on("pointermove", (event) => {
+      if (!drag) return;
+      const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
+      Object.assign(drag, { x: event.clientX, y: event.clientY, far: drag.far + Math.hypot(dx, dy) });
+      this.move(drag.button, dx, dy);
+    });
+    on("pointerup", (event) => {
+      if (drag && drag.far < CLICK) this.options.onClick?.(this.pick(event));
+      drag = null;
+    });
+    on("pointercancel", () => (drag = null));
+    on("contextmenu", (event) => event.preventDefault());
+    on("wheel", (event) => {
+      if (!this.options.alone && !event.ctrlKey && document.activeElement !== this.canvas) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.orbit.zoom(Math.exp(Math.sign(event.deltaY) * 0.1));
+      this.invalidate();
+    });
+    on("keydown", (event) => this.press(event));
+  }
+
+  /**
+   * Left turns, middle shifts, right zooms, as in RViz.
+   * @param {number} button
+   * @param {number} dx
+   * @param {number} dy
+   */
+  move(button, dx, dy) {
+    const { clientHeight } = this.canvas;
+    if (button === 0) this.orbit.rotate(dx * TURN, dy * TURN);
+    else if (button === 1) this.orbit.pan(dx / clientHeight, dy / clientHeight, clientHeight);
+    else this.orbit.zoom(Math.exp(dy * 0.01));
+    this.invalidate();
+  }
+
+  /** @param {KeyboardEvent} event */
+  press(event) {
+    const arrow = KEYS[/** @type {keyof typeof KEYS} */ (event.key)];
+    if (arrow) this.move(event.shiftKey ? 1 : 0, 16 * arrow[0], 16 * arrow[1]);
+    else if (event.key === "+" || event.key === "-") this.move(2, 0, event.key === "-" ? 10 : -10);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /**
+   * @param {MouseEvent} event
+   * @returns {any} what is under the pointer: path, point, normal and distance, in the scene's frame
+   */
+  pick(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const camera = this.orbit.camera(box.width, box.height);
+    camera.updateMatrixWorld();
+    const caster = new THREE.Raycaster();
+    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    caster.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), camera);
+    const found = { type: "click", button: event.button, path: null, origin: caster.ray.origin.toArray(), direction: caster.ray.direction.toArray() };
+    const hit = caster.intersectObject(this.mirror.scene, true).find(({ object }) => isShown(object));
+    if (!hit) return found;
+    const normal = hit.face?.normal.clone().transformDirection(hit.object.matrixWorld).toArray() ?? null;
+    const index = hit.instanceId ?? hit.index ?? hit.faceIndex ?? null;
+    return { ...found, path: pathOf(hit.object), point: hit.point.toArray(), normal, distance: hit.distance, index };
+  }
+}
+
+/** @param {any} object */
+function isShown(object) {
+  for (let part = object; part; part = part.parent) if (!part.visible) return false;
+  return true;
+}
+
+/** @param {any} object */
+function pathOf(object) {
+  let part = object;
+  while (part.userData.path === undefined) part = part.parent;
+  return part.userData.path;
+}

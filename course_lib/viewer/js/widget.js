@@ -1,0 +1,48 @@
+// The module of every widget: it stays small, what it needs comes once per kernel in a model of its own.
+// __KEY__ is put in by Python; it names one version of the viewer's code.
+
+/** @type {Map<string, Promise<any>>} */
+const links = new Map();
+
+/** @param {any} model */
+async function load(model) {
+  const shared = await model.widget_manager.get_model(model.get("code"));
+  const zipped = new Blob([shared.get("code")]).stream();
+  const text = await new Response(zipped.pipeThrough(new DecompressionStream("gzip"))).text();
+  const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+  await import(address);
+  URL.revokeObjectURL(address);
+  return globalThis["__KEY__"];
+}
+
+export default {
+  /** Must return at once: anywidget waits two seconds and loses messages. */
+  initialize(/** @type {{model: any}} */ { model }) {
+    /** @type {any[][]} */
+    const early = [];
+    /** @type {any} */
+    let link = null;
+    const receive = (/** @type {any[]} */ ...message) => (link ? link.receive(...message) : early.push(message));
+    model.on("msg:custom", receive);
+    const pending = (globalThis["__KEY__loading"] ??= load(model));
+    links.set(
+      model.get("name"),
+      pending.then((/** @type {any} */ viewer) => {
+        link = new viewer.Link(model);
+        for (const message of early) link.receive(...message);
+        return link;
+      }),
+    );
+    return () => {
+      model.off("msg:custom", receive);
+      link?.close();
+    };
+  },
+  async render(/** @type {{model: any, el: HTMLElement}} */ { model, el }) {
+    try {
+      return (await links.get(model.get("name"))).show(el);
+    } catch (error) {
+      el.textContent = `The 3D view could not start: ${error}`;
+    }
+  },
+};

@@ -1,0 +1,92 @@
+"""A window for meshcat.Visualizer that draws into a scene, with no server and no page of its own."""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from course_lib.errors import CourseError
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.scene import MeshcatObject, Scene
+
+_FURNITURE = ("Lights", "Grid", "Axes")  # of meshcat's own page, which is not there
+
+
+class Command(Protocol):
+    """One of meshcat's commands."""
+
+    def lower(self) -> dict[str, Any]:
+        """Return the command as plain values."""
+
+
+class Window:
+    """What ``meshcat.Visualizer(window=...)`` and Pinocchio's MeshcatVisualizer talk to.
+
+    Args:
+        scene: Where they draw.
+    """
+
+    web_url = "(the scene of this program)"
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._handlers: dict[str, Callable[[str, dict[str, Any]], None]] = {
+            "set_object": self._set_object,
+            "set_transform": self._set_transform,
+            "set_property": self._set_property,
+            "set_animation": self._set_animation,
+            "delete": lambda path, _: self.scene.delete(path),
+        }
+
+    def send(self, command: Command) -> None:
+        """Carry out a command.
+
+        Raises:
+            CourseError: If the scene has nothing like it.
+        """
+        lowered = command.lower()
+        handler = self._handlers.get(lowered["type"])
+        if handler is None:
+            known = ", ".join(self._handlers)
+            raise CourseError(f"meshcat's command {lowered['type']!r} is not known here; these are: {known}.")
+        path = lowered["path"].strip("/")
+        if path.partition("/")[0] not in _FURNITURE:
+            handler(path, lowered)
+
+    def open(self) -> "Window":
+        """Do nothing: whoever shows the scene opens it."""
+        return self
+
+    def wait(self) -> str:
+        """Do nothing: nobody has to watch."""
+        return "ok"
+
+    def close(self) -> None:
+        """Do nothing: there is no server to stop."""
+
+    def _set_object(self, path: str, command: dict[str, Any]) -> None:
+        self.scene.set_object(path, MeshcatObject(command["object"]))
+
+    def _set_transform(self, path: str, command: dict[str, Any]) -> None:
+        matrix = np.reshape(command["matrix"], (4, 4)).T
+        if path == "Cameras/default":
+            target = matrix[:3, 3]
+            offset = np.subtract(self.scene.camera.eye, self.scene.camera.target)
+            self.scene.camera = Camera(eye=tuple(target + matrix[:3, :3] @ offset), target=tuple(target))
+        else:
+            self.scene.set_transform(path, matrix)
+
+    def _set_property(self, path: str, command: dict[str, Any]) -> None:
+        name, value = command["property"], command["value"]
+        if path == "Background" and name == "top_color":
+            self.scene.background = tuple(round(255 * part) for part in value)
+        elif path.startswith("Cameras/default/") and name == "position":
+            x, up, minus_y = value  # meshcat writes the camera's place with y up
+            offset = np.array([x, -minus_y, up])
+            target = self.scene.camera.target
+            self.scene.camera = Camera(eye=tuple(np.add(target, offset)), target=target)
+        elif not path.startswith(("Background", "Cameras")):
+            self.scene.set_property(path, name, value)
+
+    def _set_animation(self, path: str, command: dict[str, Any]) -> None:
+        self.scene.set_animation({name: command[name] for name in ("animations", "options")})
