@@ -1,0 +1,165 @@
+"""The ROS client library for Python: the kit's stand-in, in one process, by robot time."""
+
+import threading
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Unpack
+
+from course_lib.ros import driving
+from rclpy.context import Context
+from rclpy.impl.run import current_run
+from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
+from rclpy.task import Future
+from rclpy.utilities import get_default_context, ok
+from rclpy.utilities import shutdown as _shutdown
+from rclpy.utilities import try_shutdown as _try_shutdown
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+    from rclpy.node import Node, NodeOptions
+
+__all__ = [
+    "create_node",
+    "get_default_context",
+    "get_global_executor",
+    "init",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "spin_until_future_complete",
+    "try_shutdown",
+]
+
+
+class InitContextManager:
+    """What `init` returns: in a `with` statement it shuts down at the end; otherwise it may be ignored."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+
+    def __enter__(self) -> "InitContextManager":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        try_shutdown(context=None if self.context is get_default_context() else self.context)
+
+    def _ipython_display_(self) -> None:
+        """Show nothing where it is a cell's last value: in Jazzy `init` returns None."""
+
+
+def init(
+    *,
+    args: list[str] | None = None,
+    context: Context | None = None,
+    domain_id: int | None = None,
+    signal_handler_options: SignalHandlerOptions | None = None,
+) -> InitContextManager:
+    """Begin; nodes can be made from now on.
+
+    Args:
+        args: The command line; default: `sys.argv`.
+        context: What is to begin; default: the default context.
+        domain_id: Nodes of different domains do not hear each other in ROS; here they share one graph.
+        signal_handler_options: Which signals shut down; default: all of them for the default context.
+
+    Raises:
+        RuntimeError: If it was begun before (in a notebook, where cells are run again, that is only noted).
+    """
+    chosen = context or get_default_context()
+    if context is None and chosen.graph.notebook and chosen.is_valid:
+        driving.say("rclpy.init() was called before, and what it began goes on.")
+        return InitContextManager(chosen)
+    chosen.init(args, domain_id=domain_id)
+    if signal_handler_options is None:
+        signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
+    if not chosen.graph.notebook:
+        install_signal_handlers(signal_handler_options)
+    return InitContextManager(chosen)
+
+
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End; raises if it was not begun or has ended already (`try_shutdown` does not)."""
+    _shutdown(context=context)
+    _uninstall(context, uninstall_handlers)
+
+
+def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End, if that is to be done."""
+    _try_shutdown(context=context)
+    _uninstall(context, uninstall_handlers)
+
+
+def create_node(node_name: str, **options: "Unpack[NodeOptions]") -> "Node":
+    """Make a node; the arguments are those of `Node`."""
+    from rclpy.node import Node
+
+    return Node(node_name, **options)
+
+
+def get_global_executor() -> "Executor":
+    """Return the executor that spins where none is given."""
+    from rclpy.executors import SingleThreadedExecutor
+
+    run = current_run()
+    if run.global_executor is None or not run.global_executor.context.is_valid:
+        run.global_executor = SingleThreadedExecutor()
+        run.global_executor.context.on_shutdown(_drop_global_executor)
+    return run.global_executor
+
+
+def spin(node: "Node", executor: "Executor | None" = None) -> None:
+    """Run the node's callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if executor is None and node.handle.graph.notebook and in_main_thread:
+        driving.spin_node(node)
+        return
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin()
+    finally:
+        executor.remove_node(node)
+
+
+def spin_once(node: "Node", *, executor: "Executor | None" = None, timeout_sec: float | None = None) -> None:
+    """Wait for one of the node's callbacks and run it.
+
+    Args:
+        node: The node.
+        executor: What runs it; default: the global executor.
+        timeout_sec: How long to wait, [s]; None or negative: without limit; 0: not at all.
+    """
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin_once(timeout_sec=timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def spin_until_future_complete(
+    node: "Node", future: Future[Any], executor: "Executor | None" = None, timeout_sec: float | None = None
+) -> None:
+    """Run the node's callbacks until a future is done, or `timeout_sec` [s] are over."""
+    executor = executor or get_global_executor()
+    added = executor.add_node(node)
+    try:
+        executor.spin_until_future_complete(future, timeout_sec)
+    finally:
+        if added:
+            executor.remove_node(node)
+
+
+def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None:
+    is_default = context is None or context is get_default_context()
+    if uninstall_handlers or (uninstall_handlers is None and is_default):
+        uninstall_signal_handlers()
+
+
+def _drop_global_executor() -> None:
+    run = current_run()
+    if run.global_executor is not None:
+        run.global_executor.shutdown()
+        run.global_executor = None

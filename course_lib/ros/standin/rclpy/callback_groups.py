@@ -1,0 +1,69 @@
+"""Which callbacks of a node may run at the same time."""
+
+import weakref
+from typing import Any
+
+
+class CallbackGroup:
+    """The base of callback groups; one of your own defines the three questions below."""
+
+    def __init__(self) -> None:
+        self.entities: set[weakref.ref[Any]] = set()
+
+    def add_entity(self, entity: Any) -> None:
+        """Let a timer, a subscription, … belong to the group."""
+        self.entities.add(weakref.ref(entity))
+
+    def has_entity(self, entity: Any) -> bool:
+        """Say whether something belongs to the group."""
+        return weakref.ref(entity) in self.entities
+
+    def can_execute(self, entity: Any) -> bool:
+        """Say whether the entity's callback may be run now."""
+        raise NotImplementedError
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Note that the entity's callback begins; False if it may not."""
+        raise NotImplementedError
+
+    def ending_execution(self, entity: Any) -> None:
+        """Note that the entity's callback has come to its end."""
+        raise NotImplementedError
+
+
+class ReentrantCallbackGroup(CallbackGroup):
+    """Its callbacks may all run at the same time, each also beside itself."""
+
+    def can_execute(self, entity: Any) -> bool:
+        """Say yes."""
+        return True
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Say yes."""
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        """Nothing is kept, so nothing is to be done."""
+
+
+class MutuallyExclusiveCallbackGroup(CallbackGroup):
+    """Only one of its callbacks runs at a time; a coroutine that awaits something is still running."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._active: Any = None
+
+    def can_execute(self, entity: Any) -> bool:
+        """Say whether none of the callbacks is running."""
+        return self._active is None
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Note that the entity's callback begins; False if another one is running."""
+        if self._active is not None:
+            return False
+        self._active = entity
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        """Let the next callback run."""
+        self._active = None

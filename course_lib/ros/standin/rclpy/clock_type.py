@@ -1,0 +1,12 @@
+"""The kinds of clock."""
+
+from enum import IntEnum
+
+
+class ClockType(IntEnum):
+    """The kind of clock that a time was read from; in the kit all of them show robot time."""
+
+    UNINITIALIZED = 0
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3

@@ -1,0 +1,107 @@
+"""The exceptions of rclpy, with its texts."""
+
+# ruff: noqa: N818 - the names are ROS's
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rclpy.parameter import Parameter
+
+
+class NotInitializedException(Exception):
+    """Something was asked of ROS before `rclpy.init()`."""
+
+    def __init__(self, message: str | None = None) -> None:
+        super().__init__("rclpy.init() has not been called." + (f" msg:{message}" if message else ""))
+
+
+class RCLError(RuntimeError):
+    """An error that rcl, the layer below rclpy, reports."""
+
+
+class InvalidHandle(Exception):
+    """Something was used that had been destroyed."""
+
+    def __init__(self, message: str = "cannot use Destroyable because destruction was requested") -> None:
+        super().__init__(message)
+
+
+class ROSInterruptException(Exception):
+    """A wait was ended by `rclpy.shutdown()`."""
+
+    def __init__(self) -> None:
+        super().__init__("rclpy.shutdown() has been called")
+
+
+class NameValidationException(Exception):
+    """A name breaks the rules; the message points at the character."""
+
+    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
+
+
+class InvalidNamespaceException(NameValidationException):
+    """A namespace breaks the rules."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("namespace", name, error_msg, invalid_index)
+
+
+class InvalidNodeNameException(NameValidationException):
+    """A node's name breaks the rules."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("node name", name, error_msg, invalid_index)
+
+
+class InvalidTopicNameException(NameValidationException):
+    """A topic's name breaks the rules."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("topic name", name, error_msg, invalid_index)
+
+
+class ParameterException(Exception):
+    """The base of what can go wrong with parameters."""
+
+    def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
+        super().__init__(f"{error_msg}: {parameters}")
+
+
+class ParameterNotDeclaredException(ParameterException):
+    """A parameter was used that had not been declared."""
+
+    def __init__(self, parameters: str | list[str]) -> None:
+        super().__init__("Invalid access to undeclared parameter(s)", parameters)
+
+
+class ParameterAlreadyDeclaredException(ParameterException):
+    """A parameter was declared twice."""
+
+    def __init__(self, parameters: str | list[str]) -> None:
+        super().__init__("Parameter(s) already declared", parameters)
+
+
+class InvalidParameterException(ParameterException):
+    """A parameter's name is empty."""
+
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Invalid parameter name", parameter_name)
+
+
+class InvalidParameterTypeException(ParameterException):
+    """A declared parameter was given a value of another type."""
+
+    def __init__(self, desired_parameter: "Parameter", expected_type: str) -> None:
+        super().__init__(
+            f"Trying to set parameter '{desired_parameter.name}' to '{desired_parameter.value}'"
+            f" of type '{desired_parameter.type_.name}', expecting type '{expected_type}'",
+            desired_parameter.name,
+        )
+
+
+class ParameterUninitializedException(ParameterException):
+    """A parameter was read that was declared with a type, and never got a value."""
+
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)

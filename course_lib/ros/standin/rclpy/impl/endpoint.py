@@ -1,0 +1,79 @@
+"""A publisher or a subscription as the graph knows it."""
+
+from collections.abc import Callable
+from typing import Any
+from weakref import WeakKeyDictionary
+
+from course_lib.ros.graph import Graph
+from course_lib.ros.messages import Message, type_name
+from course_lib.ros.qos import incompatible
+from course_lib.ros.topics import EndpointInfo, matches
+from rclpy.exceptions import InvalidHandle
+from rclpy.impl.node_handle import NodeHandle
+
+# Who is told of incompatible partners, by endpoint; of all programs that share a graph.
+_told: WeakKeyDictionary[Graph, dict[int, Callable[[str], None]]] = WeakKeyDictionary()
+
+
+class Endpoint:
+    """What a publisher or a subscription is in the graph.
+
+    Args:
+        node: Its node.
+        endpoint: Its id in the graph.
+        topic_name: The fully resolved topic.
+    """
+
+    def __init__(self, node: NodeHandle, endpoint: int, topic_name: str) -> None:
+        self.node = node
+        self.id = endpoint
+        self.topic_name = topic_name
+        self._destroyed = False
+
+    def require(self) -> "Endpoint":
+        """Return itself; raises InvalidHandle if it has been destroyed."""
+        if self._destroyed:
+            raise InvalidHandle
+        return self
+
+    def destroy(self) -> None:
+        """Leave the graph; messages that are on their way do not arrive any more."""
+        self.require()
+        self._destroyed = True
+        self.node.graph.remove_endpoint(self.id)
+        _told.get(self.node.graph, {}).pop(self.id, None)
+
+    def partner_count(self) -> int:
+        """Count the endpoints that it exchanges messages with."""
+        return sum(matches(*pair) for pair in self._pairs())
+
+    def on_incompatible(self, handler: Callable[[str], None]) -> None:
+        """Have `handler(policy)` called for each partner whose QoS keeps it away; tell the partners, too."""
+        told = _told.setdefault(self.node.graph, {})
+        told[self.id] = handler
+        for publisher, subscription in self._pairs():
+            policy = incompatible(publisher.qos, subscription.qos)
+            if policy is not None and publisher.type_name == subscription.type_name:
+                for side in (publisher.id, subscription.id):
+                    if side in told:  # else it belongs to another process and is told there
+                        told[side](policy)
+
+    def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
+        """List (publisher, subscription) for each endpoint on the other side of the topic."""
+        on_topic = [info for info in self.node.graph.endpoints() if info.topic == self.topic_name]
+        me = next((info for info in on_topic if info.id == self.id), None)
+        if me is None:
+            return []
+        others = [info for info in on_topic if info.kind != me.kind]
+        return [(me, other) if me.kind == "pub" else (other, me) for other in others]
+
+
+def require_message_type(msg_type: Any) -> str:
+    """Return the name of a message type; raises AttributeError, as rclpy does, if it is none."""
+    if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
+        raise AttributeError(
+            f"type object '{type(msg_type).__name__}' has no attribute '_TYPE_SUPPORT'"
+            " This might be a ROS 1 message type but it should be a ROS 2 message type."
+            " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
+        )
+    return type_name(msg_type)

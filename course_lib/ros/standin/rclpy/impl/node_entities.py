@@ -1,0 +1,179 @@
+"""What a node creates and destroys."""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Literal, TypeVar
+
+from course_lib.ros.messages import Message
+from course_lib.ros.qos import Qos
+from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.clock import Clock, ROSClock
+from rclpy.constants import S_TO_NS
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl.endpoint import Endpoint, require_message_type
+from rclpy.impl.node_graph import NodeGraph
+from rclpy.impl.node_handle import NodeHandle
+from rclpy.impl.qos_conversion import to_qos
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import MessageInfo, Subscription
+from rclpy.timer import Rate, Timer
+
+MsgT = TypeVar("MsgT", bound=Message)
+OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
+
+
+class NodeEntities(NodeGraph):
+    """The part of Node that makes publishers, subscriptions, timers and rates."""
+
+    def __init__(self, handle: NodeHandle) -> None:
+        super().__init__(handle)
+        self._clock = ROSClock()
+        self._publishers: list[Publisher[Any]] = []
+        self._subscriptions: list[Subscription[Any]] = []
+        self._timers: list[Timer] = []
+        self._default_callback_group = MutuallyExclusiveCallbackGroup()
+        self._rate_group = ReentrantCallbackGroup()
+
+    @property
+    def default_callback_group(self) -> CallbackGroup:
+        """The group of all callbacks that are given no other."""
+        return self._default_callback_group
+
+    @property
+    def publishers(self) -> Iterator[Publisher[Any]]:
+        """Its publishers."""
+        yield from self._publishers
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription[Any]]:
+        """Its subscriptions."""
+        yield from self._subscriptions
+
+    @property
+    def timers(self) -> Iterator[Timer]:
+        """Its timers."""
+        yield from self._timers
+
+    def create_publisher(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: PublisherEventCallbacks | None = None,
+    ) -> Publisher[MsgT]:
+        """Make a publisher.
+
+        Args:
+            msg_type: The class of its messages.
+            topic: Its topic: `x` is in the node's namespace, `~/x` under the node's name, `/x` is absolute.
+            qos_profile: Its quality of service, or only how many messages are kept.
+            callback_group: The group of `event_callbacks`.
+            event_callbacks: What it wants to be told about subscriptions.
+        """
+        node, profile, full_topic = self.handle, _to_profile(qos_profile), self.resolve_topic_name(topic)
+        qos = to_qos(profile, "pub", self._partners(full_topic, "sub"))
+        endpoint_id = node.graph.add_publisher(node.id, full_topic, require_message_type(msg_type), qos)
+        endpoint = Endpoint(node, endpoint_id, full_topic)
+        publisher = Publisher(endpoint, msg_type, topic, profile)
+        self._publishers.append(publisher)
+        events = event_callbacks or PublisherEventCallbacks()
+        group = callback_group or self.default_callback_group
+        endpoint.on_incompatible(events.incompatible_handler(node, topic, group))
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        callback: "OnMessage[MsgT]",
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        raw: bool = False,
+    ) -> Subscription[MsgT]:
+        """Create a subscription.
+
+        Args:
+            msg_type: The class of its messages.
+            topic: Its topic: `x` is in the node's namespace, `~/x` under the node's name, `/x` is absolute.
+            callback: Called with each message, or with each message and its MessageInfo; may be a coroutine.
+            qos_profile: Its quality of service, or only how many messages wait at most.
+            callback_group: Says which callbacks may run at the same time.
+            event_callbacks: What it wants to be told about publishers.
+            raw: Whether the callback gets the serialised bytes.
+        """
+        profile, full_topic = _to_profile(qos_profile), self.resolve_topic_name(topic)
+        type_name = require_message_type(msg_type)
+        group = callback_group or self.default_callback_group
+        subscription = Subscription(self.handle, msg_type, topic, callback, group, profile, raw)
+        subscription.join(type_name, full_topic, to_qos(profile, "sub", self._partners(full_topic, "pub")))
+        self._subscriptions.append(subscription)
+        events = event_callbacks or SubscriptionEventCallbacks()
+        subscription.handle.on_incompatible(events.incompatible_handler(self.handle, topic, group))
+        return subscription
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], object] | None,
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """Create a timer that calls back every `timer_period_sec` [s], first after one period."""
+        period_ns = int(float(timer_period_sec) * S_TO_NS)
+        group = callback_group or self.default_callback_group
+        timer = Timer(self.handle, callback, group, period_ns, clock or self._clock, autostart=autostart)
+        self._timers.append(timer)
+        return timer
+
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Create what keeps a loop at a frequency [Hz]; another thread must spin the node meanwhile."""
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        return Rate(
+            self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self.handle.context
+        )
+
+    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
+        """End a publisher; False if it is none of the node's."""
+        return _destroy(publisher, self._publishers)
+
+    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
+        """End a subscription; False if it is none of the node's."""
+        return _destroy(subscription, self._subscriptions)
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """End a timer; False if it is none of the node's."""
+        return _destroy(timer, self._timers)
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """End a rate; who sleeps in it wakes up."""
+        rate.destroy()
+        return self.destroy_timer(rate.timer)
+
+    def _partners(self, topic: str, kind: Literal["pub", "sub"]) -> list[Qos]:
+        return [
+            info.qos for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind
+        ]
+
+
+def _to_profile(qos_profile: QoSProfile | int) -> QoSProfile:
+    if isinstance(qos_profile, QoSProfile):
+        return qos_profile
+    if not isinstance(qos_profile, int):
+        raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
+    if qos_profile < 0:
+        raise ValueError("history depth must be greater than or equal to zero")
+    return QoSProfile(depth=qos_profile)
+
+
+def _destroy(entity: Any, entities: list[Any]) -> bool:
+    if entity not in entities:
+        return False
+    entities.remove(entity)
+    entity.destroy()
+    return True

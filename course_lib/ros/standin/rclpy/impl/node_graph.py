@@ -1,0 +1,117 @@
+"""What a node can find out about the graph."""
+
+from collections.abc import Iterable
+from typing import Literal
+
+from course_lib.ros.topics import EndpointInfo
+from rclpy.impl import names
+from rclpy.impl.node_handle import NodeHandle
+from rclpy.impl.qos_conversion import to_profile
+from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
+
+NamesAndTypes = list[tuple[str, list[str]]]
+
+
+class NodeNameNonExistentError(RuntimeError):
+    """The node that was asked for is not there."""
+
+
+class NodeGraph:
+    """The part of Node that asks the graph."""
+
+    def __init__(self, handle: NodeHandle) -> None:
+        self.__handle = handle
+
+    @property
+    def handle(self) -> NodeHandle:
+        """The node as the graph knows it."""
+        return self.__handle
+
+    @handle.setter
+    def handle(self, value: object) -> None:
+        raise AttributeError("handle cannot be modified after node creation")
+
+    def get_node_names(self) -> list[str]:
+        """List the names of all nodes."""
+        return [name for name, _ in self.get_node_names_and_namespaces()]
+
+    def get_fully_qualified_node_names(self) -> list[str]:
+        """List the full names of all nodes."""
+        return [names.join(namespace, name) for name, namespace in self.get_node_names_and_namespaces()]
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """List (name, namespace) of all nodes."""
+        return [(node.name, node.namespace) for node in self.handle.graph.nodes()]
+
+    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
+        """List all topics with their types."""
+        return _names_and_types(self.handle.graph.endpoints())
+
+    def get_publisher_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """List what a node publishes; raises NodeNameNonExistentError if it is not there."""
+        return _names_and_types(self._endpoints_of(node_name, node_namespace, "pub"))
+
+    def get_subscriber_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """List what a node subscribes to; raises NodeNameNonExistentError if it is not there."""
+        return _names_and_types(self._endpoints_of(node_name, node_namespace, "sub"))
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Count the publishers on a topic."""
+        return len(self._on_topic(topic_name, "pub"))
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Count the subscriptions on a topic."""
+        return len(self._on_topic(topic_name, "sub"))
+
+    def get_publishers_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the publishers on a topic, with their quality of service."""
+        return [self._describe(info) for info in self._on_topic(topic_name, "pub")]
+
+    def get_subscriptions_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the subscriptions on a topic, with their quality of service."""
+        return [self._describe(info) for info in self._on_topic(topic_name, "sub")]
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return the full name that a topic has for this node."""
+        return names.expand_topic_name(topic, self.handle.name, self.handle.namespace)
+
+    def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+        topic = self.resolve_topic_name(topic_name)
+        return [info for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind]
+
+    def _endpoints_of(self, name: str, namespace: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+        ids = {
+            node.id for node in self.handle.graph.nodes() if (node.name, node.namespace) == (name, namespace)
+        }
+        if not ids:
+            raise NodeNameNonExistentError(
+                f"Cannot get names and types: the node '{name}' in '{namespace}' is unknown"
+            )
+        return [info for info in self.handle.graph.endpoints() if info.node in ids and info.kind == kind]
+
+    def _describe(self, info: EndpointInfo) -> TopicEndpointInfo:
+        node = next(node for node in self.handle.graph.nodes() if node.id == info.node)
+        kind = TopicEndpointTypeEnum.PUBLISHER if info.kind == "pub" else TopicEndpointTypeEnum.SUBSCRIPTION
+        return TopicEndpointInfo(
+            node_name=node.name,
+            node_namespace=node.namespace,
+            topic_type=info.type_name,
+            endpoint_type=kind,
+            endpoint_gid=list(info.id.to_bytes(16, "big")),
+            qos_profile=to_profile(info.qos),
+        )
+
+
+def _names_and_types(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+    types: dict[str, set[str]] = {}
+    for info in endpoints:
+        types.setdefault(info.topic, set()).add(info.type_name)
+    return [(topic, sorted(types[topic])) for topic in sorted(types)]

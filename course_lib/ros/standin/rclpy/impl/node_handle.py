@@ -1,0 +1,80 @@
+"""A node as the graph knows it, and what is ready in it."""
+
+import itertools
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rclpy.impl import names
+
+if TYPE_CHECKING:
+    from rclpy.callback_groups import CallbackGroup
+    from rclpy.context import Context
+
+_order = itertools.count()  # in which entities become ready
+
+
+class NodeHandle:
+    """A node of the graph: its names, the order of its entities, and those that wait for an executor.
+
+    Args:
+        context: The context that it lives in.
+        name: Its name, valid.
+        namespace: Its absolute namespace, valid.
+    """
+
+    def __init__(self, context: "Context", name: str, namespace: str) -> None:
+        self.context = context
+        self.graph = context.graph
+        self.name = name
+        self.namespace = namespace
+        self.id = self.graph.add_node(name, namespace)
+        self._entities = 0
+        self._ready: deque[tuple[int, Entity]] = deque()
+
+    @property
+    def full_name(self) -> str:
+        """The fully qualified name."""
+        return names.join(self.namespace, self.name)
+
+    @property
+    def logger_name(self) -> str:
+        """The name of its logger: the full name with dots."""
+        return self.full_name[1:].replace("/", ".")
+
+    def leave(self) -> None:
+        """Leave the graph; nothing happens in it any more."""
+        self.graph.remove_node(self.id)
+        self._ready.clear()
+
+    def next_entity(self) -> int:
+        """Give the next entity its place in the order of events."""
+        self._entities += 1
+        return self._entities
+
+    def mark_ready(self, entity: "Entity") -> None:
+        """Let an entity wait for an executor, behind all that became ready before it, in any node."""
+        self._ready.append((next(_order), entity))
+
+    def first_ready(self) -> "tuple[int, Entity] | None":
+        """Return the first entity whose callback group lets it run, with its place in the order."""
+        return next((item for item in self._ready if item[1].callback_group.can_execute(item[1])), None)
+
+    def take(self, item: "tuple[int, Entity]") -> Callable[[], object] | None:
+        """Take an entity out; returns what it has to call, None if that has been settled meanwhile."""
+        self._ready.remove(item)
+        return item[1].take()
+
+
+class Entity:
+    """Something in a node that has a callback: a timer, a subscription and so on."""
+
+    def __init__(self, node: NodeHandle, callback_group: "CallbackGroup") -> None:
+        self.node_handle = node
+        self.callback_group = callback_group
+        self.entity = node.next_entity()
+        callback_group.add_entity(self)
+
+    def take(self) -> Callable[[], object] | None:
+        """Take what made it ready; returns the call to make, None if there is nothing any more."""
+        raise NotImplementedError

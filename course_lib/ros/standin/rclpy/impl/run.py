@@ -1,0 +1,44 @@
+"""What the stand-in keeps for one program in one run, so that the next one starts clean."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from course_lib.ros.graph import current_graph
+
+if TYPE_CHECKING:
+    from rcl_interfaces.msg import Log
+
+    from rclpy.context import Context
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+
+
+@dataclass
+class Run:
+    """The state of one program in one run.
+
+    Attributes:
+        default_context: What `rclpy.init()` without a context initialises.
+        global_executor: What `rclpy.spin()` without an executor uses.
+        contexts: Those that were initialised.
+        nodes: The nodes that are there, by their id in the graph.
+        rosout: The publisher that carries a logger's messages, by the logger's name.
+        log_levels: The levels that were set, by the logger's name.
+    """
+
+    default_context: "Context | None" = None
+    global_executor: "Executor | None" = None
+    contexts: list["Context"] = field(default_factory=list)
+    nodes: dict[int, "Node"] = field(default_factory=dict)
+    rosout: dict[str, "Publisher[Log]"] = field(default_factory=dict)
+    log_levels: dict[str, int] = field(default_factory=dict)
+
+
+def current_run() -> Run:
+    """Return the state of the calling program in the current graph."""
+    state = current_graph().state
+    if "rclpy" not in state:
+        state["rclpy"] = Run()
+    run: Run = state["rclpy"]
+    return run

@@ -1,0 +1,36 @@
+"""Loggers without a node, and the levels of all loggers."""
+
+from rclpy.impl.logging_severity import LoggingSeverity
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.impl.run import current_run
+
+__all__ = ["LoggingSeverity", "get_logger", "get_logger_effective_level", "set_logger_level"]
+
+
+def get_logger(name: str) -> RcutilsLogger:
+    """Return a logger by its name."""
+    if not name:
+        raise ValueError("Logger name must not be empty.")
+    return RcutilsLogger(name)
+
+
+def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bool = False) -> None:
+    """Log nothing of a logger that is less severe than `level`."""
+    RcutilsLogger(name).set_level(level)
+
+
+def get_logger_level(name: str) -> LoggingSeverity:
+    """Return the level that was set for a logger itself."""
+    return LoggingSeverity(current_run().log_levels.get(name, LoggingSeverity.UNSET))
+
+
+def get_logger_effective_level(name: str) -> LoggingSeverity:
+    """Return the level that a logger goes by, its own or the nearest above."""
+    return RcutilsLogger(name).get_effective_level()
+
+
+def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
+    """Find a severity by its name, in any case."""
+    if log_severity.upper() not in LoggingSeverity.__members__:
+        raise RuntimeError(f"Failed to get log severity from string: unknown severity '{log_severity}'")
+    return LoggingSeverity[log_severity.upper()]

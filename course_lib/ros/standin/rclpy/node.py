@@ -1,0 +1,160 @@
+"""Nodes: what a ROS program is made of."""
+
+import weakref
+from typing import TYPE_CHECKING, TypedDict
+
+from rcl_interfaces.msg import Log, ParameterEvent
+
+from rclpy.clock import Clock
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.exceptions import NotInitializedException
+from rclpy.impl import names
+from rclpy.impl.node_entities import NodeEntities
+from rclpy.impl.node_graph import NodeNameNonExistentError
+from rclpy.impl.node_handle import NodeHandle
+from rclpy.impl.node_parameters import NodeParameters
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.impl.run import current_run
+from rclpy.impl.same_name import settle_same_names
+from rclpy.logging import get_logger
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
+from rclpy.utilities import get_default_context
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+
+__all__ = ["Node", "NodeNameNonExistentError"]
+
+_ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
+
+
+class NodeOptions(TypedDict, total=False):
+    """The keyword arguments of Node."""
+
+    context: Context | None
+    cli_args: list[str] | None
+    namespace: str | None
+    use_global_arguments: bool
+    enable_rosout: bool
+    start_parameter_services: bool
+    parameter_overrides: list[Parameter] | None
+    allow_undeclared_parameters: bool
+    automatically_declare_parameters_from_overrides: bool
+    enable_logger_service: bool
+
+
+class Node(NodeEntities, NodeParameters):
+    """A node, with its publishers, subscriptions, timers and parameters.
+
+    Args:
+        node_name: Letters, digits and underscores; it does not begin with a digit.
+        context: Where it lives; default: what `rclpy.init()` has begun.
+        namespace: Put before its name and before its topics that do not begin with a slash.
+        parameter_overrides: Values that count more than the defaults of its parameters.
+        allow_undeclared_parameters: Whether parameters may be used that were not declared.
+        enable_rosout: Whether its log is published on /rosout.
+
+    Raises:
+        NotInitializedException: If `rclpy.init()` was not called.
+        InvalidNodeNameException: If the name breaks the rules.
+        InvalidNamespaceException: If the namespace does.
+    """
+
+    def __init__(
+        self,
+        node_name: str,
+        *,
+        context: Context | None = None,
+        cli_args: list[str] | None = None,
+        namespace: str | None = None,
+        use_global_arguments: bool = True,
+        enable_rosout: bool = True,
+        start_parameter_services: bool = True,
+        parameter_overrides: list[Parameter] | None = None,
+        allow_undeclared_parameters: bool = False,
+        automatically_declare_parameters_from_overrides: bool = False,
+        enable_logger_service: bool = False,
+    ) -> None:
+        context = context or get_default_context()
+        if not context.is_valid:
+            raise NotInitializedException("cannot create node")
+        super().__init__(_enter_graph(context, node_name, namespace or ""))
+        self._executor: weakref.ref[Executor] | None = None
+        self._logger = get_logger(self.handle.logger_name)
+        self._parameters = {}
+        self._parameter_types = {}
+        self._parameter_overrides = {parameter.name: parameter for parameter in parameter_overrides or []}
+        self._allow_undeclared_parameters = allow_undeclared_parameters
+        settle_same_names(self)
+        context.on_shutdown(self._leave_graph)
+        if enable_rosout:
+            rosout = self.create_publisher(Log, "/rosout", _ROSOUT)
+            current_run().rosout.setdefault(self.handle.logger_name, rosout)
+        self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+        for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
+            self.declare_parameter(name, value)
+
+    @property
+    def context(self) -> Context:
+        """The context that it lives in."""
+        return self.handle.context
+
+    @property
+    def executor(self) -> "Executor | None":
+        """The executor that it was added to last."""
+        return self._executor() if self._executor else None
+
+    @executor.setter
+    def executor(self, new_executor: "Executor | None") -> None:
+        former = self.executor
+        if former is new_executor:
+            return
+        if former is not None:
+            former.remove_node(self)
+        self._executor = None if new_executor is None else weakref.ref(new_executor)
+        if new_executor is not None:
+            new_executor.add_node(self)
+
+    def get_name(self) -> str:
+        """Return its name."""
+        return self.handle.name
+
+    def get_namespace(self) -> str:
+        """Return its namespace."""
+        return self.handle.namespace
+
+    def get_fully_qualified_name(self) -> str:
+        """Return its namespace and its name as one."""
+        return self.handle.full_name
+
+    def get_clock(self) -> Clock:
+        """Return its clock."""
+        return self._clock
+
+    def get_logger(self) -> RcutilsLogger:
+        """Return its logger."""
+        return self._logger
+
+    def destroy_node(self) -> None:
+        """End the node with everything in it; ending it again changes nothing."""
+        for created in (self._publishers, self._subscriptions, self._timers):
+            while created:
+                created.pop().destroy()
+        self._leave_graph()
+
+    def _leave_graph(self) -> None:
+        run = current_run()
+        run.nodes.pop(self.handle.id, None)
+        if run.rosout.get(self.handle.logger_name) in self._publishers:
+            del run.rosout[self.handle.logger_name]
+        self.handle.leave()
+
+
+def _enter_graph(context: Context, name: str, namespace: str) -> NodeHandle:
+    """Check the names and enter the graph; a namespace may be written without its leading slash."""
+    names.validate_node_name(name)
+    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
+    names.validate_namespace(absolute)
+    return NodeHandle(context, name, absolute)

@@ -1,0 +1,104 @@
+"""A parameter of a node."""
+
+import array
+from enum import Enum
+from typing import Any
+
+from rcl_interfaces.msg import Parameter as ParameterMsg
+from rcl_interfaces.msg import ParameterValue
+
+
+class Parameter:
+    """A name, a type and a value.
+
+    Args:
+        name: The parameter's name.
+        type_: Its type; found from the value if not given.
+        value: Its value.
+
+    Raises:
+        TypeError: If parameters cannot hold such a value.
+        ValueError: If type and value do not agree.
+    """
+
+    class Type(Enum):
+        """The types that a parameter can have, numbered as in rcl_interfaces/msg/ParameterType."""
+
+        NOT_SET = 0
+        BOOL = 1
+        INTEGER = 2
+        DOUBLE = 3
+        STRING = 4
+        BYTE_ARRAY = 5
+        BOOL_ARRAY = 6
+        INTEGER_ARRAY = 7
+        DOUBLE_ARRAY = 8
+        STRING_ARRAY = 9
+
+        @classmethod
+        def from_parameter_value(cls, parameter_value: object) -> "Parameter.Type":
+            """Find the type of a value; raises TypeError if parameters cannot hold it."""
+            for kind in cls:
+                if kind.check(parameter_value):
+                    return kind
+            is_list = isinstance(parameter_value, (list, tuple, array.array))
+            what = "a list of one" if is_list else "one"
+            raise TypeError(f"The given value is not {what} of the allowed types '{parameter_value}'.")
+
+        def check(self, parameter_value: object) -> bool:
+            """Say whether a value is of this type."""
+            if self is Parameter.Type.NOT_SET:
+                return parameter_value is None
+            element = _ELEMENTS[self.name.removesuffix("_ARRAY")]
+            if not self.name.endswith("_ARRAY"):
+                return isinstance(parameter_value, element)
+            if not isinstance(parameter_value, (list, tuple, array.array)):
+                return False
+            return all(isinstance(value, element) for value in parameter_value)
+
+    def __init__(self, name: str, type_: "Parameter.Type | None" = None, value: Any = None) -> None:
+        if type_ is None:
+            type_ = Parameter.Type.from_parameter_value(value)
+        if not isinstance(type_, Parameter.Type):
+            raise TypeError(f"type must be an instance of '{Parameter.Type!r}'")
+        if not type_.check(value):
+            raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
+        self._name, self._type, self._value = name, type_, value
+
+    @property
+    def name(self) -> str:
+        """The parameter's name."""
+        return self._name
+
+    @property
+    def type_(self) -> "Parameter.Type":
+        """The parameter's type."""
+        return self._type
+
+    @property
+    def value(self) -> Any:
+        """The parameter's value; None if it is not set."""
+        return self._value
+
+    def get_parameter_value(self) -> ParameterValue:
+        """Return the value as a message, with the one field set that its type names."""
+        message = ParameterValue(type=self.type_.value)
+        if self.type_ is not Parameter.Type.NOT_SET:
+            setattr(message, f"{self.type_.name.lower()}_value", self.value)
+        return message
+
+    def to_parameter_msg(self) -> ParameterMsg:
+        """Return the parameter as a message."""
+        return ParameterMsg(name=self.name, value=self.get_parameter_value())
+
+    @classmethod
+    def from_parameter_msg(cls, param_msg: ParameterMsg) -> "Parameter":
+        """Make a parameter from a message."""
+        kind = Parameter.Type(param_msg.value.type)
+        value = None
+        if kind is not Parameter.Type.NOT_SET:
+            value = getattr(param_msg.value, f"{kind.name.lower()}_value")
+        return cls(param_msg.name, kind, value)
+
+
+_ELEMENTS: dict[str, type] = {"BOOL": bool, "INTEGER": int, "DOUBLE": float, "STRING": str, "BYTE": bytes}

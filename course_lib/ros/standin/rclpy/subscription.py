@@ -1,0 +1,133 @@
+"""Subscriptions."""
+
+import inspect
+from collections import deque
+from collections.abc import Callable
+from enum import Enum
+from functools import partial
+from typing import Any, Generic, TypedDict, TypeVar
+
+from course_lib.ros.messages import Message, deserialize
+from course_lib.ros.qos import Qos
+from rclpy.callback_groups import CallbackGroup
+from rclpy.impl.endpoint import Endpoint
+from rclpy.impl.node_handle import Entity, NodeHandle
+from rclpy.qos import QoSProfile
+
+MsgT = TypeVar("MsgT", bound=Message)
+
+
+class MessageInfo(TypedDict):
+    """When a message was published and when it was received, [ns]; the middleware counts nothing."""
+
+    source_timestamp: int
+    received_timestamp: int
+    publication_sequence_number: int | None
+    reception_sequence_number: int | None
+
+
+class Subscription(Entity, Generic[MsgT]):
+    """Receives the messages of a topic; made by `Node.create_subscription`."""
+
+    class CallbackType(Enum):
+        """What the callback takes."""
+
+        MessageOnly = 0
+        WithMessageInfo = 1
+
+    def __init__(
+        self,
+        node: NodeHandle,
+        msg_type: type[MsgT],
+        topic: str,
+        callback: Callable[..., object],
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+        raw: bool,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.msg_type = msg_type
+        self.topic = topic
+        self.callback = callback
+        self.qos_profile = qos_profile
+        self.raw = raw
+        self._queue: deque[tuple[bytes, int, int]] = deque()
+
+    @property
+    def handle(self) -> Endpoint:
+        """The subscription as the graph knows it."""
+        return self._handle
+
+    @property
+    def topic_name(self) -> str:
+        """The fully resolved topic."""
+        return self._handle.require().topic_name
+
+    @property
+    def callback(self) -> Callable[..., object]:
+        """What is called with each message, or with each message and its MessageInfo."""
+        return self._callback
+
+    @callback.setter
+    def callback(self, value: Callable[..., object]) -> None:
+        self._callback = value
+        self._callback_type = _callback_type(value)
+
+    def join(self, type_name: str, topic_name: str, qos: Qos) -> None:
+        """Enter the graph; from now on messages come in."""
+        self._capacity = qos.depth if qos.history == "keep_last" else None
+        node = self.node_handle
+        endpoint = node.graph.add_subscription(
+            node.id, self.entity, topic_name, type_name, qos, self._receive
+        )
+        self._handle = Endpoint(node, endpoint, topic_name)
+
+    def take(self) -> Callable[[], object] | None:
+        """Take the oldest message; each receiver makes its own copy from the bytes."""
+        if not self._queue:
+            return None
+        cdr, source_ns, received_ns = self._queue.popleft()
+        message: Any = cdr if self.raw else deserialize(cdr, self.msg_type)
+        if self._callback_type is Subscription.CallbackType.MessageOnly:
+            return partial(self._callback, message)
+        info = MessageInfo(
+            source_timestamp=source_ns,
+            received_timestamp=received_ns,
+            publication_sequence_number=None,
+            reception_sequence_number=None,
+        )
+        return partial(self._callback, message, info)
+
+    def get_publisher_count(self) -> int:
+        """Count the publishers that it hears."""
+        return self._handle.require().partner_count()
+
+    def destroy(self) -> None:
+        """Leave the topic and forget what came in; call `Node.destroy_subscription` instead."""
+        self._handle.destroy()
+        self._queue.clear()
+
+    def _receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:
+        """Queue a message; a full queue loses its oldest one, whose turn the next one takes."""
+        full = len(self._queue) == self._capacity
+        if full:
+            self._queue.popleft()
+        self._queue.append((cdr, source_ns, received_ns))
+        if not full:
+            self.node_handle.mark_ready(self)
+
+
+def _callback_type(callback: Callable[..., object]) -> Subscription.CallbackType:
+    for kind, arguments in (
+        (Subscription.CallbackType.MessageOnly, 1),
+        (Subscription.CallbackType.WithMessageInfo, 2),
+    ):
+        try:
+            inspect.signature(callback).bind(*[None] * arguments)
+        except TypeError:
+            continue
+        return kind
+    raise RuntimeError(
+        "Subscription.__init__(): callback should be either be callable with one argument"
+        "(to get only the message) or two (to get message and message info)"
+    )

@@ -1,0 +1,112 @@
+"""A point in time."""
+
+from functools import total_ordering
+from typing import overload
+
+import builtin_interfaces.msg
+
+from rclpy.clock_type import ClockType
+from rclpy.constants import S_TO_NS
+from rclpy.duration import Duration
+
+_LIMIT = 2**63  # [ns] what ROS stores
+
+
+@total_ordering
+class Time:
+    """A point in time of one kind of clock; `Time()` is zero, which means "the latest" to tf2.
+
+    Args:
+        seconds: Seconds since the clock's epoch, also with a fraction.
+        nanoseconds: Nanoseconds on top of them.
+        clock_type: The kind of clock; times of different kinds do not mix.
+
+    Raises:
+        ValueError: If it is negative.
+        OverflowError: If it does not fit into 64 bits.
+    """
+
+    def __init__(
+        self, *, seconds: float = 0, nanoseconds: int = 0, clock_type: ClockType = ClockType.SYSTEM_TIME
+    ) -> None:
+        if not isinstance(clock_type, ClockType):
+            raise TypeError("Clock type must be a ClockType enum")
+        if seconds < 0:
+            raise ValueError("Seconds value must not be negative")
+        if nanoseconds < 0:
+            raise ValueError("Nanoseconds value must not be negative")
+        total = int(seconds * S_TO_NS) + int(nanoseconds)
+        if total >= _LIMIT:
+            raise OverflowError("Total nanoseconds value is too large to store in C time point.")
+        self._nanoseconds = total
+        self._clock_type = clock_type
+
+    @property
+    def nanoseconds(self) -> int:
+        """Nanoseconds since the clock's epoch."""
+        return self._nanoseconds
+
+    @property
+    def clock_type(self) -> ClockType:
+        """The kind of clock that this time belongs to."""
+        return self._clock_type
+
+    def seconds_nanoseconds(self) -> tuple[int, int]:
+        """Split into whole seconds and the nanoseconds that remain."""
+        return divmod(self.nanoseconds, S_TO_NS)
+
+    def __repr__(self) -> str:
+        return f"Time(nanoseconds={self.nanoseconds}, clock_type={self.clock_type.name})"
+
+    def __add__(self, other: Duration) -> "Time":
+        if not isinstance(other, Duration):
+            return NotImplemented
+        try:
+            return Time(nanoseconds=self.nanoseconds + other.nanoseconds, clock_type=self.clock_type)
+        except OverflowError as error:
+            raise OverflowError("Addition leads to overflow in C storage.") from error
+
+    __radd__ = __add__
+
+    @overload
+    def __sub__(self, other: "Time") -> Duration: ...
+    @overload
+    def __sub__(self, other: Duration) -> "Time": ...
+    def __sub__(self, other: "Time | Duration") -> "Time | Duration":
+        if isinstance(other, Time):
+            self._require_same_clock(other, "subtract")
+            return Duration(nanoseconds=self.nanoseconds - other.nanoseconds)
+        if not isinstance(other, Duration):
+            return NotImplemented
+        try:
+            return Time(nanoseconds=self.nanoseconds - other.nanoseconds, clock_type=self.clock_type)
+        except ValueError as error:
+            raise ValueError("Subtraction leads to negative time.") from error
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Time):
+            return NotImplemented
+        self._require_same_clock(other, "compare")
+        return self.nanoseconds == other.nanoseconds
+
+    def __lt__(self, other: object) -> bool:
+        if not isinstance(other, Time):
+            return NotImplemented
+        self._require_same_clock(other, "compare")
+        return self.nanoseconds < other.nanoseconds
+
+    def to_msg(self) -> builtin_interfaces.msg.Time:
+        """Return the time as a message, as headers carry it."""
+        seconds, nanoseconds = self.seconds_nanoseconds()
+        return builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds)
+
+    @classmethod
+    def from_msg(cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME) -> "Time":
+        """Make a time from a message; it is ROS_TIME unless told otherwise, unlike `Time()`."""
+        if not isinstance(msg, builtin_interfaces.msg.Time):
+            raise TypeError("Must pass a builtin_interfaces.msg.Time object")
+        return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)
+
+    def _require_same_clock(self, other: "Time", verb: str) -> None:
+        if self.clock_type != other.clock_type:
+            raise TypeError(f"Can't {verb} times with different clock types")

@@ -1,0 +1,165 @@
+"""Timers, and the rates that are made of them."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from course_lib.ros.baton import baton
+from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import Clock
+from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle, RCLError, ROSInterruptException
+from rclpy.impl.node_handle import Entity, NodeHandle
+
+if TYPE_CHECKING:
+    from course_lib.ros.clock import Alarm
+
+SHORTEST_NS = 1_000_000  # [ns] a period of 0 means "as fast as possible"; callbacks take no robot time
+
+
+class Timer(Entity):
+    """Calls back once per period, first after one full period; made by `Node.create_timer`.
+
+    Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c).
+    """
+
+    def __init__(
+        self,
+        node: NodeHandle,
+        callback: Callable[[], object] | None,
+        callback_group: CallbackGroup,
+        timer_period_ns: int,
+        clock: Clock,
+        *,
+        autostart: bool = True,
+    ) -> None:
+        if timer_period_ns < 0:
+            raise RCLError("failed to create timer: timer period must be non-negative")
+        super().__init__(node, callback_group)
+        self.callback = callback
+        self.clock = clock
+        self.timer_period_ns = timer_period_ns
+        self._graph = node.graph
+        self._last_ns = self._graph.now_ns
+        self._alarm: Alarm | None = None
+        self._due = False  # it has become ready and was not taken yet
+        self._canceled = not autostart
+        self._destroyed = False
+        self._next_ns = self._graph.now_ns + timer_period_ns
+        if autostart:
+            self._arm()
+
+    def take(self) -> Callable[[], object] | None:
+        """Take the call that is due and set the next one, in phase."""
+        if not self._due:
+            return None
+        self._due = False
+        now_ns = self._last_ns = self._graph.now_ns
+        self._next_ns += self.timer_period_ns
+        if self._next_ns <= now_ns:
+            late_ns = now_ns - self._next_ns
+            missed = 1 + late_ns // self.timer_period_ns if self.timer_period_ns else 0
+            self._next_ns = self._next_ns + missed * self.timer_period_ns if missed else now_ns
+        self._arm()
+        return self.callback
+
+    def cancel(self) -> None:
+        """Call back no more, until `reset`."""
+        self._require()
+        self._canceled = True
+        self._disarm()
+
+    def reset(self) -> None:
+        """Begin a full period now, also after `cancel`."""
+        self._require()
+        self._disarm()
+        self._canceled = False
+        self._next_ns = self._graph.now_ns + self.timer_period_ns
+        self._arm()
+
+    def is_canceled(self) -> bool:
+        """Say whether it was cancelled."""
+        return self._require()._canceled
+
+    def is_ready(self) -> bool:
+        """Say whether a call is due."""
+        remaining_ns = self.time_until_next_call()
+        return remaining_ns is not None and remaining_ns <= 0
+
+    def time_since_last_call(self) -> int:
+        """Return the time since the last call, or since its making, [ns]."""
+        return self._require()._graph.now_ns - self._last_ns
+
+    def time_until_next_call(self) -> int | None:
+        """Return the time until the next call, [ns], negative if it is late; None if it was cancelled."""
+        self._require()
+        return None if self._canceled else self._next_ns - self._graph.now_ns
+
+    def destroy(self) -> None:
+        """End for good; call `Node.destroy_timer` instead."""
+        self._require()
+        self._destroyed = True
+        self._disarm()
+
+    @property
+    def is_destroyed(self) -> bool:
+        """Whether it has ended for good."""
+        return self._destroyed
+
+    def _require(self) -> "Timer":
+        if self._destroyed:
+            raise InvalidHandle
+        return self
+
+    def _arm(self) -> None:
+        due_ns = self._next_ns if self.timer_period_ns else self._graph.now_ns + SHORTEST_NS
+        self._alarm = self._graph.call_at(due_ns, self._ring, node=self.node_handle.id, entity=self.entity)
+
+    def _disarm(self) -> None:
+        self._due = False
+        if self._alarm is not None:
+            self._alarm.cancel()
+
+    def _ring(self) -> None:
+        self._due = True
+        self.node_handle.mark_ready(self)
+
+
+class Rate:
+    """Sleeps so that a loop keeps a frequency; made by `Node.create_rate`.
+
+    Another thread must spin the node: the rate's timer is a callback like any other.
+    """
+
+    def __init__(self, timer: Timer, *, context: Context) -> None:
+        self.timer = timer
+        self._context = context
+        self._ticks = 0
+        self._destroyed = False
+        timer.callback = self._tick
+
+    def sleep(self) -> None:
+        """Block until the next tick.
+
+        Raises:
+            ROSInterruptException: If the context is shut down meanwhile.
+        """
+        if self._destroyed:
+            raise RuntimeError("Rate cannot sleep because it has been destroyed")
+        if self.timer.is_destroyed:
+            raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
+        ticks = self._ticks
+        with baton.known():
+            baton.wait(
+                lambda: self._ticks > ticks or self._destroyed or not self._context.is_valid,
+                until_ns=None,
+                what="a rate's next tick, for which another thread has to spin the node",
+            )
+        if not self._context.is_valid:
+            raise ROSInterruptException
+
+    def destroy(self) -> None:
+        """End it; who sleeps in it wakes up."""
+        self._destroyed = True
+
+    def _tick(self) -> None:
+        self._ticks += 1
