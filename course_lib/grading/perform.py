@@ -77,17 +77,31 @@ def _actions(part: Part, subject: Any, outcome: Outcome) -> list[Callable[[], No
 def run_node(make: Any) -> None:
     """Make the node, or the nodes, and spin them; a function that returns None has run itself."""
     import rclpy
-    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
     from rclpy.node import Node
+    from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-    rclpy.init()
-    made = _callable(make, "a node class")()
-    nodes = [made] if isinstance(made, Node) else list(made or ())
-    executor = SingleThreadedExecutor()
-    for node in nodes:
-        executor.add_node(node)
-    if nodes:
-        executor.spin()
+    made = _callable(make, "a node class")
+    if not _initialises(make):
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        made = made()
+        nodes = [made] if isinstance(made, Node) else list(made or ())
+        if nodes:
+            executor = SingleThreadedExecutor()
+            for node in nodes:
+                executor.add_node(node)
+            executor.spin()
+    except ExternalShutdownException:
+        pass  # the student's code called rclpy.shutdown(): an end like any other
+    finally:
+        uninstall_signal_handlers()
+
+
+def _initialises(make: Any) -> bool:
+    """Whether a function calls `rclpy.init()` itself, as every `main()` does."""
+    code = getattr(make, "__code__", None)
+    return code is not None and "init" in code.co_names
 
 
 def _callable(subject: Any, expected: str) -> Callable[..., Any]:

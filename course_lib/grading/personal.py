@@ -5,6 +5,7 @@ from typing import Any
 
 from course_lib.course.identity import current_identity, personal_number
 from course_lib.errors import CourseError
+from course_lib.grading.plain import plain
 from course_lib.grading.task import Task
 
 _given: dict[str, dict[str, Any]] | None = None  # set in the grader's worker, which holds no check files
@@ -13,7 +14,7 @@ _given: dict[str, dict[str, Any]] | None = None  # set in the grader's worker, w
 def personal_values(task: Task, student: str | None) -> dict[str, Any]:
     """The task's own values for one student: one option of each row, by a hash of the normalised ID."""
     return {
-        name: options[personal_number(student, f"{task.id}/{name}", len(options))]
+        name: plain(options[personal_number(student, f"{task.id}/{name}", len(options))])
         for name, options in task.personal.items()
     }
 

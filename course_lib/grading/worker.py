@@ -1,0 +1,142 @@
+"""The process that runs a submission: its cells once, then each scenario in a fork of it.
+
+`worker_process.start_worker` starts it. It holds no check, no expected value and no hidden text; what it says
+is evidence, judged elsewhere and not believed.
+"""
+
+import os
+import socket
+import sys
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.grading.check import bind_only
+from course_lib.grading.perform import Outcome, Part, perform
+from course_lib.grading.personal import give_values
+from course_lib.grading.student_error import describe
+from course_lib.ros import standin_path, virtual_time
+from course_lib.ros.baton import baton
+from course_lib.ros.channel import Channel, ChannelClosedError
+from course_lib.ros.clock import START_NS
+from course_lib.ros.remote_graph import RemoteGraph
+from course_lib.ros.seeding import seeded
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+CELLS_SEED = 0
+STDOUT = 1
+
+
+class Worker:
+    """One submission.
+
+    Args:
+        channel: To the grader.
+    """
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._shell = make_shell()
+        self._bound: dict[str, Any] = {}
+        bind_only(self._bound.__setitem__)
+
+    def serve(self) -> None:
+        """Do what the grader asks until it is gone."""
+        handlers: dict[str, Callable[..., None]] = {"cells": self.run_cells, "scenario": self.run_scenario}
+        while True:
+            try:
+                name, *arguments = self._channel.receive()
+            except ChannelClosedError:
+                return
+            handlers[name](*arguments)
+
+    def run_cells(
+        self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int], token: bytes
+    ) -> None:
+        """Run all cells in order, but those to skip; an error in one does not stop the rest."""
+        give_values(values)
+        errors = []
+        with baton.known(), seeded(CELLS_SEED):
+            for index, cell in enumerate(cells):
+                if index not in skip:
+                    self._channel.send(["cell", index])
+                    errors += self._run_cell(index, cell)
+        self._finish("ran", errors, token)
+
+    def run_scenario(
+        self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int, token: bytes
+    ) -> None:
+        """Run one scenario in a fork, so that it leaves nothing behind for the next."""
+        child = os.fork()
+        if child == 0:
+            self._run_in_child(task, name, Part(kind, seed, calls), end_ns)
+        self._finish("exit", os.waitpid(child, 0)[1], token)
+
+    def _run_cell(self, index: int, cell: str) -> list[str]:
+        self._shell.execution_count = index + 1
+        result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        error = result.error_before_exec or result.error_in_exec
+        return [describe(error)] if error is not None else []
+
+    def _run_in_child(self, task: str, name: str, part: Part, end_ns: int) -> None:
+        outcome, status = Outcome(), 1
+        try:
+            graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns)
+            perform(part, self._subject(task, name), graph, outcome)
+            self._channel.send(["result", outcome.returns, outcome.errors])
+            status = 0
+        except CourseError as error:
+            self._channel.send(["result", [], [str(error)]])
+        finally:
+            _flush()
+            os._exit(status)  # no handler that the student's code left behind is run
+
+    def _subject(self, task: str, name: str) -> Any:
+        """What `check` was called with, else what has the declared name."""
+        if task in self._bound:
+            return self._bound[task]
+        if name not in self._shell.user_ns:
+            raise CourseError(f"{name} is not in the notebook: no cell that ran to its end makes it")
+        return self._shell.user_ns[name]
+
+    def _finish(self, name: str, value: Any, token: bytes) -> None:
+        """Mark the end of the output that belongs to this step, and answer."""
+        _flush()
+        os.write(STDOUT, token)
+        self._channel.send([name, value])
+
+
+def make_shell() -> "InteractiveShell":
+    """An IPython shell without history, colours or a page."""
+    from IPython.core.interactiveshell import InteractiveShell
+    from traitlets.config import Config
+
+    class Shell(InteractiveShell):
+        def enable_gui(self, gui: Any = None) -> None:
+            """There is no window to be had; `%matplotlib inline` is no mistake."""
+
+    config = Config()
+    config.HistoryManager.enabled = False
+    config.InteractiveShell.colors = "nocolor"
+    return Shell.instance(config=config)
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):  # closed by the student's code
+            continue
+
+
+def main() -> None:
+    """Serve the grader at the other end of the socket whose number is the argument."""
+    standin_path.install()
+    virtual_time.install()
+    Worker(Channel(socket.socket(fileno=int(sys.argv[1])))).serve()
+
+
+if __name__ == "__main__":
+    main()
