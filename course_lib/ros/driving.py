@@ -80,7 +80,7 @@ def spin_until(executor: "Executor", until_ns: int, ready: Callable[[], bool] = 
     """Run an executor's callbacks until `ready()` or robot time `until_ns`, events due then included."""
 
     def something_to_do() -> bool:
-        return executor.has_ready() or ready()
+        return executor.can_work() or ready()
 
     while not ready() and baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
         executor.spin_once(timeout_sec=0.0)

@@ -3,7 +3,8 @@
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
@@ -31,7 +32,7 @@ def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> 
     standin_path.install()
     virtual_time.install()
     programs = [Program(file, args) for file in files]
-    with seeded(seed), baton.known():
+    with _interpreter_kept(), seeded(seed), baton.known():
         if len(programs) == 1:
             programs[0].run()
         else:
@@ -55,7 +56,8 @@ class Program:
         try:
             self._code = compile(file.read_bytes(), str(file), "exec")
         except (OSError, ValueError) as error:
-            raise CourseError(f"{file} cannot be read: {error}. Give the path of a Python file.") from error
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
         except SyntaxError as error:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
 
@@ -76,6 +78,15 @@ class Program:
             frames = error.__traceback__.tb_next if error.__traceback__ else None  # without this file's own
             traceback.print_exception(type(error), error, frames)
             self.exit_code = 1
+
+
+@contextmanager
+def _interpreter_kept() -> Iterator[None]:
+    before = sys.argv, sys.path[:], sys.modules["__main__"]
+    try:
+        yield
+    finally:
+        sys.argv, sys.path[:], sys.modules["__main__"] = before
 
 
 def _run_beside_each_other(programs: Sequence[Program]) -> None:

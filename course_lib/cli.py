@@ -1,0 +1,170 @@
+"""`course …`: every command calls one function of the library."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, NoReturn
+
+import typer
+from typer.exceptions import TyperException
+
+from course_lib.errors import CourseError
+
+HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
+NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
+RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
+
+app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+bag = typer.Typer(help="Look into recordings.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(bag, name="bag")
+
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+@app.callback()
+def course(debug: Debug = False) -> None:
+    """Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."""
+
+
+@app.command()
+def lab(
+    work_dir: Annotated[Path, typer.Argument(help="Your folder; made if missing.")] = Path("my_course"),
+    port: Annotated[int | None, typer.Option(help="The port to listen on.")] = None,
+    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+) -> None:
+    """Open JupyterLab on your course folder."""
+    from course_lib.course.lab import lab as open_lab
+
+    open_lab(work_dir, port=port, browser=browser)
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Where the picture and the page go.")] = Path("course_demo"),
+) -> None:
+    """Show the whole idea in 20 seconds, without a browser."""
+    from course_lib.demo import demo as show
+
+    show(out)
+
+
+@app.command()
+def run(
+    context: typer.Context,
+    files: Annotated[list[Path], typer.Argument(help="Unmodified rclpy programs; they share one graph.")],
+    seconds: Annotated[float | None, typer.Option(min=0, help="Robot time to run; default 5.")] = None,
+    seed: Annotated[int, typer.Option(help="Seeds every source of chance.")] = 0,
+    bag: Annotated[Path | None, typer.Option(help="Record everything into this new folder.")] = None,
+    real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
+) -> None:
+    """Run programs on robot time. What follows `--` is passed on to them."""
+    from course_lib.tools.run import run as run_programs
+    from course_lib.tools.run import with_fixed_hashes
+
+    with_fixed_hashes()
+    if seconds is None and not real_time:
+        seconds = RUN_SECONDS
+    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=context.obj, real_time=real_time)
+    raise typer.Exit(code)
+
+
+@app.command()
+def render(
+    bag: Annotated[Path, typer.Option(help="The recording to draw.")],
+    rviz: Annotated[Path | None, typer.Option(help="The layout to draw it through.")] = None,
+    at: Annotated[
+        float | None, typer.Option(help="Seconds after the first message; default: its end.")
+    ] = None,
+    size: Annotated[str, typer.Option(help="Width x height in pixels.")] = "800x600",
+    png: Annotated[Path | None, typer.Option(help="Write a picture.")] = None,
+    html: Annotated[Path | None, typer.Option(help="Write a page that opens offline.")] = None,
+) -> None:
+    """Draw a recording as RViz would, into a picture or a page."""
+    from course_lib.displays.render import render_bag
+
+    width, _, height = size.partition("x")
+    if not (width.isdigit() and height.isdigit() and 0 < int(width) <= 8192 and 0 < int(height) <= 8192):
+        raise CourseError(f"--size {size}: write width x height in pixels, like --size 800x600.")
+    if (png is None) == (html is None):
+        raise CourseError("Say what to write: --png picture.png or --html page.html.")
+    typer.echo(render_bag(bag, rviz=rviz, at=at, size=(int(width), int(height)), png=png, html=html))
+
+
+@bag.command()
+def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]) -> None:
+    """Say what a recording holds."""
+    from course_lib.recording import bag_info
+
+    typer.echo(bag_info(folder))
+
+
+@app.command()
+def check(file: Annotated[Path, typer.Argument(help="Your exercise notebook.")]) -> None:
+    """Run the public checks of an exercise."""
+    from course_lib.grading.check_file import check_file
+
+    raise typer.Exit(0 if check_file(file) else NOT_PASSED)
+
+
+@app.command()
+def submit(
+    file: Annotated[Path, typer.Argument(help="Your exercise notebook.")],
+    out: Annotated[Path | None, typer.Option(help="Where the file to hand in goes.")] = None,
+) -> None:
+    """Pack an exercise into one file to hand in, with a receipt."""
+    from course_lib.grading.submission import submit as pack
+
+    typer.echo(pack(file, out).text())
+
+
+@app.command()
+def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
+    """Write the students' copy: installable, without solutions and hidden checks."""
+    from course_lib.course.release import release as write
+
+    paths = write(out)
+    typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
+
+
+@app.command()
+def grade(
+    submissions: Annotated[Path, typer.Argument(help="The folder with the submissions.")],
+    out: Annotated[Path, typer.Option(help="Where results, gradebook and reports go.")],
+    jobs: Annotated[int | None, typer.Option(min=1, help="Submissions at a time.")] = None,
+) -> None:
+    """Grade a folder of submissions: results, gradebook.csv and one report per student."""
+    from course_lib.grading.grade import grade as grade_all
+
+    raise typer.Exit(0 if grade_all(submissions, out, jobs=jobs) else NOT_PASSED)
+
+
+def main() -> None:
+    """Run the command line; an error is one line that says what to type next."""
+    arguments, for_programs = _split(sys.argv[1:])
+    debug = "--debug" in arguments
+    try:
+        code = app(args=arguments or ["--help"], obj=for_programs, standalone_mode=False, prog_name="course")
+    except CourseError as error:
+        _fail(str(error), debug)
+    except TyperException as error:  # wrong words on the command line
+        context = getattr(error, "ctx", None)
+        _fail(f"{error.format_message()} See: {context.command_path if context else 'course'} --help", debug)
+    except OSError as error:
+        _fail(f"{error.filename}: {error.strerror}", debug)
+    except (KeyboardInterrupt, typer.Abort):
+        sys.exit(INTERRUPTED)
+    sys.exit(code or 0)
+
+
+def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Part what is for the command from what follows `--`, which is for the programs that it runs."""
+    if "--" not in arguments:
+        return arguments, []
+    place = arguments.index("--")
+    return arguments[:place], arguments[place + 1 :]
+
+
+def _fail(message: str, debug: bool) -> NoReturn:
+    if debug:
+        raise
+    typer.echo(f"error: {' '.join(message.split())}", err=True)
+    sys.exit(UNUSABLE)

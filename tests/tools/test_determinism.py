@@ -1,0 +1,47 @@
+"""The same program gives the same recording, byte for byte."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from course_lib.recording import read_bag
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+RUNS = 20
+SCRIPT = """
+import sys
+from pathlib import Path
+from course_lib.tools.run import run
+for program in map(Path, sys.argv[2:]):
+    bag = Path(sys.argv[1]) / program.stem
+    run([program], seconds=3.0, seed=1, bag=bag, args=(), real_time=False)
+"""
+
+
+@pytest.mark.slow
+def test_twenty_runs_of_each_program_give_one_digest_and_equal_bytes(tmp_path: Path) -> None:
+    programs = sorted(PROGRAMS.glob("*.py"))
+
+    def run(number: int) -> dict[str, tuple[str, str]]:
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        command = [sys.executable, "-c", SCRIPT, str(folder), *map(str, programs)]
+        subprocess.run(command, env=os.environ | {"PYTHONHASHSEED": "0"}, check=True, capture_output=True)
+        return {p.stem: _facts(folder / p.stem) for p in programs}
+
+    with ThreadPoolExecutor(2) as pool:
+        runs = list(pool.map(run, range(RUNS)))
+    assert len(runs[0]) == 5
+    for program, facts in runs[0].items():
+        assert {other[program] for other in runs} == {facts}, program
+
+
+def _facts(bag: Path) -> tuple[str, str]:
+    recording = read_bag(bag)
+    assert len(recording.samples) > 10
+    return recording.digest(), hashlib.sha256((bag / "recording.mcap").read_bytes()).hexdigest()
