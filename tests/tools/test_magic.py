@@ -1,0 +1,37 @@
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.tools.magic import register
+
+
+@pytest.fixture(scope="module")
+def shell() -> InteractiveShell:
+    shell = InteractiveShell.instance()
+    register(shell)
+    register(shell)
+    return shell
+
+
+def run(shell: InteractiveShell, line: str) -> bool:
+    """Run a cell; says whether it went well."""
+    return bool(shell.run_cell(line).success)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
+
+def test_the_magic_lists_this_notebook_s_topics(
+    shell: InteractiveShell, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with use_graph(Graph()):
+        assert run(shell, "%ros2 topic list")
+    assert capsys.readouterr().out == "/parameter_events\n/rosout\n"
+
+
+@pytest.mark.parametrize("line", ["%ros2 topic echo /nope --once", '%ros2 topic echo "/a'])
+def test_an_error_is_a_line_without_a_traceback(
+    shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    with use_graph(Graph()):
+        assert not run(shell, line)
+    shown = capsys.readouterr()
+    assert "UsageError: " in shown.out + shown.err
+    assert "Traceback" not in shown.out + shown.err

@@ -1,0 +1,97 @@
+from array import array
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Point, PoseWithCovariance
+from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import Float64MultiArray, Header, String
+from visualization_msgs.msg import Marker
+
+from course_lib.ros.messages import Message
+from course_lib.tools.message_text import Style, to_csv, to_yaml
+
+POINTS = """header:
+  stamp:
+    sec: 0
+    nanosec: 0
+  frame_id: map
+points:
+- x: 1.0
+  y: 0.0
+  z: 0.0
+- x: 0.0
+  y: 0.0
+  z: 0.0
+"""
+
+
+def test_yaml_is_in_block_style_with_the_fields_in_order() -> None:
+    marker = Marker(header=Header(frame_id="map"), points=[Point(x=1.0), Point()])
+    lines = to_yaml(marker, Style()).splitlines(keepends=True)
+    assert "".join(lines[:5]) in POINTS
+    assert "".join(lines[lines.index("points:\n") :]).startswith(POINTS[POINTS.index("points:") :])
+    assert "colors: []\n" in lines
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", "data: ''\n"),
+        ("yes", "data: 'yes'\n"),
+        ("1.0", "data: '1.0'\n"),
+        ("Größe ✓", "data: Größe ✓\n"),
+        ("a: b", "data: 'a: b'\n"),
+        ("x" * 129, f"data: {'x' * 128}...\n"),
+        ("w " * 60, f"data: '{'w ' * 60}'\n"),
+    ],
+)
+def test_strings_are_quoted_and_cut_as_pyyaml_and_ros_do(text: str, line: str) -> None:
+    assert to_yaml(String(data=text), Style()) == line
+
+
+def test_long_sequences_end_in_dots() -> None:
+    scan = LaserScan(ranges=[0.5] * 200)
+    assert to_yaml(scan, Style()).count("- 0.5\n") == 128
+    assert "- 0.5\n- '...'\nintensities: []\n" in to_yaml(scan, Style())
+    assert to_yaml(scan, Style(truncate=None)).count("- 0.5\n") == 200
+
+
+def test_bytes_are_characters() -> None:
+    assert to_yaml(DiagnosticStatus(level=b"\x02", name="a"), Style()).startswith('level: "\\x02"\nname: a\n')
+
+
+def test_flow_style_is_one_line() -> None:
+    assert to_yaml(Time(sec=1), Style(flow=True)) == "{sec: 1, nanosec: 0}\n"
+
+
+def test_notes_stand_for_arrays_and_strings() -> None:
+    text = to_yaml(Marker(ns="abc", points=[Point()]), Style(no_arrays=True, no_strings=True))
+    assert "ns: '<string length: <3>>'\n" in text
+    assert "points: '<sequence type: geometry_msgs/msg/Point, length: 1>'\n" in text
+    covariance = to_yaml(PoseWithCovariance(), Style(no_arrays=True))
+    assert "covariance: '<array type: double[36]>'\n" in covariance
+    status = DiagnosticStatus(values=[KeyValue(key="ab", value="c")])
+    assert "- key: '<string length: <2>>'\n  value: '<string length: <1>>'\n" in to_yaml(
+        status, Style(no_strings=True)
+    )
+
+
+CSV: list[tuple[Message, Style, str]] = [
+    (Header(stamp=Time(sec=1, nanosec=2), frame_id="map"), Style(), "1,2,map"),
+    (Float64MultiArray(data=[1.0, 2.0, 3.0]), Style(truncate=2), "0,1.0,2.0,..."),
+    (JointState(name=["a", "b"]), Style(no_strings=True), "0,0,<string length: <0>>,"),
+    (String(data="abcd"), Style(truncate=2), "ab..."),
+    (KeyValue(key="", value="v"), Style(), "v"),
+]
+
+
+@pytest.mark.parametrize(("message", "style", "row"), CSV)
+def test_csv_is_a_row_of_the_values(message: Message, style: Style, row: str) -> None:
+    assert to_csv(message, style).startswith(row)
+
+
+def test_csv_takes_any_sequence() -> None:
+    values: list[Any] = [array("i", [1, 2]), (1, 2), [1, 2]]
+    assert {to_csv(value, Style()) for value in values} == {"1,2"}

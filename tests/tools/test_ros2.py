@@ -1,0 +1,129 @@
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording
+from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.messages import message_class, serialize
+from course_lib.ros.qos import Qos
+from course_lib.tools.ros2 import VERBS, ros2
+from course_lib.tools.sources import GraphSource, RecordingSource, Source
+
+STRING = "std_msgs/msg/String"
+START = 1_700_000_000_000_000_000  # [ns]
+
+
+def output(line: str, source: Source) -> str:
+    written: list[str] = []
+    ros2(line.split(), source, written.append)
+    return "".join(written)
+
+
+def recorded(*topics: str, type_name: str = STRING, qos: Qos | None = None) -> RecordingSource:
+    """A recording of one message per topic, a second apart."""
+    cdr = serialize(message_class(type_name)())
+    return RecordingSource(
+        Recording(
+            tuple(
+                Sample(START + i * 10**9, topic, type_name, cdr, qos or Qos(), 1)
+                for i, topic in enumerate(topics)
+            )
+        )
+    )
+
+
+@pytest.mark.parametrize("line", ["", "-h", "topic", "topic --help"])
+def test_without_a_verb_the_verbs_are_listed(line: str) -> None:
+    assert output(line, recorded()).splitlines()[0].split() == [
+        "ros2", "topic", "echo", "Output", "messages", "from", "a", "topic",
+    ]  # fmt: skip
+    assert len(output(line, recorded()).splitlines()) == len(VERBS)
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=lambda verb: f"{verb.command} {verb.name}")
+def test_every_verb_has_help(verb: object) -> None:
+    text = output(f"{verb.command} {verb.name} --help", recorded())  # type: ignore[attr-defined]
+    assert text.startswith(f"usage: ros2 {verb.command} {verb.name}")  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("line", ["topic hz /a", "node", "topc list"])
+def test_an_unknown_verb_is_answered_with_those_there_are(line: str) -> None:
+    with pytest.raises(CourseError, match=r"There is no `ros2 .*There are: ros2 topic echo, ros2 topic list"):
+        output(line, recorded())
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("topic echo", "the following arguments are required: topic_name"),
+        ("topic echo /a --ounce", "unrecognized arguments: --ounce"),
+        ("topic echo /a --truncate-length x", "invalid int value: 'x'"),
+    ],
+)
+def test_a_wrong_argument_is_one_line_with_the_usage(line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text) as raised:
+        output(line, recorded("/a"))
+    assert "\n" not in str(raised.value)
+    assert "`ros2 topic echo --help`" in str(raised.value)
+
+
+def test_list_names_the_topics_of_a_graph_and_those_of_every_node() -> None:
+    graph = Graph()
+    node = graph.add_node("talker", "/")
+    graph.add_publisher(node, "/chatter", STRING, Qos())
+    graph.add_publisher(node, "/_hidden/x", STRING, Qos())
+    graph.add_subscription(node, 1, "/chatter", STRING, Qos(), lambda *_: None)
+    source = GraphSource(graph)
+    assert output("topic list", source) == "/chatter\n/parameter_events\n/rosout\n"
+    assert output("topic list -c", source) == "3\n"
+    assert "/_hidden/x\n" in output("topic list --include-hidden-topics", source)
+    assert output("topic list -t", source) == (
+        "/chatter [std_msgs/msg/String]\n"
+        "/parameter_events [rcl_interfaces/msg/ParameterEvent]\n"
+        "/rosout [rcl_interfaces/msg/Log]\n"
+    )
+    assert output("topic list -v", source) == (
+        "Published topics:\n * /chatter [std_msgs/msg/String] 1 publisher\n\n"
+        "Subscribed topics:\n * /chatter [std_msgs/msg/String] 1 subscriber\n\n"
+    )
+
+
+def test_list_names_the_topics_of_a_recording() -> None:
+    assert output("topic list", recorded("/b", "/a")) == "/a\n/b\n"
+
+
+def test_echo_prints_what_was_recorded() -> None:
+    assert output("topic echo /a", recorded("/a", "/b", "/a")) == "data: ''\n---\n" * 2
+    assert output("topic echo a --once", recorded("/a", "/b", "/a")) == "data: ''\n---\n"
+    assert output("topic echo a --timeout 1.5", recorded("/a", "/b", "/a")) == "data: ''\n---\n"
+
+
+def test_echo_prints_one_field_as_python_does() -> None:
+    poses = recorded("/pose", type_name="geometry_msgs/msg/PoseStamped")
+    assert output("topic echo /pose --field pose.orientation.w", poses) == "1.0\n---\n"
+    assert (
+        output("topic echo /pose --field header.stamp --flow-style", poses) == "{sec: 0, nanosec: 0}\n---\n"
+    )
+    assert output("topic echo /pose --csv --field pose.position", poses) == "0.0,0.0,0.0\n"
+
+
+def test_echo_names_the_fields_that_there_are() -> None:
+    with pytest.raises(
+        CourseError,
+        match=r"^Invalid field 'data.x': 'str' object has no attribute 'x'$",
+    ):
+        output("topic echo /a --field data.x", recorded("/a"))
+    with pytest.raises(CourseError, match=r"no attribute 'dat'. It has data\.$"):
+        output("topic echo /a --field dat", recorded("/a"))
+
+
+def test_echo_of_an_unknown_topic_has_ros_words_and_names_the_topics() -> None:
+    written: list[str] = []
+    text = r"^Could not determine the type for the passed topic. Topics here: /chatter, /tf\.$"
+    with pytest.raises(CourseError, match=text):
+        ros2(["topic", "echo", "/chater"], recorded("/tf", "/chatter"), written.append)
+    assert written == ["WARNING: topic [/chater] does not appear to be published yet\n"]
+
+
+def test_echo_of_an_unknown_type_names_close_ones() -> None:
+    with pytest.raises(CourseError, match="Did you mean std_msgs/msg/String"):
+        output("topic echo /a std_msgs/msg/Strin", recorded("/a"))
