@@ -1,0 +1,155 @@
+"""Everything a scene can hold as triangles that a camera sees, coloured as RViz's light colours them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.viewer.arrays import Floats, Matrix
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.meshcat_objects import drawables_of
+from course_lib.viewer.scene import MeshcatObject, Scene
+from course_lib.viewer.shapes import unit_shape
+from course_lib.viewer.text import rasterized
+
+_SQUARE = np.array([[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) / 2
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """One object as the camera sees it.
+
+    Args:
+        corners: x right, y up, -z ahead of the camera, in [m], then RGBA, then the place in the mask, x
+            right and y up in 0..1; shape (T, 3, 9).
+        transparent: Whether what is behind shines through.
+        mask: How much of the colour there is, 0..255, shape (rows, columns), or None.
+    """
+
+    corners: Floats
+    transparent: bool
+    mask: npt.NDArray[np.uint8] | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """How to get from an object to the camera, and how large a pixel is there."""
+
+    transform_object_to_camera: Matrix
+    camera: Camera
+    height: int
+
+    def points(self, points: Floats) -> Floats:
+        """Return points, shape (..., 3), as the camera sees them."""
+        transform = self.transform_object_to_camera
+        return (points @ transform[:3, :3].T + transform[:3, 3]).astype(np.float32)
+
+    def pixel(self, points: Floats) -> Floats:
+        """Return the size of a pixel in [m] at points that the camera sees, shape (N, 1)."""
+        depth = np.maximum(-points[:, 2:], self.camera.near)
+        return (1 / self.camera.pixels_per_metre(depth, self.height)).astype(np.float32)
+
+
+def triangles_of(scene: Scene, height: int) -> Iterator[Triangles]:
+    """Iterate over what is to be seen in a picture of some height in pixels."""
+    transform_scene_to_camera = scene.camera.view_matrix()
+    for path, thing in scene.objects().items():
+        if not scene.visible(path):
+            continue
+        transform = transform_scene_to_camera @ scene.world_transform(path)
+        parts = drawables_of(thing.json) if isinstance(thing, MeshcatObject) else [(np.eye(4), thing)]
+        for transform_part_to_object, part in parts:
+            yield _SEEN[type(part)](part, View(transform @ transform_part_to_object, scene.camera, height))
+
+
+def _triangles(points: Floats, colors: Floats, lit_by: Floats | None = None) -> Triangles:
+    """Join corners, shape (T, 3, 3), with their colours, shape (T, 3, 4), darkened by normals."""
+    colors = np.broadcast_to(colors, (*points.shape[:2], 4)).astype(np.float32)
+    if lit_by is not None:
+        length = np.linalg.norm(lit_by, axis=-1, keepdims=True)
+        colors[..., :3] *= np.abs(lit_by[..., 2:]) / np.maximum(length, 1e-12)
+    corners = np.concatenate([points, colors, np.zeros((*points.shape[:2], 2), np.float32)], axis=-1)
+    return Triangles(corners, bool((colors[..., 3] < OPAQUE_FROM).any()))
+
+
+def _normals(corners: Floats) -> Floats:
+    """Return the normal of each triangle, shape (T, 1, 3), of any length."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, None]
+
+
+def _turned(normals: Floats, transform: Matrix) -> Floats:
+    """Return normals, shape (..., 3), after a transform, shape (..., 4, 4), that may stretch or flatten."""
+    x, y, z = (transform[..., :3, axis] for axis in range(3))
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
+    return (cofactors @ normals[..., None])[..., 0].astype(np.float32)
+
+
+def _solids(solids: Solids, view: View) -> Triangles:
+    unit = unit_shape(solids.shape, 32 if len(solids.placements) < 50 else 12)
+    placements = (view.transform_object_to_camera @ solids.placements)[:, None, None]
+    points = (placements[..., :3, :3] @ unit.corners[..., None])[..., 0] + placements[..., :3, 3]
+    corners = points.reshape(-1, 3, 3).astype(np.float32)
+    normals = _turned(unit.normals, placements).reshape(-1, 3, 3)
+    each = np.broadcast_to(solids.colors, (len(points), 4))
+    colors = np.repeat(each, len(unit.corners), axis=0)[:, None]
+    towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
+    front = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
+    return _triangles(corners[front], colors[front], normals[front] if solids.lit else None)
+
+
+def _mesh(mesh: Mesh, view: View) -> Triangles:
+    points = view.points(mesh.vertices)[mesh.faces]
+    colors = np.broadcast_to(mesh.colors, (len(mesh.vertices), 4))[mesh.faces]
+    if not mesh.lit:
+        return _triangles(points, colors)
+    if mesh.normals is None:
+        return _triangles(points, colors, _normals(points))
+    return _triangles(points, colors, _turned(mesh.normals, view.transform_object_to_camera)[mesh.faces])
+
+
+def _lines(lines: Lines, view: View) -> Triangles:
+    """Widen each segment across the line that joins its neighbours, as Ogre's billboard chain does."""
+    points = view.points(lines.points)
+    colors = np.broadcast_to(lines.colors, (len(points), 4))
+    start = np.arange(0, max(len(points) - 1, 0), 1 if lines.strip else 2)
+    before, after = start, start + 1
+    if lines.strip:
+        before, after = np.maximum(start - 1, 0), np.minimum(start + 2, len(points) - 1)
+    ends = np.stack([points[start], points[start + 1]], axis=1)
+    along = np.stack([points[start + 1] - points[before], points[after] - points[start]], axis=1)
+    across = np.cross(along, [0, 0, 1] if view.camera.orthographic_scale else -ends)
+    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
+    width = lines.width or view.pixel(ends.reshape(-1, 3)).reshape(-1, 2, 1)
+    corners = np.stack([ends - across * width / 2, ends + across * width / 2], axis=2)
+    end, side = [0, 1, 1, 0, 1, 0], [0, 0, 1, 0, 1, 1]
+    tints = np.stack([colors[start], colors[start + 1]], axis=1)[:, end]
+    return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
+
+
+def _points(points: Points, view: View) -> Triangles:
+    centres = view.points(points.points)
+    size = np.array(points.size) * (view.pixel(centres) if points.pixels else 1)
+    corners = np.repeat(centres[:, None], 6, axis=1)
+    corners[..., :2] += _SQUARE * np.broadcast_to(size, (len(centres), 2))[:, None]
+    colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None].repeat(6, axis=1)
+    return _triangles(corners.reshape(-1, 3, 3), colors.reshape(-1, 3, 4))
+
+
+def _text(text: Text, view: View) -> Triangles:
+    glyphs = rasterized(text.text)
+    size = np.array(glyphs.mask.shape[::-1]) * text.height / glyphs.pixels_per_height
+    square = _points(Points([[0, 0, 0]], text.color, (size[0], size[1])), view).corners
+    square[..., 7:] = (_SQUARE + 0.5).reshape(2, 3, 2)
+    return Triangles(square, True, glyphs.mask)
+
+
+_SEEN: dict[type[Drawable], Callable[[Any, View], Triangles]] = {
+    Solids: _solids,
+    Mesh: _mesh,
+    Lines: _lines,
+    Points: _points,
+    Text: _text,
+}

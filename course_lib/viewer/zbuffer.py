@@ -1,0 +1,103 @@
+"""Pictures made with numpy alone, where no browser is: triangles, a depth for each pixel, blending."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from course_lib.viewer.arrays import Floats
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.raster import clipped, covered
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.triangles import Triangles, triangles_of
+
+_FINER = 2  # samples per pixel along each axis
+
+
+@dataclass(frozen=True)
+class Fragments:
+    """Samples of triangles: which sample of the picture, how far away [m], RGBA; all of length N."""
+
+    sample: npt.NDArray[np.intp]
+    depth: Floats
+    color: Floats
+
+
+def draw(scene: Scene, size: tuple[int, int]) -> bytes:
+    """Draw a scene and return the PNG; the size is in pixels."""
+    width, height = size[0] * _FINER, size[1] * _FINER
+    depths = np.full(width * height, np.inf, np.float32)
+    background = np.array(scene.background, np.float32) / np.float32(255)
+    colors = np.tile(background, (width * height, 1))
+    seen_through: list[Fragments] = []
+    for triangles in triangles_of(scene, size[1]):
+        for fragments in _fragments(triangles, scene.camera, (width, height)):
+            if triangles.transparent:
+                seen_through.append(fragments)
+            else:
+                _cover(depths, colors, fragments)
+    _blend(depths, colors, seen_through)
+    fine = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
+    pixels = np.rint(fine.mean(axis=(1, 3)) * 255).clip(0, 255).astype(np.uint8)
+    png = BytesIO()
+    Image.fromarray(pixels).save(png, "png")
+    return png.getvalue()
+
+
+def _cover(depths: Floats, colors: Floats, fragments: Fragments) -> None:
+    """Keep the nearest fragment of each sample."""
+    order = np.argsort(-fragments.depth, kind="stable")
+    order = order[fragments.depth[order] < depths[fragments.sample[order]]]
+    sample = fragments.sample[order]  # the last one written is the nearest
+    depths[sample] = fragments.depth[order]
+    colors[sample] = fragments.color[order, :3]
+
+
+def _blend(depths: Floats, colors: Floats, parts: list[Fragments]) -> None:
+    """Lay fragments over what is behind them, the farthest first."""
+    if not parts:
+        return
+    sample = np.concatenate([part.sample for part in parts])
+    depth = np.concatenate([part.depth for part in parts])
+    color = np.concatenate([part.color for part in parts])
+    order = np.lexsort((-depth, sample))
+    order = order[depth[order] < depths[sample[order]]]
+    sample, color = sample[order], color[order]
+    first = np.flatnonzero(np.diff(sample, prepend=-1))
+    layer = np.arange(len(sample)) - np.repeat(first, np.diff(first, append=len(sample)))
+    for number in range(layer.max(initial=-1) + 1):
+        now = np.flatnonzero(layer == number)
+        alpha = color[now, 3:]
+        colors[sample[now]] = colors[sample[now]] * (1 - alpha) + color[now, :3] * alpha
+
+
+def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> Iterator[Fragments]:
+    """Iterate over the samples that triangles cover, a few at a time."""
+    perspective = camera.orthographic_scale is None
+    corners = clipped(triangles.corners, camera.near) if perspective else triangles.corners
+    depth = -corners[..., 2:3]
+    scale = camera.pixels_per_metre(depth, size[1]) * (1 if perspective else _FINER)
+    xy = np.array(size) / 2 + corners[..., :2] * scale * [1, -1]
+    weight = 1 / depth if perspective else np.ones_like(depth)
+    values = np.concatenate([depth, corners[..., 3:]], axis=-1) * weight
+    for spans in covered(xy, size):
+        share = spans.share.astype(np.float32)[:, None]
+        total = (share @ weight[spans.triangle])[:, 0]
+        value = (share @ values[spans.triangle])[:, 0] / total
+        yield _shaded(spans.sample, value, triangles.mask)
+
+
+def _shaded(sample: npt.NDArray[np.intp], value: Floats, mask: npt.NDArray[np.uint8] | None) -> Fragments:
+    """Split interpolated values into depth and colour, and thin the colour by the mask."""
+    depth, color, place = value[:, 0], value[:, 1:5], value[:, 5:]
+    if mask is None:
+        return Fragments(sample, depth, color)
+    rows, columns = mask.shape
+    row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
+    column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
+    color[:, 3] *= mask[row, column] / np.float32(255)
+    inked = color[:, 3] > 0.01
+    return Fragments(sample[inked], depth[inked], color[inked])
