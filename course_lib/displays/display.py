@@ -1,0 +1,131 @@
+"""What all displays share: messages in, scene out, properties and statuses by RViz's names."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+from urllib.parse import quote
+
+from course_lib.displays.frames import Frames, Matrix
+from course_lib.displays.properties import Property, PropertyHolder, flag
+from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.ros.qos import Qos
+from course_lib.viewer.scene import Scene
+
+
+@dataclass(frozen=True)
+class Subscription:
+    """What a display wants to hear.
+
+    Args:
+        topic: Fully resolved name.
+        type_name: ``visualization_msgs/msg/Marker``.
+        qos: What it requests.
+        take: Called with each message.
+        statuses: Where to say that messages cannot come.
+    """
+
+    topic: str
+    type_name: str
+    qos: Qos
+    take: Callable[[Any], None]
+    statuses: Statuses
+
+
+@dataclass
+class Context:
+    """What displays work with, one for all of a session.
+
+    Args:
+        scene: What they draw into.
+        frames: Where frames are.
+        now_ns: Robot time, [ns].
+        joined: Called by a display that has subscribed, to get what publishers hold for latecomers.
+    """
+
+    scene: Scene
+    frames: Frames
+    now_ns: int = 0
+    joined: Callable[["Display"], None] = field(default=lambda display: None)
+    _followed: dict[str, Matrix] = field(default_factory=dict)
+
+    def follow(self, frame: str) -> tuple[str, Matrix] | None:
+        """Return a node of the scene that moves with a frame, and its transform to the fixed frame.
+
+        Returns:
+            None if it is not known where the frame is.
+        """
+        transform = self.frames.transform(frame)
+        if transform is None:
+            return None
+        path = f"frames/{node_name(frame)}"
+        if self._followed.get(path) is not transform:
+            self.scene.set_transform(path, transform)
+            self._followed[path] = transform
+        return path, transform
+
+
+class Display(PropertyHolder):
+    """Base of all displays.
+
+    A display draws below its own node of the scene, in the fixed frame.
+
+    Args:
+        context: What it works with.
+        name: How it is called in RViz's tree.
+        path: Its node in the scene.
+    """
+
+    class_name: ClassVar[str] = ""
+    properties: ClassVar[tuple[Property, ...]] = (Property("Enabled", True, flag),)
+
+    def __init__(self, context: Context, name: str, path: str) -> None:
+        super().__init__()
+        self.context = context
+        self.name = name
+        self.path = path
+        self.statuses = Statuses()
+        self.subscriptions: tuple[Subscription, ...] = ()
+        self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
+        self.started = False
+
+    def __repr__(self) -> str:
+        return f"<{self.name} ({self.class_name})>"
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the display is ticked in RViz's tree."""
+        return bool(self["Enabled"])
+
+    def rows(self) -> list[StatusRow]:
+        """List the statuses; a display that is not ticked has none."""
+        return self.statuses.rows(self.name) if self.enabled else []
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout; what does not fit is left out and shown as a hint."""
+        wrong = super().load(config)
+        self.statuses.hint("Properties", *wrong)
+        return wrong
+
+    def changed(self, label: str) -> None:
+        """Take note that a property has another value."""
+        if label == "Enabled" and self.started:
+            self.start()
+
+    def start(self) -> None:
+        """Start anew, with the subscriptions that the properties ask for."""
+        self.started = True
+        self.reset()
+
+    def update(self) -> None:
+        """Bring the scene up to date; called once per frame."""
+
+    def reset(self) -> None:
+        """Forget all that has been received, as RViz does when the fixed frame changes."""
+        self.statuses.clear()
+        self.context.scene.delete(self.path)
+        self.context.scene.set_visible(self.path, self.enabled)
+
+
+def node_name(name: str) -> str:
+    """Return a name as one step of a path in the scene."""
+    return quote(name, safe=" ()") or "(none)"

@@ -1,0 +1,152 @@
+"""Where frames are in the fixed frame, with RViz's words when that is not known.
+
+The rules are RViz2's FrameManager and TFFrameTransformer, and tf2_geometry_msgs for poses (by way of KDL).
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.displays.statuses import Level
+from course_lib.ros.tf2_core import BufferCore
+from course_lib.ros.tf2_errors import TransformException
+from course_lib.ros.tf2_transform import Transform
+
+Matrix = npt.NDArray[np.float64]
+NS = 1_000_000_000  # [ns] in a second
+
+
+class Frames:
+    """The transforms that have arrived, and the frame everything is shown in.
+
+    Args:
+        fixed_frame: RViz's Fixed Frame.
+    """
+
+    def __init__(self, fixed_frame: str) -> None:
+        self.buffer = BufferCore()
+        self._fixed_frame = fixed_frame
+        self._known: dict[tuple[str, int], Matrix | None] = {}  # answers, until transforms arrive
+
+    @property
+    def fixed_frame(self) -> str:
+        """RViz's Fixed Frame."""
+        return self._fixed_frame
+
+    @fixed_frame.setter
+    def fixed_frame(self, frame: str) -> None:
+        self._fixed_frame = frame
+        self._known.clear()
+
+    def take(self, transforms: Iterable[Any], is_static: bool) -> tuple[str, ...]:
+        """Remember transforms of a tf2_msgs/msg/TFMessage; returns what tf2 logs of those it ignores."""
+        complaints: tuple[str, ...] = ()
+        self._known.clear()
+        for message in transforms:
+            v, q = message.transform.translation, message.transform.rotation
+            transform = Transform(
+                message.header.frame_id,
+                message.child_frame_id,
+                nanoseconds(message.header.stamp),
+                (v.x, v.y, v.z),
+                (q.x, q.y, q.z, q.w),
+            )
+            complaints += self.buffer.set_transform(transform, is_static=is_static)
+        return complaints
+
+    def transform(self, frame: str, stamp_ns: int = 0) -> Matrix | None:
+        """Return the transform from a frame to the fixed frame, shape (4, 4); None if it is not known.
+
+        Args:
+            frame: Its name; RViz strips a leading slash.
+            stamp_ns: [ns]; 0 takes the latest. The same array is returned until transforms arrive.
+        """
+        key = (frame.removeprefix("/"), stamp_ns)
+        if key not in self._known:
+            try:
+                self._known[key] = self.buffer.lookup(self.fixed_frame, *key).matrix()
+            except TransformException:
+                self._known[key] = None
+        return self._known[key]
+
+    def latest(self, frame: str) -> int:
+        """Return the latest time at which a frame can be placed, [ns]; 0 if it is static or cannot be."""
+        name = frame.removeprefix("/")
+        known = self.buffer.can_transform(self.fixed_frame, name) is None
+        return self.buffer.lookup(self.fixed_frame, name).stamp_ns if known else 0
+
+    def problem(self, frame: str, stamp_ns: int = 0) -> str | None:
+        """Say in RViz's words why a frame cannot be placed; None if it can."""
+        error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)
+        if error is None:
+            return None
+        known = self.buffer.frames()
+        if self.fixed_frame not in known:
+            return f"For frame [{frame}]: Fixed Frame [{self.fixed_frame}] does not exist"
+        if frame not in known:
+            return f"For frame [{frame}]: Frame [{frame}] does not exist"
+        return f"No transform to fixed frame [{self.fixed_frame}]. TF error: [{error}]"
+
+    def global_status(self) -> tuple[Level, str]:
+        """Say in RViz's words whether the fixed frame is known."""
+        known = self.buffer.frames()
+        if self.fixed_frame in known:
+            return "ok", "OK"
+        problem = f"Frame [{self.fixed_frame}] does not exist"
+        return ("error", problem) if known else ("warn", f"No tf data.  Actual error: {problem}")
+
+
+def nanoseconds(time: Any) -> int:
+    """Return a builtin_interfaces Time or Duration in [ns]."""
+    return int(time.sec) * NS + int(time.nanosec)
+
+
+def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
+    """Return the transform from a geometry_msgs/msg/Pose in a frame to the fixed frame, shape (4, 4).
+
+    A quaternion (x, y, z, w) that is not of unit length turns as in RViz2: KDL makes a matrix of the raw
+    numbers, reads a quaternion from the product, and only that is normalised.
+    """
+    q = pose.orientation
+    raw = transform_frame_to_fixed[:3, :3] @ _kdl_matrix(q.x, q.y, q.z, q.w)
+    result = np.eye(4)
+    result[:3, :3] = raw if is_unit(q) else _kdl_matrix(*_kdl_quaternion(raw))
+    position = np.array([pose.position.x, pose.position.y, pose.position.z])
+    result[:3, 3] = transform_frame_to_fixed[:3, :3] @ position + transform_frame_to_fixed[:3, 3]
+    return result
+
+
+def is_unit(q: Any, tolerance: float = 1e-6) -> bool:
+    """Say whether a geometry_msgs/msg/Quaternion has length 1; the tolerance is that of its square."""
+    return bool(abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) < tolerance)
+
+
+def _kdl_matrix(x: float, y: float, z: float, w: float) -> Matrix:
+    """Return KDL's matrix of a quaternion, scaled by its squared length, shape (3, 3)."""
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    return np.array(
+        [
+            [ww + xx - yy - zz, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), ww - xx + yy - zz, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), ww - xx - yy + zz],
+        ]
+    )
+
+
+def _kdl_quaternion(matrix: Matrix) -> Matrix:
+    """Return KDL's quaternion (x, y, z, w) of a matrix, normalised, shape (4,)."""
+    m = matrix
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    turns = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    if trace > 1e-12:
+        s = 0.5 / np.sqrt(trace + 1.0)
+        quaternion = np.array([*(turns * s), 0.25 / s])
+    else:
+        i = 0 if m[0, 0] > m[1, 1] and m[0, 0] > m[2, 2] else 1 if m[1, 1] > m[2, 2] else 2
+        s = 2.0 * np.sqrt(max(1.0 + 2 * m[i, i] - trace, 1e-12))
+        quaternion = np.array([*((m[i] + m[:, i]) / s), turns[i] / s])
+        quaternion[i] = 0.25 * s
+    unit: Matrix = quaternion / np.linalg.norm(quaternion)
+    return unit

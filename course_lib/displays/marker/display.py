@@ -1,0 +1,66 @@
+"""The Marker and MarkerArray displays."""
+
+from typing import Any
+
+from course_lib.displays.display import Subscription
+from course_lib.displays.marker.store import MarkerStore
+from course_lib.displays.properties import Property, booleans
+from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay, topic_properties
+
+MARKER, MARKER_ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray"
+_NAMESPACES = Property("Namespaces", {}, booleans)
+
+
+class _Markers(TopicDisplay):
+    """What both displays do with their markers."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.markers = MarkerStore(self.context, self.path, self.statuses)
+
+    def changed(self, label: str) -> None:
+        """Show or hide namespaces; other properties as usual."""
+        super().changed(label)
+        if label == "Namespaces":
+            self.markers.tick(self["Namespaces"])
+
+    def update(self) -> None:
+        """Show what has come, remove what has expired, move what is locked to its frame."""
+        super().update()
+        self.markers.update()
+        self._values["Namespaces"] = dict(self.markers.namespaces)
+
+    def reset(self) -> None:
+        """Forget all markers."""
+        super().reset()
+        self.markers.clear()
+
+
+class MarkerDisplay(_Markers, FilteredDisplay):
+    """Shows markers one by one, when tf2 knows their frame; also arrays on ``<topic>_array``, at once."""
+
+    class_name = "rviz_default_plugins/Marker"
+    type_name = MARKER
+    properties = (*FilteredDisplay.properties, _NAMESPACES)
+
+    def wanted(self) -> tuple[Subscription, ...]:
+        """Listen to the topic, and to arrays beside it."""
+        self.statuses.set("ok", "Array Topic", "OK")
+        array = self.subscription(self["Topic"] + "_array", MARKER_ARRAY, self.markers.add_array)
+        return (*super().wanted(), array)
+
+    def process(self, message: Any) -> None:
+        """Show a marker."""
+        self.markers.add([message])
+
+
+class MarkerArrayDisplay(_Markers):
+    """Shows arrays of markers at once: a marker that tf2 cannot place yet is an error."""
+
+    class_name = "rviz_default_plugins/MarkerArray"
+    type_name = MARKER_ARRAY
+    properties = (*topic_properties("visualization_marker_array"), _NAMESPACES)
+
+    def process(self, message: Any) -> None:
+        """Show an array."""
+        self.markers.add_array(message)

@@ -1,0 +1,55 @@
+"""LINE_STRIP, LINE_LIST, POINTS, CUBE_LIST and SPHERE_LIST."""
+
+from typing import Any
+
+import numpy as np
+
+from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, rgba
+from course_lib.displays.statuses import Level
+from course_lib.viewer.drawables import Lines, Points, Shape, Solids
+
+LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS = 4, 5, 6, 7, 8
+_SHAPES: dict[int, Shape] = {CUBE_LIST: "box", SPHERE_LIST: "sphere"}
+
+
+def lines(marker: Any) -> Drawn:
+    """Draw lines that turn their flat side to the viewer; x of the scale is their width."""
+    strip = marker.type == LINE_STRIP
+    if not strip and len(marker.points) % 2:
+        return Drawn(status=("error", f"Line list marker [{label(marker)}] has an odd number of points."))
+    if len(marker.points) < 2 or not marker.scale.x:
+        return Drawn()
+    each = colors(marker) if has_colors(marker) else rgba(marker.color)
+    return Drawn({"lines": Lines(points(marker), each, abs(marker.scale.x), strip)})
+
+
+def spots(marker: Any) -> Drawn:
+    """Draw squares that face the viewer, boxes or spheres, one at each point."""
+    if not marker.points:
+        return Drawn()
+    each = _spot_colors(marker)
+    status: tuple[Level, str] = ("warn", "All points have a zero alpha value.")
+    said = status if has_colors(marker) and not each[:, 3].any() else None
+    if marker.type == POINTS:
+        size = (abs(marker.scale.x), abs(marker.scale.y))
+        return Drawn({"points": Points(points(marker), each, size)} if all(size) else {}, said)
+    placements = np.tile(np.diag([marker.scale.x, marker.scale.y, marker.scale.z, 1.0]), (len(each), 1, 1))
+    placements[:, :3, 3] = points(marker)
+    return Drawn({"solids": Solids(_SHAPES[marker.type], placements, each)}, said)
+
+
+def has_colors(marker: Any) -> bool:
+    """Say whether RViz uses the colours of the points: only if there is one for each."""
+    return len(marker.colors) == len(marker.points)
+
+
+def _spot_colors(marker: Any) -> Floats:
+    """Return a colour for each point, shape (N, 4).
+
+    RViz's shaders multiply the alphas of material and point, so that of a colour for all counts twice.
+    """
+    if has_colors(marker):
+        return colors(marker)
+    color = rgba(marker.color)
+    color[3] *= color[3]
+    return np.tile(color, (len(marker.points), 1))

@@ -1,0 +1,189 @@
+"""Properties as RViz shows them: a label, a default, and what values it takes."""
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, ClassVar, TypeAlias
+
+from course_lib.errors import CourseError
+
+Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
+Vector: TypeAlias = tuple[float, float, float]
+Convert: TypeAlias = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Property:
+    """One row of RViz's property tree.
+
+    Args:
+        label: RViz's label; a property below another one is written ``Line Style/Line Width``.
+        default: RViz's default.
+        convert: Turns what a user or a file gives into the value, or raises ValueError with what it expects.
+    """
+
+    label: str
+    default: Any
+    convert: Convert
+
+
+def number(low: float = -math.inf, high: float = math.inf) -> Convert:
+    """Take a finite number; RViz keeps it within the bounds."""
+
+    def convert(value: Any) -> float:
+        if isinstance(value, bool) or not math.isfinite(float(value)):
+            raise ValueError("a number")
+        return min(max(float(value), low), high)
+
+    return _expecting("a number", convert)
+
+
+def integer(low: int) -> Convert:
+    """Take a whole number; RViz keeps it above the bound."""
+
+    def convert(value: Any) -> int:
+        if isinstance(value, bool) or int(value) != float(value):
+            raise ValueError
+        return max(int(value), low)
+
+    return _expecting("a whole number", convert)
+
+
+def flag(value: Any) -> bool:
+    """Take True or False."""
+    if not isinstance(value, bool):
+        raise ValueError("True or False")
+    return value
+
+
+def text(value: Any) -> str:
+    """Take text; YAML's null is the empty one."""
+    if isinstance(value, list | dict):
+        raise ValueError("text")
+    return "" if value is None else str(value)
+
+
+def frame(value: Any) -> str:
+    """Take the name of a frame, without the leading slash that tf2 does not know."""
+    return text(value).removeprefix("/")
+
+
+def words(*options: str) -> Convert:
+    """Take one of some words."""
+
+    def convert(value: Any) -> str:
+        if value not in options:
+            raise ValueError(f"one of {', '.join(map(repr, options))}")
+        return str(value)
+
+    return convert
+
+
+def color(value: Any) -> Color:
+    """Take a colour as RViz writes it, ``R; G; B`` in 0..255, or ``#rrggbb``, or three numbers."""
+    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value):
+        parts: Any = bytes.fromhex(value[1:])
+    else:
+        parts = value.split(";") if isinstance(value, str) else value
+    try:
+        red, green, blue = (min(max(int(part), 0), 255) for part in parts)
+    except (TypeError, ValueError):
+        raise ValueError("a colour like '255; 0; 0'") from None
+    return red, green, blue
+
+
+def vector(value: Any) -> Vector:
+    """Take three numbers, or a map with X, Y and Z."""
+    try:
+        x, y, z = (
+            float(part) for part in ([value[axis] for axis in "XYZ"] if isinstance(value, Mapping) else value)
+        )
+    except (KeyError, TypeError, ValueError):
+        raise ValueError("three numbers, (x, y, z)") from None
+    return x, y, z
+
+
+def booleans(value: Any) -> dict[str, bool]:
+    """Take a map from names to True or False."""
+    if not isinstance(value, Mapping):
+        raise ValueError("a map like {'name': False}")
+    return {str(name): flag(on) for name, on in value.items()}
+
+
+class PropertyHolder:
+    """Something with properties: ``grid["Cell Size"] = 0.5``.
+
+    A label may be short if it is unique (``Line Width`` for ``Line Style/Line Width``), and may be written
+    as a Python name (``cell_size``).
+    """
+
+    properties: ClassVar[tuple[Property, ...]] = ()
+
+    def __init__(self) -> None:
+        self._values = {prop.label: prop.default for prop in self.properties}
+
+    def __getitem__(self, label: str) -> Any:
+        return self._values[self._property(label).label]
+
+    def __setitem__(self, label: str, value: Any) -> None:
+        prop = self._property(label)
+        try:
+            new = prop.convert(value)
+        except (TypeError, ValueError) as error:
+            raise CourseError(f"{self}: {prop.label!r} is {value!r}, expected {error}.") from None
+        if new != self._values[prop.label]:
+            self._values[prop.label] = new
+            self.changed(prop.label)
+
+    def changed(self, label: str) -> None:
+        """Take note that a property has another value."""
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the values of a layout; what it does not name keeps its value.
+
+        Returns:
+            What was wrong with values that were left out.
+        """
+        wrong = []
+        for prop in self.properties:
+            value = _nested(config, prop.label.split("/"))
+            if value is not None:
+                try:
+                    self[prop.label] = value
+                except CourseError as error:
+                    wrong.append(str(error))
+        return wrong
+
+    def _property(self, label: str) -> Property:
+        wanted = _plain(label)
+        by_tail = [prop for prop in self.properties if _plain(prop.label.rpartition("/")[2]) == wanted]
+        exact = [prop for prop in self.properties if _plain(prop.label) == wanted]
+        found = exact or by_tail
+        if len(found) != 1:
+            labels = [prop.label for prop in found or self.properties]
+            near = get_close_matches(label, labels, 3, 0.4) or labels
+            raise CourseError(f"{self} has no one property {label!r}; it has {', '.join(map(repr, near))}.")
+        return found[0]
+
+
+def _expecting(what: str, convert: Convert) -> Convert:
+    def checked(value: Any) -> Any:
+        try:
+            return convert(value)
+        except (TypeError, ValueError, OverflowError):
+            raise ValueError(what) from None
+
+    return checked
+
+
+def _plain(label: str) -> str:
+    return label.lower().replace(" ", "_")
+
+
+def _nested(config: Any, path: list[str]) -> Any:
+    """Return the value at a path of labels; a property with children keeps its own under ``Value``."""
+    for name in path:
+        config = config.get(name) if isinstance(config, Mapping) else None
+    return config["Value"] if isinstance(config, Mapping) and "Value" in config else config

@@ -1,0 +1,120 @@
+"""Recordings drawn as RViz would draw them."""
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from course_lib.displays.frames import NS
+from course_lib.displays.layout import read_layout
+from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
+from course_lib.displays.marker.store import ADD
+from course_lib.displays.session import TF, Session
+from course_lib.recording import Recording, read_bag
+from course_lib.ros.messages import deserialize, message_class
+from course_lib.viewer.html import save_html
+from course_lib.viewer.picture import screenshot
+from course_lib.viewer.scene import Scene
+
+_DISPLAYS = {MARKER: "Marker", MARKER_ARRAY: "MarkerArray"}
+
+
+def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Scene:
+    """Draw a recording through a layout.
+
+    Args:
+        recording: What was published.
+        rviz_path: The layout; None shows all topics of markers, and a grid.
+        at: When to look, in [s] after the first message; None means at the end.
+    """
+    return replayed(recording, rviz_path, at).context.scene
+
+
+def replayed(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Session:
+    """Let a session hear a recording up to a time; its statuses say what RViz would, see `scene_of`."""
+    end_ns = recording.end_ns if at is None else recording.start_ns + round(at * NS)
+    session = Session(Scene(), start_ns=recording.start_ns, match_qos=False)
+    if rviz_path is None:
+        _show_all(session, recording)
+    else:
+        session.apply(read_layout(rviz_path))
+    for sample in recording.samples:
+        if sample.stamp_ns > end_ns:
+            break
+        session.receive(sample)
+    session.update(end_ns)
+    return session
+
+
+def render_bag(
+    bag: Path,
+    *,
+    rviz: Path | None = None,
+    at: float | None = None,
+    size: tuple[int, int] = (800, 600),
+    png: Path | None = None,
+    html: Path | None = None,
+) -> str:
+    """Draw a bag into a picture or a page.
+
+    Args:
+        bag: Its folder.
+        rviz: The layout to draw it through.
+        at: When to look, in [s] after the first message; None means at the end.
+        size: Of the picture, [px].
+        png: Where the picture goes.
+        html: Where the page goes.
+
+    Returns:
+        What was written, what drew it, and what the statuses complain about.
+    """
+    session = replayed(read_bag(bag), rviz, at)
+    lines = []
+    if png:
+        picture = screenshot(session.context.scene, png, size=size)
+        lines.append(f"Wrote {png}, drawn by {picture.renderer}.")
+    if html:
+        save_html(session.context.scene, html, title=bag.name)
+        lines.append(f"Wrote {html}.")
+    complaints = (row for row in session.rows() if row.level != "ok")
+    lines += [f"{row.display} / {row.name}: {row.level}: {row.text}" for row in complaints]
+    return "\n".join(lines)
+
+
+def _show_all(session: Session, recording: Recording) -> None:
+    """Show a grid and all topics of markers, in a frame that fits them."""
+    session.add("rviz_default_plugins/Grid", "Grid", {})
+    topics = {topic.name: topic.type_name for topic in recording.topics() if topic.type_name in _DISPLAYS}
+    for topic, type_name in topics.items():
+        if topics.get(topic.removesuffix("_array")) != MARKER or type_name == MARKER:
+            name = _DISPLAYS[type_name]
+            session.add(f"rviz_default_plugins/{name}", name, {"Topic": topic})
+    session.fixed_frame = _likely_fixed_frame(recording)
+    guess = f"no layout was given: {session.fixed_frame!r} is the root of what is shown."
+    session.statuses.hint("Fixed Frame", guess)
+
+
+def _likely_fixed_frame(recording: Recording) -> str:
+    """Return the root of most frames that markers are in, or of the transforms, or ``map``."""
+    parents: dict[str, str] = {}
+    used: Counter[str] = Counter()
+    for sample in recording.samples:
+        if sample.type_name not in (TF, *_DISPLAYS):
+            continue
+        message: Any = deserialize(sample.cdr, message_class(sample.type_name))
+        if sample.type_name == TF:
+            parents |= {t.child_frame_id: t.header.frame_id for t in message.transforms}
+        else:
+            markers = [message] if sample.type_name == MARKER else message.markers
+            used.update(marker.header.frame_id for marker in markers if marker.action == ADD)
+    roots: Counter[str] = Counter()
+    for frame in used.elements() if used else parents:
+        roots[_root(frame, parents)] += 1
+    return roots.most_common(1)[0][0] if roots else "map"
+
+
+def _root(frame: str, parents: Mapping[str, str]) -> str:
+    """Follow parents up to the root of a tree, or once around a loop."""
+    for _ in parents:
+        frame = parents.get(frame, frame)
+    return frame

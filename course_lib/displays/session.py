@@ -1,0 +1,196 @@
+"""RViz without a window: its displays, and the order in which messages change the scene."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from course_lib.displays.display import Context, Display, Subscription, node_name
+from course_lib.displays.frames import NS, Frames
+from course_lib.displays.layout import Layout
+from course_lib.displays.registry import make_display
+from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.displays.views import VIEWS, Orbit, View
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.qos import Qos, incompatible
+from course_lib.viewer.scene import Scene
+
+TF = "tf2_msgs/msg/TFMessage"
+_TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
+
+
+class Session:
+    """Takes messages and keeps a scene of them, frame by frame as RViz does.
+
+    What has come waits for the next frame; then it is placed, expired things go, what follows a frame of the
+    robot moves. A frame is due 1/30 s of robot time after the first thing that waits, or when somebody looks.
+
+    Args:
+        scene: What to draw into.
+        fixed_frame: RViz's Fixed Frame.
+        start_ns: Robot time, [ns].
+        match_qos: Whether messages only come from publishers that match, as live; a recording has them all.
+    """
+
+    def __init__(
+        self, scene: Scene, fixed_frame: str = "map", start_ns: int = 0, match_qos: bool = True
+    ) -> None:
+        self.frame_rate = 30  # [Hz]
+        self.context = Context(scene, Frames(fixed_frame), start_ns, self._catch_up)
+        self.displays: list[Display] = []
+        self.view: View = Orbit()
+        self.statuses = Statuses()  # Global Status
+        self.latched: Callable[[], Iterable[Sample]] = tuple  # what publishers hold for latecomers
+        self._match_qos = match_qos
+        self._types: dict[str, str] = {}  # of the topics that were heard
+        self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
+        self._last_ns = start_ns
+        self._transforms = [
+            Subscription(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
+            for topic, qos in _TF_TOPICS.items()
+        ]
+
+    @property
+    def fixed_frame(self) -> str:
+        """RViz's Fixed Frame; another one resets all displays."""
+        return self.context.frames.fixed_frame
+
+    @fixed_frame.setter
+    def fixed_frame(self, frame: str) -> None:
+        self.context.frames.fixed_frame = frame.removeprefix("/")
+        for display in self.displays:
+            display.reset()
+
+    def add(self, class_name: str, name: str, config: Mapping[str, Any]) -> Display:
+        """Add a display with the properties of a layout."""
+        nodes = {display.path for display in self.displays}
+        names = (f"{name} {number}" if number > 1 else name for number in range(1, len(nodes) + 2))
+        path = next(path for path in (f"displays/{node_name(n)}" for n in names) if path not in nodes)
+        display = make_display(self.context, class_name, name, path)
+        display.config = config
+        wrong = display.load(config)
+        self.displays.append(display)
+        display.start()
+        display.statuses.hint("Properties", *wrong)
+        return display
+
+    def apply(self, layout: Layout) -> None:
+        """Take over a layout, in place of all displays."""
+        for display in list(self.displays):
+            self.remove(display)
+        self.fixed_frame = layout.fixed_frame
+        self.frame_rate = layout.frame_rate
+        self.context.scene.background = layout.background
+        for config in layout.displays:
+            class_name = str(config.get("Class") or "")
+            self.add(class_name, str(config.get("Name") or class_name), config)
+        wanted = str(layout.view.get("Class") or "Orbit").rpartition("/")[2]
+        self.view = VIEWS.get(wanted, Orbit)()
+        wrong = self.view.load(layout.view)
+        unknown = () if wanted in VIEWS else (f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used.",)
+        self.statuses.hint("View", *unknown, *wrong)
+
+    def remove(self, display: Display) -> None:
+        """Remove a display with all it has drawn."""
+        self.displays.remove(display)
+        display.reset()
+        self.context.scene.delete(display.path)
+
+    def receive(self, sample: Sample) -> None:
+        """Take a published message, after the frames that were due before it."""
+        if sample.stamp_ns < self._last_ns:
+            self._jump_back()
+        if self._due_ns is not None and self._due_ns <= sample.stamp_ns:
+            self.update(self._due_ns)
+        self.context.now_ns = self._last_ns = sample.stamp_ns
+        self._types[sample.topic] = sample.type_name
+        listening = [s for d in self.displays for s in d.subscriptions if s.topic == sample.topic]
+        self._deliver(sample, [s for s in self._transforms if s.topic == sample.topic] + listening)
+
+    def update(self, now_ns: int) -> None:
+        """Make a frame at a robot time, [ns]."""
+        self.context.now_ns = max(now_ns, self.context.now_ns)
+        self._due_ns = None
+        for display in self.displays:
+            if display.enabled:
+                display.update()
+        camera = self.view.camera(self.context.frames)
+        if camera != self.context.scene.camera:
+            self.context.scene.camera = camera
+
+    def rows(self) -> list[StatusRow]:
+        """List all statuses as RViz's tree does, with our hints."""
+        level, text = self.context.frames.global_status()
+        self.statuses.set(level, "Fixed Frame", text)
+        rows = self.statuses.rows("Global Status")
+        for display in self.displays:
+            rows += [*display.rows(), *self._silence(display)]
+        return rows
+
+    def hear_latched(self) -> None:
+        """Take the transforms that publishers hold for latecomers."""
+        for sample in self.latched():
+            wanted = [s for s in self._transforms if s.topic == sample.topic and _latecomer(s)]
+            self._deliver(sample, wanted)
+
+    def _catch_up(self, display: Display) -> None:
+        """Give a display that has just subscribed what publishers hold for it."""
+        for sample in self.latched():
+            wanted = [s for s in display.subscriptions if s.topic == sample.topic and _latecomer(s)]
+            self._deliver(sample, wanted)
+
+    def _deliver(self, sample: Sample, wanted: list[Subscription]) -> None:
+        """Deserialise a message once, for all that want it and can have it."""
+        wanted = [subscription for subscription in wanted if self._matches(sample, subscription)]
+        if not wanted:
+            return
+        message = deserialize(sample.cdr, message_class(sample.type_name))
+        for subscription in wanted:
+            subscription.take(message)
+        if self._due_ns is None:
+            self._due_ns = self.context.now_ns + NS // self.frame_rate
+
+    def _matches(self, sample: Sample, subscription: Subscription) -> bool:
+        """Say whether the message would arrive; RViz is silent if not, so we say why."""
+        topic = sample.topic
+        problem = None
+        if sample.type_name != subscription.type_name:
+            problem = f"{topic} carries {sample.type_name}; this display takes {subscription.type_name}."
+        elif self._match_qos:
+            policy = incompatible(sample.qos, subscription.qos)
+            problem = policy and (
+                f"{topic} is published with another {policy} than this display asks for, so nothing arrives. "
+                "Change the display's policy below Topic, or the publisher's QoS."
+            )
+        subscription.statuses.hint(f"Topic {topic}", *([problem] if problem else []))
+        return problem is None
+
+    def _silence(self, display: Display) -> list[StatusRow]:
+        """Say which topics a display could listen to, if its own ones are silent."""
+        topics = {subscription.topic for subscription in display.subscriptions}
+        types = {subscription.type_name for subscription in display.subscriptions}
+        others = sorted(topic for topic, name in self._types.items() if name in types)
+        if not topics or topics & self._types.keys() or not others:
+            return []
+        text = f"nothing has come on {min(topics)}; messages of its type come on {', '.join(others)}."
+        return [StatusRow(display.name, "Topic", "hint", text)]
+
+    def _take_transforms(self, is_static: bool) -> Callable[[Any], None]:
+        def take(message: Any) -> None:
+            complaints = self.context.frames.take(message.transforms, is_static)
+            if complaints:
+                self.statuses.hint("TF", *complaints)
+
+        return take
+
+    def _jump_back(self) -> None:
+        """Start anew when time runs backwards, as RViz does."""
+        self.context.frames.buffer.clear()
+        for display in self.displays:
+            display.reset()
+        self._due_ns = None
+        self.context.now_ns = 0
+        self.statuses.hint("Time", "RViz's log: Detected jump back in time. Resetting RViz.")
+
+
+def _latecomer(subscription: Subscription) -> bool:
+    return subscription.qos.durability == "transient_local"

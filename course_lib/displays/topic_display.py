@@ -1,0 +1,170 @@
+"""Displays of a topic, with and without RViz's filter that waits for transforms."""
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from course_lib.displays.display import Display, Subscription
+from course_lib.displays.frames import NS, nanoseconds
+from course_lib.displays.properties import Property, integer, text, words
+from course_lib.ros.qos import Qos
+from course_lib.ros.tf2_core import CACHE_NS
+
+_HISTORY: Mapping[str, Literal["keep_last", "keep_all"]] = {"Keep All": "keep_all"}
+_RELIABILITY: Mapping[str, Literal["reliable", "best_effort"]] = {"Best Effort": "best_effort"}
+_DURABILITY: Mapping[str, Literal["volatile", "transient_local"]] = {"Transient Local": "transient_local"}
+
+
+def topic_properties(default: str = "") -> tuple[Property, ...]:
+    """Return RViz's Topic property with the quality of service below it."""
+    return (
+        *Display.properties,
+        Property("Topic", default, text),
+        Property("Topic/Depth", 5, integer(0)),
+        Property("Topic/History Policy", "Keep Last", words("Keep Last", "Keep All", "System Default")),
+        Property("Topic/Reliability Policy", "Reliable", words("Reliable", "Best Effort", "System Default")),
+        Property(
+            "Topic/Durability Policy", "Volatile", words("Volatile", "Transient Local", "System Default")
+        ),
+    )
+
+
+class TopicDisplay(Display):
+    """A display that shows each message of its topic at once (RViz's RosTopicDisplay)."""
+
+    type_name: ClassVar[str]
+    properties = topic_properties()
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._received = 0
+        self._since_ns = 0
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout; before Galactic it says ``Topic: /x``, ``Unreliable: true``."""
+        topic = config.get("Topic")
+        if not isinstance(topic, Mapping):
+            reliability = "Best Effort" if config.get("Unreliable") is True else None
+            topic = {"Value": topic, "Depth": config.get("Queue Size"), "Reliability Policy": reliability}
+        return super().load({**config, "Topic": topic})
+
+    def changed(self, label: str) -> None:
+        """Subscribe anew when the topic or its quality of service changes."""
+        super().changed(label)
+        if label.startswith("Topic") and self.started:
+            self.start()
+
+    def qos(self) -> Qos:
+        """Return what the display requests of publishers."""
+        return Qos(
+            history=_HISTORY.get(self["Topic/History Policy"], "keep_last"),
+            depth=self["Topic/Depth"],
+            reliability=_RELIABILITY.get(self["Topic/Reliability Policy"], "reliable"),
+            durability=_DURABILITY.get(self["Topic/Durability Policy"], "volatile"),
+        )
+
+    def start(self) -> None:
+        """Listen to the topic, if the display is ticked and has one."""
+        super().start()
+        self._since_ns = self.context.now_ns
+        self.subscriptions = ()
+        if not self.enabled:
+            return
+        if not self["Topic"]:
+            self.statuses.set("error", "Topic", "Error subscribing: Empty topic name")
+            return
+        self.statuses.set("ok", "Topic", "OK")
+        self.subscriptions = self.wanted()
+        self.context.joined(self)
+
+    def wanted(self) -> tuple[Subscription, ...]:
+        """Return what the display listens to."""
+        return (self.subscription(self["Topic"], self.type_name, self.take),)
+
+    def subscription(self, topic: str, type_name: str, take: Any) -> Subscription:
+        """Return a subscription with the display's quality of service."""
+        return Subscription("/" + topic.removeprefix("/"), type_name, self.qos(), take, self.statuses)
+
+    def reset(self) -> None:
+        """Forget all messages."""
+        super().reset()
+        self._received = 0
+
+    def take(self, message: Any) -> None:
+        """Count a message and show it."""
+        self._received += 1
+        elapsed = (self.context.now_ns - self._since_ns) / NS  # [s]
+        rate = self._received / elapsed if elapsed else float("inf")
+        self.statuses.set("ok", "Topic", f"{self._received} messages received at {rate:.1f} hz.")
+        self.process(message)
+
+    def process(self, message: Any) -> None:
+        """Show a message."""
+        raise NotImplementedError
+
+
+class FilteredDisplay(TopicDisplay):
+    """A display whose messages wait until tf2 knows their frame at their stamp (MessageFilterDisplay)."""
+
+    properties = (*topic_properties(), Property("Topic/Filter size", 10, integer(1)))
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._waiting: deque[Any] = deque()
+
+    def reset(self) -> None:
+        """Forget all messages, waiting ones too."""
+        super().reset()
+        self._waiting.clear()
+
+    def take(self, message: Any) -> None:
+        """Let a message wait for its transform; the oldest one is dropped when too many wait."""
+        if not message.header.frame_id.removeprefix("/"):
+            self._dropped(message, "the frame id of the message is empty")
+            return
+        if self._outdated(message):
+            reason = "the timestamp on the message is earlier than all the data in the transform cache"
+            self._dropped(message, reason)
+            return
+        self._waiting.append(message)
+        self._let_through()
+        if len(self._waiting) > self["Topic/Filter size"]:
+            self._dropped(self._waiting.popleft(), "discarding message because the queue is full")
+
+    def update(self) -> None:
+        """Show what tf2 knows by now."""
+        self._let_through()
+
+    def _let_through(self) -> None:
+        still: list[Any] = []
+        while self._waiting:
+            message = self._waiting.popleft()
+            if self._problem(message) is None:
+                super().take(message)
+            else:
+                still.append(message)
+        self._waiting.extend(still)
+        problem = self._problem(still[-1]) if still else None
+        self.statuses.hint(
+            "Waiting", *([f"{len(still)} messages wait for tf2. {problem}"] if problem else [])
+        )
+
+    def _problem(self, message: Any) -> str | None:
+        frame = message.header.frame_id.removeprefix("/")
+        return self.context.frames.problem(frame, nanoseconds(message.header.stamp))
+
+    def _outdated(self, message: Any) -> bool:
+        """Say whether tf2 has forgotten the time of a message already."""
+        latest_ns = self.context.frames.latest(message.header.frame_id)
+        stamp_ns = nanoseconds(message.header.stamp)
+        return stamp_ns != 0 and latest_ns != 0 and stamp_ns + CACHE_NS < latest_ns
+
+    def _dropped(self, message: Any, reason: str) -> None:
+        """Repeat what RViz writes to its log only."""
+        header = message.header
+        stamp = nanoseconds(header.stamp) / NS  # [s]
+        self.statuses.hint(
+            "Dropped",
+            f"RViz's log: Message Filter dropping message: frame '{header.frame_id}' at time {stamp:.3f} "
+            f"for reason '{reason}'",
+        )

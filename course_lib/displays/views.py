@@ -1,0 +1,166 @@
+"""RViz's view controllers: from their properties to a camera."""
+
+from math import atan2, cos, pi, sin
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.displays.frames import Frames, Matrix
+from course_lib.displays.grid import FIXED_FRAME
+from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number, vector
+from course_lib.viewer.camera import Camera
+
+_PITCH = pi / 2 - 0.001  # [rad] RViz keeps the camera off the poles
+_TOP_HEIGHT = 500.0  # [m] of the camera that looks down
+_XY_LIFT = 0.2  # of the distance: XYOrbit moves the camera up, so that the focal point is in the lower half
+
+_COMMON = (
+    Property("Target Frame", FIXED_FRAME, frame),
+    Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
+    Property("Invert Z Axis", False, flag),
+)
+
+Array = npt.NDArray[np.float64]
+
+
+class View(PropertyHolder):
+    """Base of all view controllers; what cannot be found in the scene is looked at from the fixed frame.
+
+    Args:
+        properties: By RViz's labels, or as Python names: ``Orbit(distance=6.0, focal_point=(0, 0, 0.5))``.
+    """
+
+    class_name: ClassVar[str]
+    properties: ClassVar[tuple[Property, ...]] = _COMMON
+
+    def __init__(self, **properties: object) -> None:
+        super().__init__()
+        self._target: Matrix = np.eye(4)
+        for label, value in properties.items():
+            self[label] = value
+
+    def __repr__(self) -> str:
+        return self.class_name.rpartition("/")[2]
+
+    def camera(self, frames: Frames) -> Camera:
+        """Return the camera; it goes along with the target frame, as long as that is known."""
+        name = self["Target Frame"]
+        target = frames.transform(frames.fixed_frame if name == FIXED_FRAME else name)
+        self._target = self._target if target is None else target
+        return self._camera(self._target)
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        raise NotImplementedError
+
+
+class Orbit(View):
+    """Turns around a focal point, and goes along with the target frame's position."""
+
+    class_name = "rviz_default_plugins/Orbit"
+    properties = (
+        *_COMMON,
+        Property("Distance", 10.0, number(0.001)),  # [m]
+        Property("Yaw", pi / 4, number()),
+        Property("Pitch", pi / 4, number(-_PITCH, _PITCH)),  # [rad]
+        Property("Focal Point", (0.0, 0.0, 0.0), vector),  # [m]
+    )
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        turned = self._turned(transform_target_to_fixed)
+        focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"])
+        sign = -1.0 if self["Invert Z Axis"] else 1.0
+        away = turned @ _direction(sign * self["Yaw"], sign * self["Pitch"])
+        up = np.array([0.0, 0.0, sign])
+        lift = self._lift(away, up)
+        return Camera(
+            eye=_point(focus + self["Distance"] * away + lift),
+            target=_point(focus + lift),
+            up=_point(up),
+            near=self["Near Clip Distance"],
+        )
+
+    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+        """Return how the view is turned with the target frame, shape (3, 3)."""
+        return np.eye(3)
+
+    def _lift(self, away: Array, up: Array) -> Array:
+        """Return by how much the camera is moved up in the picture, shape (3,)."""
+        return np.zeros(3)
+
+
+class XYOrbit(Orbit):
+    """An Orbit whose focal point is on the ground, seen in the lower half of the picture."""
+
+    class_name = "rviz_default_plugins/XYOrbit"
+
+    def _lift(self, away: Array, up: Array) -> Array:
+        picture_up: Array = up - away * (away @ up)
+        picture_up *= self["Distance"] * _XY_LIFT / np.linalg.norm(picture_up)
+        return picture_up
+
+
+class ThirdPersonFollower(Orbit):
+    """An Orbit that turns about z with the target frame."""
+
+    class_name = "rviz_default_plugins/ThirdPersonFollower"
+
+    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+        yaw = atan2(transform_target_to_fixed[1, 0], transform_target_to_fixed[0, 0])
+        return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
+
+
+class FPS(View):
+    """Looks around from a point."""
+
+    class_name = "rviz_default_plugins/FPS"
+    properties = (
+        *_COMMON,
+        Property("Yaw", 1.25 * pi, number()),
+        Property("Pitch", atan2(10.0, 50.0**0.5), number(-_PITCH, _PITCH)),  # [rad] downward
+        Property("Position", (5.0, 5.0, 10.0), vector),  # [m]
+    )
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        eye = transform_target_to_fixed[:3, 3] + np.array(self["Position"])
+        ahead = _direction(self["Yaw"], -self["Pitch"])
+        return Camera(eye=_point(eye), target=_point(eye + ahead), near=self["Near Clip Distance"])
+
+
+class TopDownOrtho(View):
+    """Looks straight down, without perspective."""
+
+    class_name = "rviz_default_plugins/TopDownOrtho"
+    properties = (
+        *_COMMON,
+        Property("Scale", 10.0, number(1e-6)),  # [px / m]
+        Property("Angle", 0.0, number()),  # [rad]
+        Property("X", 0.0, number()),  # [m]
+        Property("Y", 0.0, number()),  # [m]
+    )
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        x, y, z = transform_target_to_fixed[:3, 3] + np.array([self["X"], self["Y"], 0.0])
+        angle = self["Angle"]
+        return Camera(
+            eye=(x, y, z + _TOP_HEIGHT),
+            target=(x, y, z),
+            up=(-sin(angle), cos(angle), 0.0),
+            near=self["Near Clip Distance"],
+            orthographic_scale=self["Scale"],
+        )
+
+
+VIEWS = {
+    view.class_name.rpartition("/")[2]: view
+    for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho)
+}
+
+
+def _direction(yaw: float, pitch: float) -> Array:
+    return np.array([cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch)])
+
+
+def _point(array: Array) -> tuple[float, float, float]:
+    x, y, z = array.tolist()
+    return x, y, z
