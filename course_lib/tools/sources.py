@@ -4,8 +4,6 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Protocol
 
-import rclpy
-
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros.driving import running_nodes, wait_for
@@ -75,6 +73,8 @@ class GraphSource:
         Raises:
             CourseError: rclpy has not been started.
         """
+        import rclpy
+
         if not rclpy.ok():
             raise CourseError(
                 "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
@@ -11,6 +14,10 @@ def shell() -> InteractiveShell:
     register(shell)
     register(shell)
     return shell
+
+
+def test_the_magic_is_imported_before_the_standin_is_in_place() -> None:
+    subprocess.run([sys.executable, "-c", "import course_lib.tools.magic"], check=True)
 
 
 def run(shell: InteractiveShell, line: str) -> bool:

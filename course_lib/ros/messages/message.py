@@ -2,6 +2,7 @@
 
 from array import array
 from collections.abc import Callable, Mapping
+from inspect import Parameter, Signature
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -72,6 +73,7 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
     namespace = {
         "__doc__": _docstring(definition),
+        "__signature__": Signature([Parameter(name, Parameter.KEYWORD_ONLY, default=...) for name in kinds]),
         "__module__": f"{package}.{folder}._{snake_case(name)}",
         "__slots__": [*("_" + field.name for field in fields), "_check_fields"],
         "_TYPE_NAME": definition.type_name,

@@ -1,6 +1,7 @@
 import copy
 import pickle
 from array import array
+from inspect import signature
 
 import numpy as np
 import pytest
@@ -95,6 +96,10 @@ def test_field_types_are_named_as_in_ros() -> None:
     assert message_class("rmw_dds_common/msg/NodeEntitiesInfo").get_fields_and_field_types()[
         "node_namespace"
     ] == ("string<256>")
+
+
+def test_the_signature_names_the_fields_for_completion() -> None:
+    assert list(signature(String).parameters) == ["data"]
 
 
 def test_slots_are_rosidl_s() -> None:
