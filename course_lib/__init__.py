@@ -1,7 +1,7 @@
 """Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip.
 
-In a notebook: `%load_ext course_lib`, then plain ROS 2 code. The names below are the handful that a lesson uses;
-each is loaded when it is first asked for.
+In a notebook: `%load_ext course_lib`, then plain ROS 2 code. The names below are the handful that a lesson
+uses; each is loaded when it is first asked for.
 """
 
 from importlib import import_module

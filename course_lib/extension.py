@@ -12,17 +12,17 @@ if TYPE_CHECKING:
 
 def load(shell: "InteractiveShell") -> None:
     """Put the stand-in, robot time and the magics in place; loading again changes nothing."""
-    from course_lib.tools.magic import register
-
     standin_path.install()
     virtual_time.install()
+    from course_lib.tools.magic import register  # it imports rclpy, the stand-in's
+
     current_graph().notebook = True
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:
-    """The kernel's loop runs in the main thread, which belongs to the program while a call of the kit lasts."""
+    """The kernel's loop runs in the main thread, which is the program's while a call of the kit lasts."""
     try:
         loop = asyncio.get_running_loop()
     except RuntimeError:  # no kernel: IPython's terminal, or the grader's worker

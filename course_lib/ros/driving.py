@@ -27,6 +27,9 @@ class Done:
         return
         yield
 
+    def _ipython_display_(self) -> None:
+        """Show nothing below the cell."""
+
 
 def spin_for(seconds: float, *nodes: "Node") -> Done:
     """Run nodes for exactly so much robot time, together with those that run live.

@@ -58,8 +58,8 @@ class LiveRun:
             button, label = self._panel.children
             button.disabled, label.value = not self.running, self.state()
 
-    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
-        return {"text/plain": self.state()} if self._panel is None else {}
+    def _ipython_display_(self) -> None:
+        """Show nothing below the cell: the panel is there already."""
 
 
 def run_live(*nodes: "Node") -> LiveRun:

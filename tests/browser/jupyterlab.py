@@ -1,0 +1,129 @@
+"""Drives the real JupyterLab in a real Chromium, as a student would."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "google-chrome", "chrome"))), None)
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--disable-dev-shm-usage",
+]
+PATIENCE = 60_000  # [ms]
+KERNEL = "jupyterapp.shell.currentWidget.context.sessionContext.session.kernel"
+
+
+@contextmanager
+def course_lab(folder: Path, home: Path) -> Iterator[str]:
+    """Run `course lab` on a folder, its settings kept apart in `home`; gives the address that it prints."""
+    dirs = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR")
+    settings = ("JUPYTERLAB_SETTINGS_DIR", "JUPYTERLAB_WORKSPACES_DIR")
+    environment = os.environ | {name: str(home / name.lower()) for name in (*dirs, *settings)}
+    config = Path(environment["JUPYTER_CONFIG_DIR"]) / "jupyter_lab_config.json"
+    config.parent.mkdir(parents=True)
+    config.write_text(json.dumps({"LabApp": {"expose_app_in_browser": True}}))
+    command = [sys.executable, "-m", "course_lib", "lab", str(folder), "--no-browser"]
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    try:
+        address = next(filter(None, (re.search(r"http://\S+", line) for line in process.stdout)))
+        yield address.group()
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+@contextmanager
+def browser_page() -> Iterator[Page]:
+    """A page of a headless Chromium with software drawing."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
+        try:
+            yield browser.new_page(viewport={"width": 1280, "height": 1400})
+        finally:
+            browser.close()
+
+
+class Notebook:
+    """One notebook, open in JupyterLab.
+
+    Args:
+        page: The browser's page.
+        address: What `course lab` printed.
+        name: The notebook's path in the student's folder.
+    """
+
+    def __init__(self, page: Page, address: str, name: str) -> None:
+        self.page = page
+        base, _, query = address.partition("?")
+        self._url = f"{base.split('/lab')[0]}/lab/tree/{name}?{query}"
+        self.open()
+
+    def open(self) -> None:
+        """Open the notebook, or reload the page, and wait for its kernel."""
+        self.page.goto(self._url)
+        self.page.wait_for_selector(".jp-Notebook .jp-Cell", timeout=PATIENCE)
+        self.wait_idle()
+
+    def wait_idle(self) -> None:
+        """Wait until the kernel has nothing to do."""
+        self.page.wait_for_function(
+            f"() => window.jupyterapp && {KERNEL}?.status == 'idle'", timeout=PATIENCE
+        )
+
+    def run_all(self) -> None:
+        """Run all cells as the Run menu does."""
+        self.page.evaluate("() => jupyterapp.commands.execute('runmenu:run-all')")
+        self.wait_idle()
+
+    def kernel(self, code: str) -> str:
+        """Run code in the notebook's kernel, beside its cells; returns what it prints."""
+        script = f"""async code => {{
+            const future = {KERNEL}.requestExecute({{code, store_history: false}});
+            let text = '';
+            future.onIOPub = m => {{ text += m.content.text ?? m.content.traceback?.join('\\n') ?? '' }};
+            await future.done;
+            return text; }}"""
+        return str(self.page.evaluate(script, code))
+
+    def outputs(self) -> list[dict[str, Any]]:
+        """List the outputs of all code cells."""
+        script = """() => JSON.stringify([...jupyterapp.shell.currentWidget.content.model.cells]
+            .filter(c => c.type == 'code').flatMap(c => c.toJSON().outputs))"""
+        outputs: list[dict[str, Any]] = json.loads(self.page.evaluate(script))
+        return outputs
+
+    def errors(self) -> list[str]:
+        """List the error outputs."""
+        return [f"{o['ename']}: {o['evalue']}" for o in self.outputs() if o["output_type"] == "error"]
+
+    def picture(self, path: Path | None = None) -> NDArray[np.int64]:
+        """Take a screenshot; shape (height, width, 3), values 0..255."""
+        png = self.page.screenshot(path=path)
+        return np.array(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
+
+
+def red_pixels(picture: NDArray[np.int64]) -> int:
+    """Count the pixels that are clearly red."""
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return int(((red > 120) & (green < 80) & (blue < 80)).sum())
