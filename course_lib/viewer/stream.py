@@ -40,18 +40,16 @@ class Stream:
     def snapshot(self) -> tuple[int, bytes]:
         """Return the whole scene, and the number of the last batch that is in it."""
         with self._lock:
-            if not self.connected:
-                self.number += self._stale
-                self._stale = False
+            self._refresh()
             self._paths = []  # a new page does not know them
             return self.number, encoding.snapshot(self.scene)
 
     def connect(self, number: int) -> bool:
         """Begin to send, to a page that has a snapshot; say whether that is still the present scene."""
         with self._lock:
-            fresh = not self._stale and number == self.number
+            self._refresh()
             self.connected = True
-            return fresh
+            return number == self.number
 
     def flush(self) -> None:
         """Send what has changed, now."""
@@ -70,6 +68,11 @@ class Stream:
             self.connected = False
             if self._timer is not None:
                 self._timer.cancel()
+
+    def _refresh(self) -> None:
+        """Make older snapshots known as such, if something has changed since."""
+        self.number += self._stale
+        self._stale = False
 
     def _note(self, what: What, path: str) -> None:
         if not self.connected:

@@ -94,4 +94,4 @@ def test_listeners_hear_every_change_until_they_stop() -> None:
     scene.delete("a")
     stop()
     scene.set_object("a", BOX)
-    assert heard == [("object", "a"), ("look", ""), ("delete", "a")]
+    assert heard == [("object", "a"), ("background", ""), ("delete", "a")]
