@@ -40,12 +40,14 @@ class Context:
         frames: Where frames are.
         now_ns: Robot time, [ns].
         joined: Called by a display that has subscribed, to get what publishers hold for latecomers.
+        touched: Called when somebody has changed a property, to show it at once.
     """
 
     scene: Scene
     frames: Frames
     now_ns: int = 0
-    joined: Callable[["Display"], None] = field(default=lambda display: None)
+    joined: Callable[["Display"], None] = lambda display: None
+    touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
 
     def follow(self, frame: str) -> tuple[str, Matrix] | None:
@@ -87,6 +89,11 @@ class Display(PropertyHolder):
         self.subscriptions: tuple[Subscription, ...] = ()
         self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
         self.started = False
+
+    def __setitem__(self, label: str, value: Any) -> None:
+        super().__setitem__(label, value)
+        if self.started:
+            self.context.touched()
 
     def __repr__(self) -> str:
         return f"<{self.name} ({self.class_name})>"

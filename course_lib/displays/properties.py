@@ -1,7 +1,6 @@
 """Properties as RViz shows them: a label, a default, and what values it takes."""
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -82,13 +81,13 @@ def words(*options: str) -> Convert:
 
 
 def color(value: Any) -> Color:
-    """Take a colour as RViz writes it, ``R; G; B`` in 0..255, or ``#rrggbb``, or three numbers."""
-    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value):
-        parts: Any = bytes.fromhex(value[1:])
-    else:
-        parts = value.split(";") if isinstance(value, str) else value
+    """Take a colour as RViz does: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
+    from PIL import ImageColor
+
     try:
-        red, green, blue = (min(max(int(part), 0), 255) for part in parts)
+        if isinstance(value, str):
+            value = value.split(";") if ";" in value else ImageColor.getrgb(value)[:3]
+        red, green, blue = (min(max(int(part), 0), 255) for part in value)
     except (TypeError, ValueError):
         raise ValueError("a colour like '255; 0; 0'") from None
     return red, green, blue
@@ -158,14 +157,16 @@ class PropertyHolder:
 
     def _property(self, label: str) -> Property:
         wanted = _plain(label)
-        by_tail = [prop for prop in self.properties if _plain(prop.label.rpartition("/")[2]) == wanted]
         exact = [prop for prop in self.properties if _plain(prop.label) == wanted]
-        found = exact or by_tail
-        if len(found) != 1:
-            labels = [prop.label for prop in found or self.properties]
-            near = get_close_matches(label, labels, 3, 0.4) or labels
-            raise CourseError(f"{self} has no one property {label!r}; it has {', '.join(map(repr, near))}.")
-        return found[0]
+        by_end = [prop for prop in self.properties if _plain(prop.label.rpartition("/")[2]) == wanted]
+        found = exact or by_end
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in found)}.")
+        labels = [prop.label for prop in self.properties]
+        near = get_close_matches(label, labels, 3, 0.4) or labels
+        raise CourseError(f"{self} has no property {label!r}, but {', '.join(map(repr, near))}.")
 
 
 def _expecting(what: str, convert: Convert) -> Convert:

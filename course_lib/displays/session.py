@@ -35,15 +35,17 @@ class Session:
         self, scene: Scene, fixed_frame: str = "map", start_ns: int = 0, match_qos: bool = True
     ) -> None:
         self.frame_rate = 30  # [Hz]
-        self.context = Context(scene, Frames(fixed_frame), start_ns, self._catch_up)
+        self.context = Context(scene, Frames(fixed_frame), start_ns, self._catch_up, self.refresh)
         self.displays: list[Display] = []
-        self.view: View = Orbit()
+        self._view: View = Orbit()
         self.statuses = Statuses()  # Global Status
         self.latched: Callable[[], Iterable[Sample]] = tuple  # what publishers hold for latecomers
+        self.after_frame: Callable[[], None] = lambda: None
         self._match_qos = match_qos
         self._types: dict[str, str] = {}  # of the topics that were heard
         self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
-        self._last_ns = start_ns
+        self._last_ns = start_ns  # of the last message
+        self._frame_ns = start_ns  # of the last frame
         self._transforms = [
             Subscription(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
             for topic, qos in _TF_TOPICS.items()
@@ -59,18 +61,40 @@ class Session:
         self.context.frames.fixed_frame = frame.removeprefix("/")
         for display in self.displays:
             display.reset()
+        self.refresh()
 
-    def add(self, class_name: str, name: str, config: Mapping[str, Any]) -> Display:
-        """Add a display with the properties of a layout."""
+    @property
+    def view(self) -> View:
+        """Where the scene is looked at from."""
+        return self._view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        self._view = view
+        view.touched = self.refresh
+        self.refresh()
+
+    def add(self, class_name: str, name: str, config: Mapping[str, Any], **properties: Any) -> Display:
+        """Add a display.
+
+        Args:
+            class_name: With its package.
+            name: How it is called.
+            config: Its part of a layout; what is wrong there is left out, and shown as a hint.
+            properties: By label; what is wrong there is an error.
+        """
         nodes = {display.path for display in self.displays}
         names = (f"{name} {number}" if number > 1 else name for number in range(1, len(nodes) + 2))
         path = next(path for path in (f"displays/{node_name(n)}" for n in names) if path not in nodes)
         display = make_display(self.context, class_name, name, path)
         display.config = config
         wrong = display.load(config)
+        for label, value in properties.items():
+            display[label] = value
         self.displays.append(display)
         display.start()
         display.statuses.hint("Properties", *wrong)
+        self.refresh()
         return display
 
     def apply(self, layout: Layout) -> None:
@@ -84,8 +108,9 @@ class Session:
             class_name = str(config.get("Class") or "")
             self.add(class_name, str(config.get("Name") or class_name), config)
         wanted = str(layout.view.get("Class") or "Orbit").rpartition("/")[2]
-        self.view = VIEWS.get(wanted, Orbit)()
-        wrong = self.view.load(layout.view)
+        view = VIEWS.get(wanted, Orbit)()
+        wrong = view.load(layout.view)
+        self.view = view
         unknown = () if wanted in VIEWS else (f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used.",)
         self.statuses.hint("View", *unknown, *wrong)
 
@@ -94,6 +119,7 @@ class Session:
         self.displays.remove(display)
         display.reset()
         self.context.scene.delete(display.path)
+        self.after_frame()
 
     def receive(self, sample: Sample) -> None:
         """Take a published message, after the frames that were due before it."""
@@ -106,9 +132,19 @@ class Session:
         listening = [s for d in self.displays for s in d.subscriptions if s.topic == sample.topic]
         self._deliver(sample, [s for s in self._transforms if s.topic == sample.topic] + listening)
 
+    def tick(self, now_ns: int) -> None:
+        """Make a frame if one is due at a robot time, [ns]; things expire without a message."""
+        due_ns = self._frame_ns + NS // self.frame_rate if self._due_ns is None else self._due_ns
+        if now_ns >= due_ns:
+            self.update(now_ns)
+
+    def refresh(self) -> None:
+        """Make a frame now."""
+        self.update(self.context.now_ns)
+
     def update(self, now_ns: int) -> None:
         """Make a frame at a robot time, [ns]."""
-        self.context.now_ns = max(now_ns, self.context.now_ns)
+        self.context.now_ns = self._frame_ns = max(now_ns, self.context.now_ns)
         self._due_ns = None
         for display in self.displays:
             if display.enabled:
@@ -116,6 +152,7 @@ class Session:
         camera = self.view.camera(self.context.frames)
         if camera != self.context.scene.camera:
             self.context.scene.camera = camera
+        self.after_frame()
 
     def rows(self) -> list[StatusRow]:
         """List all statuses as RViz's tree does, with our hints."""

@@ -1,5 +1,6 @@
 """RViz's view controllers: from their properties to a camera."""
 
+from collections.abc import Callable
 from math import atan2, cos, pi, sin
 from typing import ClassVar
 
@@ -37,8 +38,13 @@ class View(PropertyHolder):
     def __init__(self, **properties: object) -> None:
         super().__init__()
         self._target: Matrix = np.eye(4)
+        self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
         for label, value in properties.items():
             self[label] = value
+
+    def changed(self, label: str) -> None:
+        """Have the change shown."""
+        self.touched()
 
     def __repr__(self) -> str:
         return self.class_name.rpartition("/")[2]

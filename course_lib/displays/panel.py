@@ -1,0 +1,83 @@
+"""The viewer's place in a cell: the scene, and below it the statuses."""
+
+import asyncio
+from typing import TYPE_CHECKING, Any
+
+from course_lib.displays.session import Session
+from course_lib.displays.status_table import StatusTable
+from course_lib.ros import pace, wall
+
+if TYPE_CHECKING:
+    import ipywidgets
+
+_PERIOD = 0.5  # [s] of the wall clock between two changes of the table
+_LABEL = "RViz view"
+
+
+class Panel:
+    """Shows a session in as many cells as ask for it; made when the first one does.
+
+    Args:
+        session: What to show.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._box: ipywidgets.VBox | None = None
+        self._written = 0.0  # [s] when the table was last changed
+        self._waiting = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def shown(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return what a cell displays; pages that run no scripts get a picture and the table."""
+        if self._box is None:
+            self._box = self._made()
+        self._write()
+        picture, metadata = self._box.children[0]._repr_mimebundle_(**kwargs)
+        data: dict[str, Any] = self._box._repr_mimebundle_(**kwargs)
+        return picture | data | {
+            "text/plain": f"{picture['text/plain']}\n{StatusTable(self._session.rows())}"
+        }, metadata
+
+    def refresh(self) -> None:
+        """Change the table, now or a little later; called after every frame, from any thread."""
+        if self._box is None:
+            return
+        if wall.monotonic() - self._written >= _PERIOD:
+            self._write()
+        elif self._loop is not None and not self._waiting:
+            self._waiting = True
+            self._loop.call_soon_threadsafe(self._loop.call_later, _PERIOD, self._write)
+
+    def close(self) -> None:
+        """Take the viewer out of all cells."""
+        if self._box is not None:
+            pace.pages.remove(self._is_there)
+            for widget in (*self._box.children, self._box):
+                widget.close()
+            self._box = None
+
+    def _made(self) -> "ipywidgets.VBox":
+        import ipywidgets
+
+        from course_lib.viewer.widget import SceneWidget
+
+        try:
+            self._loop = asyncio.get_running_loop()
+        except RuntimeError:  # no kernel
+            self._loop = None
+        self._session.after_frame = self.refresh
+        pace.pages.append(self._is_there)
+        view = SceneWidget(self._session.context.scene, label=_LABEL)
+        return ipywidgets.VBox([view, ipywidgets.HTML()])
+
+    def _is_there(self) -> bool:
+        """Say whether a page shows the scene."""
+        return self._box is not None and bool(self._box.children[0].ready)
+
+    def _write(self) -> None:
+        self._waiting = False
+        if self._box is None:
+            return
+        self._written = wall.monotonic()
+        self._box.children[1].value = StatusTable(self._session.rows())._repr_html_()

@@ -1,0 +1,182 @@
+"""RViz in a cell: what lessons import."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.displays.display import Display
+from course_lib.displays.layout import read_layout
+from course_lib.displays.panel import Panel
+from course_lib.displays.properties import Color, color
+from course_lib.displays.registry import REGISTRY, full_name, short_name
+from course_lib.displays.session import Session
+from course_lib.displays.status_table import StatusTable
+from course_lib.displays.views import View
+from course_lib.errors import CourseError
+from course_lib.ros.graph import current_graph
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.html import save_html
+from course_lib.viewer.picture import Picture, screenshot
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.window import Window
+
+if TYPE_CHECKING:
+    from pinocchio.robot_wrapper import RobotWrapper
+
+
+class Viewer:
+    """RViz in a notebook: listens to the running graph, shows displays and their statuses.
+
+    Put it on the last line of a cell to see it; several cells may show the same viewer.
+
+    Args:
+        fixed_frame: RViz's Fixed Frame: where everything is placed.
+    """
+
+    def __init__(self, fixed_frame: str = "map") -> None:
+        graph = current_graph()
+        self.scene = Scene()
+        self.session = Session(self.scene, fixed_frame, graph.now_ns)
+        self.session.latched = graph.latched
+        self._panel = Panel(self.session)
+        self._stops = [graph.tap(self.session.receive), graph.watch_time(self.session.tick)]
+        self.session.hear_latched()
+        self.add("Grid")
+
+    @classmethod
+    def from_rviz(cls, path: str | Path) -> Self:
+        """Make a viewer with the displays, options and view of an .rviz file.
+
+        Raises:
+            CourseError: If it is no such file; with line and column.
+        """
+        viewer = cls()
+        viewer.session.apply(read_layout(path))
+        return viewer
+
+    def add(
+        self, class_name: str, topic: str | None = None, *, name: str | None = None, **properties: Any
+    ) -> Display:
+        """Add a display, as RViz's Add button does.
+
+        Args:
+            class_name: RViz's name, ``Marker`` or ``rviz_default_plugins/Marker``.
+            topic: Its Topic property.
+            name: How it is called; its class if not given.
+            properties: By RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell Size": 0.5}``.
+
+        Raises:
+            CourseError: If there is no such class or property, or a value does not fit.
+        """
+        wanted = full_name(class_name)
+        if wanted not in REGISTRY:
+            known = ", ".join(map(short_name, REGISTRY))
+            raise CourseError(f"There is no display {class_name!r} here; add one of {known}.")
+        if topic is not None:
+            properties["Topic"] = topic
+        return self.session.add(wanted, name or short_name(wanted), {}, **properties)
+
+    def remove(self, display: Display) -> None:
+        """Remove a display."""
+        if display not in self.session.displays:
+            raise CourseError(f"{display} is not in this viewer; it shows {self.displays}.")
+        self.session.remove(display)
+
+    @property
+    def displays(self) -> list[Display]:
+        """The displays, in the order of RViz's tree."""
+        return list(self.session.displays)
+
+    def __getitem__(self, name: str) -> Display:
+        """Return the first display with a name."""
+        by_name = {display.name: display for display in reversed(self.displays)}
+        if name not in by_name:
+            raise CourseError(f"No display is called {name!r}; there is {', '.join(by_name) or 'none'}.")
+        return by_name[name]
+
+    @property
+    def fixed_frame(self) -> str:
+        """RViz's Fixed Frame; another one makes all displays start anew."""
+        return self.session.fixed_frame
+
+    @fixed_frame.setter
+    def fixed_frame(self, frame: str) -> None:
+        self.session.fixed_frame = frame
+
+    @property
+    def background(self) -> Color:
+        """Colour behind everything, RGB in 0..255; may be set as ``"48; 48; 48"``."""
+        return self.scene.background
+
+    @background.setter
+    def background(self, value: Color | str) -> None:
+        try:
+            self.scene.background = color(value)
+        except ValueError as error:
+            raise CourseError(f"The background is {value!r}, expected {error}.") from None
+
+    @property
+    def view(self) -> View:
+        """The view controller: ``viewer.view = Orbit(distance=6.0)``, ``viewer.view["Yaw"] = 0.8``."""
+        return self.session.view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        self.session.view = view
+
+    @property
+    def camera(self) -> Camera:
+        """Where the view puts the camera."""
+        self.look()
+        return self.scene.camera
+
+    def statuses(self) -> StatusTable:
+        """Return what RViz's Displays panel says, and hints where RViz is silent."""
+        self.look()
+        return StatusTable(self.session.rows())
+
+    def show_robot(self, robot: "RobotWrapper", configuration: npt.ArrayLike | None = None) -> None:
+        """Draw a robot's links in the fixed frame, without any messages.
+
+        Args:
+            robot: What `load_robot` returns.
+            configuration: Joint positions, shape (nq,); None takes the neutral one.
+        """
+        from meshcat import Visualizer  # here: heavy, as is the next one
+        from pinocchio.visualize import MeshcatVisualizer
+
+        visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
+        visualizer.initViewer(viewer=Visualizer(window=Window(self.scene)))
+        visualizer.loadViewerModel(rootNodeName=f"robots/{robot.model.name}")
+        visualizer.display(robot.q0 if configuration is None else np.asarray(configuration, dtype=float))
+
+    def save_html(self, path: str | Path) -> None:
+        """Write the scene as one page that opens without a network."""
+        self.look()
+        save_html(self.scene, path, title=f"Viewer: {self.fixed_frame}")
+
+    def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
+        """Draw the scene into a PNG; the result says what drew it.
+
+        Args:
+            path: Where to write it, if anywhere.
+            size: Width and height, [px].
+        """
+        self.look()
+        return screenshot(self.scene, path, size)
+
+    def look(self) -> None:
+        """Bring the scene up to date, as robot time stands."""
+        self.session.update(current_graph().now_ns)
+
+    def close(self) -> None:
+        """Stop listening, and take the viewer out of all cells."""
+        while self._stops:
+            self._stops.pop()()
+        self._panel.close()
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        self.look()
+        return self._panel.shown(**kwargs)
