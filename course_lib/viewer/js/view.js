@@ -3,7 +3,7 @@ import { Orbit } from "./orbit.js";
 import { draw, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
-const TURN = 0.006; // [rad] per pixel
+const TURN = 0.005; // [rad] per pixel, as in RViz
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /** One picture of a scene on the page, with a camera of its own. */

@@ -1,0 +1,184 @@
+import numpy as np
+import pytest
+
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.widget import Click, SceneWidget
+from tests.browser.fake_host import Host, count
+
+pytestmark = pytest.mark.browser
+
+RED, GREEN, BLUE = (255, 0, 0), (0, 255, 0), (0, 0, 255)
+
+
+def box(color: tuple[int, int, int], x: float = 0.0) -> Solids:
+    transform_unit_to_node = np.eye(4)
+    transform_unit_to_node[0, 3] = x  # [m]
+    return Solids("box", [transform_unit_to_node], (*np.divide(color, 255), 1))
+
+
+def from_above() -> Scene:
+    scene = Scene()
+    scene.camera = Camera(eye=(0, 0, 6), target=(0, 0, 0), up=(0, 1, 0))
+    return scene
+
+
+def shown(host: Host, scene: Scene) -> SceneWidget:
+    widget = SceneWidget(scene, height=300)
+    host.open(widget)
+    host.show(widget)
+    return widget
+
+
+def test_changes_reach_the_page_while_it_is_open(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    assert widget.ready
+    scene.set_object("a/box", box(RED))
+    widget.flush()
+    host.carry()
+    left = count(host.pixels()[:, :200], RED)
+    assert left > 1000
+    scene.set_transform("a", np.array([[1, 0, 0, 1.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels()[:, :200], RED) == 0
+    assert count(host.pixels(), RED) > 1000
+    scene.set_visible("a", False)
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), RED) == 0
+    scene.set_visible("a", True)
+    scene.delete("a")
+    scene.set_object("b", box(BLUE))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), RED) == 0
+    assert count(host.pixels(), BLUE) > 1000
+
+
+def test_a_page_that_is_loaded_anew_shows_what_has_changed_meanwhile(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("box", box(RED))
+    widget.flush()
+    host.reload()
+    scene.set_object("box", box(GREEN))
+    host.open(widget)
+    host.show(widget)
+    assert count(host.pixels(), GREEN) > 1000
+    scene.set_object("box", box(BLUE))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), BLUE) > 1000
+
+
+def test_a_change_between_state_and_first_answer_is_not_lost(host: Host) -> None:
+    scene = from_above()
+    widget = SceneWidget(scene, height=300)
+    host.open(widget)
+    scene.set_object("box", box(GREEN))
+    host.show(widget)
+    assert count(host.pixels(), GREEN) > 1000
+
+
+def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("lost", box(RED, x=-1))
+    widget.flush()
+    host.sent.clear()
+    scene.set_object("next", box(GREEN, x=1))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), RED) > 1000
+    assert count(host.pixels(), GREEN) > 1000
+
+
+def test_two_views_of_a_scene_move_together_and_two_scenes_do_not_mix(host: Host) -> None:
+    scene, other = from_above(), from_above()
+    widget = shown(host, scene)
+    host.show(widget, width=200)
+    shown(host, other)
+    host.page.set_viewport_size({"width": 800, "height": 900})
+    scene.set_object("box", box(RED))
+    widget.flush()
+    host.carry()
+    pixels = host.pixels()
+    assert min(count(pixels[:300], RED), count(pixels[300:600], RED)) > 1000
+    assert count(pixels[600:], RED) == 0
+
+
+def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
+    scene = from_above()
+    scene.set_object("marker/7", box(RED))
+    widget = shown(host, scene)
+    clicks: list[Click] = []
+    widget.on_click.append(clicks.append)
+    host.page.mouse.click(200, 150)
+    host.page.mouse.click(10, 10)
+    host.carry()
+    hit, missed = clicks
+    assert hit.path == "marker/7"
+    assert hit.point == pytest.approx((0, 0, 0.5), abs=0.02)
+    assert hit.normal == pytest.approx((0, 0, 1), abs=1e-6)
+    assert missed.path is None
+
+
+@pytest.mark.parametrize(
+    "drawable",
+    [
+        Lines([[-1, 0, 0], [1, 0, 0]], (1, 0, 0, 1), width=0.2),
+        Lines([[-1, 0, 0], [1, 0, 0]], (1, 0, 0, 1), width=0.0, strip=False),
+        Points([[0, 0, 0]], (1, 0, 0, 1), (0.3, 0.3)),
+        Text("MW", 0.5, (1, 0, 0, 1)),
+        Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], None, (1, 0, 0, 1)),
+        Solids("sphere", [np.eye(4)], (1, 0, 0, 1)),
+        Solids("cylinder", [np.eye(4)], (1, 0, 0, 1)),
+        Solids("cone", [np.eye(4)], (1, 0, 0, 1), lit=False),
+    ],
+    ids=["strip", "pixel line", "points", "text", "mesh", "sphere", "cylinder", "cone"],
+)
+def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawable) -> None:
+    scene = from_above()
+    scene.set_object("thing", drawable)
+    widget = shown(host, scene)
+    clicks: list[Click] = []
+    widget.on_click.append(clicks.append)
+    assert count(host.pixels(), RED, within=120) > 50  # a pixel line may lie between two rows
+    host.page.mouse.click(200, 150)
+    host.carry()
+    assert [click.path for click in clicks] == ["thing"]
+
+
+def test_a_drag_turns_the_view_and_the_wheel_zooms_once_the_view_was_clicked(host: Host) -> None:
+    scene = from_above()
+    scene.set_object("box", box(RED))
+    shown(host, scene)
+    before = count(host.pixels(), RED)
+    host.page.mouse.move(200, 150)
+    host.page.mouse.wheel(0, -300)
+    host.carry()
+    assert count(host.pixels(), RED) == before
+    host.page.mouse.down()
+    host.page.mouse.up()
+    host.page.mouse.wheel(0, -300)
+    host.carry()
+    assert count(host.pixels(), RED) > before
+    host.page.mouse.down()
+    host.page.mouse.move(200, 50, steps=3)
+    host.page.mouse.up()
+    host.carry()
+    assert count(host.pixels(), (200, 0, 0)) > 1000
+
+
+def test_a_lost_graphics_context_comes_back(host: Host) -> None:
+    scene = from_above()
+    scene.set_object("box", box(RED))
+    widget = shown(host, scene)
+    host.page.evaluate("() => contexts.at(-1).getExtension('WEBGL_lose_context').loseContext()")
+    scene.set_object("box", box(GREEN))
+    widget.flush()
+    host.carry(frames=4)
+    assert count(host.pixels(), GREEN) > 1000
