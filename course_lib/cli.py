@@ -11,9 +11,16 @@ from course_lib.errors import CourseError
 
 HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
+SECONDS_HELP = "Robot time to run; default: 5, notebooks to their end."
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
 
-app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+app = typer.Typer(
+    help=HELP,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
 bag = typer.Typer(help="Look into recordings.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(bag, name="bag")
 
@@ -50,8 +57,10 @@ def demo(
 @app.command()
 def run(
     context: typer.Context,
-    files: Annotated[list[Path], typer.Argument(help="Unmodified rclpy programs; they share one graph.")],
-    seconds: Annotated[float | None, typer.Option(min=0, help="Robot time to run; default 5.")] = None,
+    files: Annotated[list[Path], typer.Argument(help="rclpy programs or notebooks; they share a graph.")],
+    seconds: Annotated[
+        float | None, typer.Option(min=0, help="Robot time to run; default 5, notebooks: to their end.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seeds every source of chance.")] = 0,
     bag: Annotated[Path | None, typer.Option(help="Record everything into this new folder.")] = None,
     real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
@@ -61,7 +70,7 @@ def run(
     from course_lib.tools.run import with_fixed_hashes
 
     with_fixed_hashes()
-    if seconds is None and not real_time:
+    if seconds is None and not real_time and all(file.suffix != ".ipynb" for file in files):
         seconds = RUN_SECONDS
     code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=context.obj, real_time=real_time)
     raise typer.Exit(code)

@@ -41,8 +41,9 @@ def _run_and_draw(out: Path, console: Console) -> None:
     )
     run([PROGRAM], seconds=SECONDS, seed=0, bag=bag, args=(), real_time=False)
     console.print("\n[bold]2. Draw[/bold] what it published, as RViz would:")
-    console.print(render_bag(bag, rviz=None, at=None, size=size, png=out / "red_cube.png", html=None))
-    console.print(render_bag(bag, rviz=None, at=None, size=size, png=None, html=out / "red_cube.html"))
+    for files in ({"png": out / "red_cube.png", "html": None}, {"png": None, "html": out / "red_cube.html"}):
+        report = render_bag(bag, rviz=None, at=None, size=size, **files)
+        console.print(report.splitlines()[0], markup=False)
 
 
 def _check_two_answers(console: Console) -> None:

@@ -12,6 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph, program
+from course_lib.ros.notebook_program import NotebookProgram
 from course_lib.ros.seeding import seeded
 
 
@@ -19,7 +20,7 @@ def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> 
     """Run Python files as if each were started on its own; they share the current graph.
 
     Args:
-        files: The programs, in their start order.
+        files: The programs, Python files or notebooks, in their start order.
         seed: Seeds every source of chance.
         args: What each finds in `sys.argv` behind its name.
 
@@ -27,11 +28,11 @@ def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> 
         The exit code: the first one that is not 0.
 
     Raises:
-        CourseError: If a file is missing or is not Python text.
+        CourseError: If a file is missing, or is neither Python text nor a notebook.
     """
     standin_path.install()
     virtual_time.install()
-    programs = [Program(file, args) for file in files]
+    programs = [NotebookProgram(file) if file.suffix == ".ipynb" else Program(file, args) for file in files]
     with _interpreter_kept(), seeded(seed), baton.known():
         if len(programs) == 1:
             programs[0].run()
@@ -89,7 +90,7 @@ def _interpreter_kept() -> Iterator[None]:
         sys.argv, sys.path[:], sys.modules["__main__"] = before
 
 
-def _run_beside_each_other(programs: Sequence[Program]) -> None:
+def _run_beside_each_other(programs: Sequence[Program | NotebookProgram]) -> None:
     threads = []
     for one in programs:
         program.name = str(one.file)

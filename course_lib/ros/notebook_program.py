@@ -1,0 +1,37 @@
+"""A notebook run as a program: its code cells in order, up to the first that fails."""
+
+import json
+from pathlib import Path
+
+from course_lib.errors import CourseError
+from course_lib.ros.shell import make_shell
+
+
+class NotebookProgram:
+    """The code cells of one notebook.
+
+    Args:
+        file: The notebook.
+
+    Raises:
+        CourseError: If it cannot be read as a notebook of format 4.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self.exit_code = 0
+        try:
+            cells = json.loads(file.read_bytes())["cells"]
+            self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        except OSError as error:
+            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise CourseError(f"{file} is no notebook of format 4. Save it again in JupyterLab.") from error
+
+    def run(self) -> None:
+        """Run the cells; IPython shows what one raises."""
+        shell = make_shell()
+        for source in self._sources:
+            if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+                self.exit_code = 1
+                return

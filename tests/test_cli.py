@@ -1,0 +1,126 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import course_lib
+
+PROGRAM = Path(__file__).parent / "programs" / "timer.py"
+HELLO = "import rclpy\nrclpy.init()\nrclpy.create_node('hello').get_logger().info(rclpy.__file__)\n"
+
+
+def course(*words: str, cwd: Path, **environment: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "course_lib", *words]
+    return subprocess.run(
+        command,
+        cwd=cwd,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+@pytest.fixture
+def bad_inputs(tmp_path: Path) -> Path:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "broken.ipynb").write_text('{"cells": [')
+    (tmp_path / "broken.py").write_text("def f(:\n")
+    (tmp_path / "binary.py").write_bytes(b"\0\1\2")
+    (tmp_path / "broken.rviz").write_text("a: [1,\nb: }")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "frobnicate",
+        "run",
+        "run missing.py",
+        "run folder",
+        "run broken.py",
+        "run binary.py",
+        "run broken.ipynb",
+        "run {program} --seconds soon",
+        "run {program} --bag folder",
+        "render --bag missing --png out.png",
+        "render --bag folder --png out.png",
+        "render --bag folder",
+        "render --bag folder --size big --png out.png",
+        "bag info missing",
+        "bag info folder",
+        "check missing.ipynb",
+        "check folder",
+        "check broken.ipynb",
+        "submit missing.ipynb",
+        "submit folder",
+        "submit broken.ipynb",
+        "grade missing --out out",
+        "grade broken.py --out out",
+        "grade folder --out broken.py",
+        "lab broken.py",
+        "lab new --port 99999",
+        "release full",
+        "demo --out full",
+    ],
+)
+def test_unusable_input_is_one_line_and_exit_code_2(bad_inputs: Path, words: str) -> None:
+    done = course(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("error: ")
+
+
+def test_debug_shows_the_traceback(tmp_path: Path) -> None:
+    assert "Traceback" in course("--debug", "run", "missing.py", cwd=tmp_path).stderr
+
+
+@pytest.mark.parametrize(
+    "command", ["", "lab", "run", "render", "check", "submit", "grade", "release", "bag info"]
+)
+def test_every_command_has_help(tmp_path: Path, command: str) -> None:
+    done = course(*command.split(), "--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "Usage: course" in done.stdout
+
+
+def test_the_exit_code_of_a_program_is_that_of_the_run(tmp_path: Path) -> None:
+    (tmp_path / "fails.py").write_text("raise ValueError('no')")
+    (tmp_path / "leaves.py").write_text("import sys\nsys.exit(3)")
+    assert course("run", "fails.py", cwd=tmp_path).returncode == 1
+    assert course("run", "leaves.py", cwd=tmp_path).returncode == 3
+
+
+def test_what_follows_two_dashes_reaches_the_program(tmp_path: Path) -> None:
+    (tmp_path / "says.py").write_text("import sys\nprint(sys.argv)")
+    done = course("run", "says.py", "--", "--ros-args", "-r", "a:=b", cwd=tmp_path)
+    assert done.stdout == "['says.py', '--ros-args', '-r', 'a:=b']\n"
+
+
+@pytest.mark.parametrize("content", ["raise ImportError('a broken ROS')", "import _rclpy_pybind11"])
+def test_an_rclpy_on_the_python_path_changes_nothing(tmp_path: Path, content: str) -> None:
+    foreign = tmp_path / "ros" / "rclpy"
+    foreign.mkdir(parents=True)
+    (foreign / "__init__.py").write_text(content)
+    (tmp_path / "hello.py").write_text(HELLO)
+    done = course("run", "hello.py", cwd=tmp_path, PYTHONPATH=str(foreign.parent))
+    assert done.returncode == 0, done.stderr
+    assert str(Path(course_lib.__file__).parent) in done.stderr
+
+
+def test_two_programs_share_one_graph_and_each_has_its_own_main(tmp_path: Path) -> None:
+    (tmp_path / "hears.py").write_text(
+        "import rclpy\nfrom std_msgs.msg import Int32\n"
+        "rclpy.init()\nnode = rclpy.create_node('hears')\n"
+        "node.create_subscription(Int32, 'count', lambda m: node.get_logger().info(f'heard {m.data}'), 10)\n"
+        "rclpy.spin(node)\n"
+    )
+    done = course("run", "hears.py", str(PROGRAM), "--seconds", "0.5", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "[INFO] [1700000000.401000000] [hears]: heard 4" in done.stderr
