@@ -38,10 +38,9 @@ def check(task_id: str, subject: Any) -> None:
     if _bind is not None:
         _bind(task_id, subject)
         return
-    catalog = shipped_catalog()
-    task = catalog.task(task_id)
-    result = check_here(catalog, task, subject)
-    table = Table(result, _hint(task, result))
+    task = shipped_catalog().task(task_id)
+    result = check_here(shipped_catalog(), task, subject)
+    table = table_of(task, result)
     show(lambda: table, str(table))
     if os.environ.get(STRICT) == "1" and not result.passed:
         raise CheckFailedError(str(table))
@@ -57,16 +56,15 @@ def check_here(catalog: Catalog, task: Task, subject: Any) -> TaskResult:
     """Run and judge a task's public scenarios in this process."""
     personal = personal_values(task, current_identity())
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
-    result = judge_task(task, *catalog.points(task), runs)
-    student_state().put("progress", task.id, {"score": result.score, "of": result.points})
-    return result
+    return judge_task(task, *catalog.points(task), runs)
 
 
-def _hint(task: Task, result: TaskResult) -> str:
-    """The next hint, if a check failed: the first failure shows the first, and so on."""
-    if result.passed or not task.scenarios:
-        return ""
-    state = student_state()
-    failures = min(state.get("hints", task.id, 0) + 1, HINTS)
-    state.put("hints", task.id, failures)
-    return f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}"
+def table_of(task: Task, result: TaskResult) -> Table:
+    """The result as a table, with the next hint if a check failed; progress and hints shown are kept."""
+    state, hint = student_state(), ""
+    state.put("progress", task.id, {"score": result.score, "of": result.points})
+    if task.scenarios and not result.passed:
+        failures = min(state.get("hints", task.id, 0) + 1, HINTS)
+        state.put("hints", task.id, failures)
+        hint = f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}"
+    return Table(result, hint)

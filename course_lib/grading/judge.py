@@ -64,8 +64,8 @@ class TaskResult:
 
     @property
     def passed(self) -> bool:
-        """Whether every check has its full score."""
-        return bool(self.checks) and all(check.passed for check in self.checks)
+        """Whether no check says otherwise."""
+        return all(check.passed for check in self.checks)
 
 
 def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> TaskResult:

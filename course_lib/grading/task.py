@@ -22,11 +22,17 @@ class My:
     """Stands for a value that depends on the student; see `my`."""
 
     name: str
+    times: float | None = None
 
 
-def my(name: str) -> Any:
-    """The student's own value of the task's `personal` table, wherever a check or an input takes a value."""
-    return My(name)
+def my(name: str, *, times: float | None = None) -> Any:
+    """The student's own value of the task's `personal` table, wherever a check or an input takes a value.
+
+    Args:
+        name: In the table.
+        times: A factor, for what is in proportion to the value.
+    """
+    return My(name, times)
 
 
 def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
@@ -34,7 +40,8 @@ def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
     if isinstance(value, My):
         if value.name not in personal:
             raise CourseError(f"my({value.name!r}) is not in the task's personal table: {sorted(personal)}")
-        return personal[value.name]
+        own = personal[value.name]
+        return own if value.times is None else own * value.times
     if isinstance(value, (list, tuple)):
         return type(value)(resolve(item, personal) for item in value)
     if isinstance(value, Mapping):

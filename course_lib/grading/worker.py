@@ -120,6 +120,7 @@ def make_shell() -> "InteractiveShell":
     config = Config()
     config.HistoryManager.enabled = False
     config.InteractiveShell.colors = "nocolor"
+    config.InteractiveShell.xmode = "Minimal"  # the line is in the error's own sentence
     return Shell.instance(config=config)
 
 

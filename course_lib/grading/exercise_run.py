@@ -1,0 +1,53 @@
+"""Runs and judges all tasks of one notebook: `course check` and `course grade` alike."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from course_lib.grading.catalog import Catalog
+from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.personal import personal_values
+from course_lib.grading.runner import CellLog, Planned, Session
+from course_lib.grading.task import Task
+
+
+@dataclass(frozen=True)
+class ExerciseRun:
+    """What came out of a notebook, and what the checks say."""
+
+    tasks: tuple[Task, ...]
+    runs: tuple[Run, ...]
+    results: tuple[TaskResult, ...]
+    log: CellLog
+
+    @property
+    def cell_errors(self) -> list[str]:
+        """What went wrong while the cells were run, once, before the scenarios."""
+        return [*self.log.stopped.values(), *self.log.errors]
+
+    def as_plain(self) -> dict[str, Any]:
+        """What a result file says of it."""
+        digests = {f"{r.evidence.task}/{r.scenario.name}": r.evidence.recording.digest() for r in self.runs}
+        return {
+            "tasks": [{**asdict(task), "score": task.score} for task in self.results],
+            "cell_errors": self.cell_errors,
+            "output": self.log.output,
+            "digests": digests,
+        }
+
+
+def run_exercise(
+    cells: Sequence[str], tasks: Sequence[Task], catalog: Catalog, student: str | None, *, hidden: bool
+) -> ExerciseRun:
+    """Run every scenario of every task, public first, and judge what came out."""
+    plan = [Planned(task, scenario) for task in tasks for scenario in task.scenarios]
+    if hidden:
+        plan += [Planned(task, s, hidden=True) for task in tasks for s in catalog.hidden.get(task.id, ())]
+    personal = {task.id: personal_values(task, student) for task in tasks}
+    with Session(cells, personal, catalog.course.limits) as session:
+        runs = [session.run(planned) for planned in plan]
+    results = [
+        judge_task(task, *catalog.points(task), [run for run in runs if run.evidence.task == task.id])
+        for task in tasks
+    ]
+    return ExerciseRun(tuple(tasks), tuple(runs), tuple(results), session.log)

@@ -1,0 +1,119 @@
+"""`course grade`: a folder of submissions into results, gradebook and reports."""
+
+import fnmatch
+import json
+import multiprocessing
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.errors import CourseError
+from course_lib.grading.grade_one import Course, catalog_of, grade_one
+from course_lib.grading.gradebook import write_gradebook
+from course_lib.grading.result import ISOLATION, Result, result_path
+from course_lib.grading.store import write_whole
+from course_lib.grading.submission import Submission, find_submissions
+
+Row = dict[str, Any]  # of the gradebook
+GRADED = ("graded", "needs_marking", "limit")
+
+
+def grade(
+    submissions: Path,
+    out: Path,
+    *,
+    jobs: int | None = None,
+    only: str = "*",
+    resume: bool = False,
+    course: Course | None = None,
+) -> bool:
+    """Grade all submissions of a folder.
+
+    Args:
+        submissions: One folder per student, or files that `course submit` wrote.
+        out: Where results, evidence, reports and gradebook.csv go.
+        jobs: Submissions at a time; default: the number of processors.
+        only: Pattern of STUDENT/EXERCISE, to grade some.
+        resume: Leave out what has been graded already.
+        course: Where tasks and hidden checks are; default: this checkout.
+
+    Returns:
+        Whether every submission could be graded.
+
+    Raises:
+        CourseError: No submissions, broken check files, or `out` can't be written.
+    """
+    course = course or Course(exercises_dir(), solutions_dir())
+    catalog_of(course)  # a broken check file is named before the first submission
+    chosen = [s for s in find_submissions(submissions) if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
+    if resume:
+        chosen = [s for s in chosen if not _is_done(s, out)]
+    _check_writable(out)
+    rows = _grade_all(chosen, course, out, min(jobs or os.cpu_count() or 1, len(chosen)))
+    _say_summary(rows, write_gradebook(out))
+    return all(row["status"] in GRADED for row in rows)
+
+
+def _check_writable(out: Path) -> None:
+    try:
+        write_whole(out / "results" / ".writable", b"")
+        (out / "results" / ".writable").unlink()
+    except OSError as error:
+        raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out DIR") from error
+
+
+def _is_done(submission: Submission, out: Path) -> bool:
+    try:
+        kept = json.loads(result_path(out, submission).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    same = kept["sha256"] == submission.sha256
+    return (
+        same and kept["received"] == submission.received.time.isoformat() and kept["row"]["status"] in GRADED
+    )
+
+
+def _grade_all(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> list[Row]:
+    from rich.progress import track
+
+    graded = _one_by_one(chosen, course, out) if jobs <= 1 else _in_parallel(chosen, course, out, jobs)
+    return list(track(graded, "Grading", total=len(chosen)))
+
+
+def _one_by_one(chosen: Sequence[Submission], course: Course, out: Path) -> Iterator[Row]:
+    for submission in chosen:
+        yield grade_one(submission, course, out)
+
+
+def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> Iterator[Row]:
+    context = multiprocessing.get_context("spawn")  # no threads and no locks of this process in it
+    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
+        futures = {pool.submit(grade_one, submission, course, out): submission for submission in chosen}
+        for future in as_completed(futures):
+            try:
+                yield future.result()
+            except Exception as error:  # the grading process itself died: that submission's is our fault
+                result = Result(futures[future], "grader_error", type(error).__name__, str(error))
+                result.write(out)
+                yield result.row()
+
+
+def _say_summary(rows: Sequence[Row], gradebook: Path) -> None:
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True)
+    for row in sorted(rows, key=lambda row: (row["student"], row["exercise"])):
+        if row["status"] != "graded":
+            words = (row["student"], row["exercise"], row["status"], row["reason"], row["message"])
+            console.print("  ".join(map(str, words)), markup=False)
+    counts = ", ".join(
+        f"{count} {status}" for status, count in sorted(Counter(r["status"] for r in rows).items())
+    )
+    console.print(
+        f"{len(rows)} submissions: {counts or 'nothing to do'}. Isolation: {ISOLATION}.", markup=False
+    )
+    console.print(f"Wrote {gradebook}", markup=False)

@@ -1,0 +1,80 @@
+"""Grades one submission: run, judge, mark, report, store."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from course_lib.grading.catalog import Catalog, load_catalog
+from course_lib.grading.exercise_run import ExerciseRun, run_exercise
+from course_lib.grading.marks import count_days_late, mark
+from course_lib.grading.report import write_report
+from course_lib.grading.result import Result, Status
+from course_lib.grading.store import evidence_bytes, write_whole
+from course_lib.grading.submission import Submission
+
+
+@dataclass(frozen=True)
+class Course:
+    """Where tasks and hidden checks are; every grading process reads them for itself."""
+
+    exercises: Path
+    solutions: Path
+
+
+@lru_cache(maxsize=4)
+def catalog_of(course: Course) -> Catalog:
+    """The tasks with their hidden scenarios."""
+    return load_catalog(course.exercises, course.solutions)
+
+
+def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, Any]:
+    """Grade a submission and write evidence, report and result; returns its line of the gradebook."""
+    try:
+        result = _graded(submission, catalog_of(course), out)
+    except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
+        result = Result(submission, "grader_error", type(error).__name__, str(error))
+    result.write(out)
+    return result.row()
+
+
+def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
+    week = submission.exercise.split("_")[0]
+    tasks = catalog.of_week(week)
+    if submission.notebook is None:
+        return Result(submission, "rejected", "unreadable", submission.problem)
+    if not tasks:
+        problem = submission.problem or f"the course has no {submission.exercise}"
+        return Result(submission, "rejected", "wrong exercise", problem)
+    run = run_exercise(submission.notebook.cells, tasks, catalog, submission.claimed, hidden=True)
+    write_whole(evidence_path(out, submission), evidence_bytes(run.runs))
+    settings = catalog.course
+    late_by = count_days_late(submission.received.time, settings.weeks[week].deadline, settings.late)
+    status, reason = _status(run)
+    result = Result(
+        submission,
+        status,
+        reason,
+        f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks",
+        mark(run.results, late_by, settings.late),
+        run,
+    )
+    try:
+        write_report(result, out)
+    except Exception as error:  # the marks are right without a report, and must not be lost with it
+        return replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
+    return result
+
+
+def evidence_path(out: Path, submission: Submission) -> Path:
+    """Where the evidence of a submission is kept."""
+    return out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
+
+
+def _status(run: ExerciseRun) -> tuple[Status, str]:
+    """Whether a person has to look, a limit was met, or all is done; with the limit's name."""
+    stopped = [task.stopped for task in run.results if task.stopped] + ["time"] * bool(run.log.stopped)
+    reason = stopped[0] if stopped else ""
+    if any(task.kind == "written" for task in run.tasks):
+        return "needs_marking", reason
+    return ("limit", reason) if reason else ("graded", "")

@@ -1,0 +1,28 @@
+"""gradebook.csv, derived from the results."""
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+from course_lib.grading.result import COLUMNS, read_results
+from course_lib.grading.store import write_whole
+
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+
+
+def write_gradebook(out: Path) -> Path:
+    """Write OUT/gradebook.csv from all that OUT/results holds."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for result in read_results(out):
+        writer.writerow([_harmless(result["row"][name]) for name in COLUMNS])
+    path = out / "gradebook.csv"
+    write_whole(path, text.getvalue().encode())
+    return path
+
+
+def _harmless(value: Any) -> Any:
+    """A text that a spreadsheet would take for a formula gets an apostrophe in front."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value

@@ -1,0 +1,83 @@
+"""What is known of one graded submission: the file in OUT/results."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from course_lib.errors import CourseError
+from course_lib.grading.exercise_run import ExerciseRun
+from course_lib.grading.marks import Mark
+from course_lib.grading.store import write_whole
+from course_lib.grading.submission import Submission
+
+Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
+COLUMNS = ("student", "exercise", "score", "max_score", "days_late", "penalty", "final")
+COLUMNS += ("status", "reason", "message")
+ISOLATION = "separate process, no sandbox"
+
+
+@dataclass(frozen=True)
+class Result:
+    """One submission's marks and reasons.
+
+    Args:
+        submission: What was handed in.
+        status: `rejected` and `grader_error` have no mark.
+        reason: A word: which limit, which kind of rejection.
+        message: A sentence.
+        mark: The arithmetic, if there is a mark.
+        run: What each task got, and why.
+        notes: For staff.
+    """
+
+    submission: Submission
+    status: Status
+    reason: str = ""
+    message: str = ""
+    mark: Mark | None = None
+    run: ExerciseRun | None = None
+    notes: tuple[str, ...] = ()
+
+    def row(self) -> dict[str, Any]:
+        """Its line of the gradebook."""
+        submission, numbers = self.submission, asdict(self.mark) if self.mark else {}
+        words = {"status": self.status, "reason": self.reason, "message": self.message}
+        who = {"student": submission.student, "exercise": submission.exercise}
+        return {name: (who | numbers | words).get(name, "") for name in COLUMNS}
+
+    def write(self, out: Path) -> None:
+        """Write it to OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
+        submission = self.submission
+        content = {
+            "row": self.row(),
+            "file": str(submission.path),
+            "sha256": submission.sha256,
+            "received": submission.received.time.isoformat(),
+            "received_from": submission.received.source,
+            "isolation": ISOLATION,
+            "notes": [*submission.notes, *self.notes],
+            **(self.run.as_plain() if self.run else {}),
+        }
+        text = json.dumps(content, indent=1, ensure_ascii=False)
+        write_whole(result_path(out, submission), text.encode("utf-8", "replace"))
+
+
+def result_path(out: Path, submission: Submission) -> Path:
+    """Where the result of a submission is kept."""
+    return out / "results" / submission.student / f"{submission.exercise}.json"
+
+
+def read_results(out: Path) -> list[dict[str, Any]]:
+    """The content of all result files, by student and exercise.
+
+    Raises:
+        CourseError: A file can't be read; names it.
+    """
+    results = []
+    for path in sorted((out / "results").glob("*/*.json")):
+        try:
+            results.append({**json.loads(path.read_text(encoding="utf-8"))})
+        except (OSError, ValueError, TypeError) as error:
+            raise CourseError(f"{path} can't be read: {error}. Remove it and grade again.") from error
+    return results

@@ -1,0 +1,67 @@
+"""`course submit`: one file to hand in, with a receipt."""
+
+import hashlib
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.identity import current_identity
+from course_lib.errors import CourseError
+from course_lib.grading.notebook import parse_notebook
+from course_lib.grading.submission import RECEIPT, exercise_of, unpack
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What was packed, and where it is."""
+
+    file: Path
+    content: Mapping[str, Any]
+
+    def text(self) -> str:
+        """What to tell the student."""
+        rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
+        warning = (
+            "" if self.content["student"] else "\nIt names no student: give your ID in week 0, submit again."
+        )
+        return f"Wrote {self.file}: this is the file to hand in. Its receipt:{rows}{warning}"
+
+
+def submit(path: Path, out: Path | None = None) -> Receipt:
+    """Pack a notebook with a receipt into one file.
+
+    Args:
+        path: The exercise.
+        out: The file to write; default: beside the exercise, named after it and the ID.
+
+    Raises:
+        CourseError: The notebook can't be read, is no exercise, or the file can't be written.
+    """
+    data, _ = unpack(path)
+    notebook = parse_notebook(data, str(path))
+    exercise = exercise_of(notebook, path)
+    if exercise is None:
+        raise CourseError(f"{path} is no exercise of this course: expected a file like week01_exercise.ipynb")
+    student = notebook.student or current_identity()
+    receipt = {
+        "exercise": exercise,
+        "student": student,
+        "file": path.name,
+        "code cells": len(notebook.cells),
+        "sha256": hashlib.sha256(data).hexdigest(),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    out = out or path.with_name(f"{exercise}_{student or 'no_id'}.zip")
+    try:
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr(f"{exercise}.ipynb", data)
+            archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
+    except OSError as error:
+        raise CourseError(
+            f"{out} can't be written: {error.strerror}. Name another file: --out FILE"
+        ) from error
+    return Receipt(out, receipt)
