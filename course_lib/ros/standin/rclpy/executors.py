@@ -7,7 +7,7 @@ import os
 import threading
 import warnings
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -106,7 +106,7 @@ class Executor(AbstractContextManager["Executor"]):
         Raises:
             ExternalShutdownException: If the context was shut down meanwhile.
         """
-        self._spin_once(timeout_sec, lambda: False)
+        self._spin_once(timeout_sec_to_nsec(timeout_sec), lambda: False)
 
     def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done, or the time [s] is over."""
@@ -114,32 +114,30 @@ class Executor(AbstractContextManager["Executor"]):
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         with baton.known():
             while self._context.ok() and not future.done() and not self._is_shutdown:
-                left = None if end_ns is None else (end_ns - graph.now_ns) * 1e-9
-                self._spin_once(left, future.done)
+                self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.done)
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
 
     def spin_once_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Wait for a callback and run it, unless the future is done before."""
-        self._spin_once(timeout_sec, future.done)
+        self._spin_once(timeout_sec_to_nsec(timeout_sec), future.done)
 
-    def _spin_once(self, timeout_sec: float | None, condition: Callable[[], bool]) -> None:
-        limit_ns = timeout_sec_to_nsec(timeout_sec)
-        until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
+    def _spin_once(self, limit_ns: int, condition: Callable[[], bool]) -> None:
         with baton.known():
-            if limit_ns == 0:
-                baton.poll()
-            task = self._wait_for_task(until_ns, condition)
+            task = self._wait_for_task(limit_ns, condition)
             if task is not None:
                 self._execute(task)
 
-    def _wait_for_task(self, until_ns: int | None, condition: Callable[[], bool]) -> Task | None:
+    def _wait_for_task(self, limit_ns: int, condition: Callable[[], bool]) -> Task | None:
         def stops() -> bool:
             return self._is_shutdown or not self._context.is_valid or condition()
 
+        until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
+        if limit_ns == 0:
+            baton.poll()
         while not stops():
             task = self._next_task()
-            if task is not None:
+            if task is not None or limit_ns == 0:
                 return task
             names = ", ".join(node.get_fully_qualified_name() for node in self._nodes)
             what = f"a callback of {names or 'no node'}"
@@ -230,6 +228,10 @@ class MultiThreadedExecutor(Executor):
         until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
         with baton.known():
             return baton.wait(lambda: not self._running, until_ns=until_ns, what="callbacks under way")
+
+    def _spin_once(self, limit_ns: int, condition: Callable[[], bool]) -> None:
+        with suppress(ExternalShutdownException):  # as in rclpy, whose other executor raises it
+            super()._spin_once(limit_ns, condition)
 
     def can_work(self) -> bool:
         """Say whether a callback is ready to be run and a thread is free for it."""

@@ -89,9 +89,9 @@ class Node(NodeEntities, NodeParameters):
         self._allow_undeclared_parameters = allow_undeclared_parameters
         settle_same_names(self)
         context.on_shutdown(self._leave_graph)
-        if enable_rosout:
-            rosout = self.create_publisher(Log, "/rosout", _ROSOUT)
-            current_run().rosout.setdefault(self.handle.logger_name, rosout)
+        self._rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
+        if self._rosout is not None:
+            current_run().rosout.setdefault(self.handle.logger_name, self._rosout)
         self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
             self.declare_parameter(name, value)
@@ -147,7 +147,7 @@ class Node(NodeEntities, NodeParameters):
     def _leave_graph(self) -> None:
         run = current_run()
         run.nodes.pop(self.handle.id, None)
-        if run.rosout.get(self.handle.logger_name) in self._publishers:
+        if run.rosout.get(self.handle.logger_name, self) is self._rosout:
             del run.rosout[self.handle.logger_name]
         self.handle.leave()
 

@@ -1,0 +1,47 @@
+"""A run of ten robot seconds, begun; and a node in it."""
+
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
+
+from course_lib.ros import virtual_time
+from course_lib.ros.baton import baton
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, use_graph
+
+END_NS = START_NS + 10 * 10**9
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """A run that has not been begun by `rclpy.init()`."""
+    virtual_time.install()
+    with use_graph(Graph(end_ns=END_NS)) as graph, baton.known():
+        yield graph
+        uninstall_signal_handlers()
+        graph.end_ns = graph.now_ns
+        baton.let_others_finish()
+
+
+@pytest.fixture
+def begun(graph: Graph) -> Graph:
+    """A run that has been begun."""
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    return graph
+
+
+@pytest.fixture
+def node(begun: Graph) -> Node:
+    """A node in a run that has been begun."""
+    return Node("talker")
+
+
+@pytest.fixture
+def notebook() -> Iterator[Graph]:
+    """A kernel's own graph, with the forgiving rules of a notebook."""
+    virtual_time.install()
+    with use_graph(Graph(notebook=True)) as graph:
+        yield graph

@@ -1,0 +1,64 @@
+import threading
+
+import pytest
+import rclpy
+from rclpy.clock import Clock, ClockType, ROSClock
+from rclpy.duration import Duration
+from rclpy.exceptions import NotInitializedException
+from rclpy.node import Node
+from rclpy.time import Time
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+
+
+def test_all_clocks_show_robot_time(node: Node, begun: Graph) -> None:
+    clocks = [Clock(), Clock(clock_type=ClockType.STEADY_TIME), ROSClock(), node.get_clock()]
+    node.get_clock().sleep_for(Duration(seconds=2))
+    assert {clock.now().nanoseconds for clock in clocks} == {START_NS + 2 * 10**9}
+
+
+def test_a_clock_of_ros_time_is_a_ros_clock() -> None:
+    clock = Clock(clock_type=ClockType.ROS_TIME)
+    assert isinstance(clock, ROSClock)
+    assert not clock.ros_time_is_active
+    assert repr(clock) == "Clock(clock_type=ROS_TIME)"
+    assert Clock().clock_type is ClockType.SYSTEM_TIME
+    with pytest.raises(TypeError, match=r"^Clock type must be a ClockType enum$"):
+        Clock(clock_type=2)  # type: ignore[arg-type]  # the mistake under test
+
+
+def test_sleeping_is_true_unless_the_end_comes_first(node: Node, begun: Graph) -> None:
+    clock = node.get_clock()
+    assert clock.sleep_until(clock.now() + Duration(seconds=1))
+    assert clock.sleep_until(clock.now())
+    assert not clock.sleep_for(Duration(seconds=20))
+    assert begun.now_ns == begun.end_ns
+    assert not clock.sleep_for(Duration(seconds=1))
+
+
+def test_a_shutdown_wakes_sleepers(node: Node, begun: Graph) -> None:
+    slept: list[bool] = []
+    sleeper = threading.Thread(target=lambda: slept.append(node.get_clock().sleep_for(Duration(seconds=5))))
+    sleeper.start()
+    Clock().sleep_for(Duration(seconds=1))
+    rclpy.shutdown()
+    sleeper.join()
+    assert (slept, begun.now_ns) == ([False], START_NS + 10**9)
+
+
+def test_a_time_of_another_clock_is_refused(begun: Graph) -> None:
+    with pytest.raises(ValueError, match=r"^until's clock type does not match this clock's type$"):
+        ROSClock().sleep_until(Time())
+
+
+def test_sleeping_before_init_is_refused(graph: Graph) -> None:
+    with pytest.raises(NotInitializedException):
+        Clock().sleep_for(Duration(seconds=1))
+
+
+def test_a_loop_over_now_lets_time_pass(node: Node, begun: Graph) -> None:
+    clock, start = node.get_clock(), node.get_clock().now()
+    while clock.now() - start < Duration(seconds=1):
+        pass
+    assert begun.now_ns >= START_NS + 10**9

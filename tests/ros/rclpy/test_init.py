@@ -1,0 +1,104 @@
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import NotInitializedException, RCLError
+from rclpy.node import Node
+
+from course_lib.ros.graph import Graph, use_graph
+
+
+def test_init_twice_is_refused(begun: Graph) -> None:
+    with pytest.raises(RuntimeError, match=r"^Context.init\(\) must only be called once$"):
+        rclpy.init()
+
+
+def test_a_node_before_init_is_refused(graph: Graph) -> None:
+    text = r"^rclpy.init\(\) has not been called. msg:cannot create node$"
+    with pytest.raises(NotInitializedException, match=text):
+        Node("talker")
+
+
+def test_shutdown_before_init_is_refused_and_try_shutdown_is_not(graph: Graph) -> None:
+    rclpy.try_shutdown()
+    with pytest.raises(RuntimeError, match=r"^Context must be initialized before it can be shutdown$"):
+        rclpy.shutdown()
+
+
+def test_a_spent_context_cannot_be_shut_down_again(graph: Graph) -> None:
+    context = Context()
+    rclpy.init(context=context)
+    rclpy.shutdown(context=context)
+    text = "^failed to shutdown: rcl_shutdown already called on the given context$"
+    with pytest.raises(RCLError, match=text):
+        rclpy.shutdown(context=context)
+    rclpy.try_shutdown(context=context)
+
+
+def test_ok_is_true_between_init_and_shutdown(graph: Graph) -> None:
+    before = rclpy.ok()
+    rclpy.init(args=[])
+    between = rclpy.ok()
+    rclpy.shutdown()
+    assert (before, between, rclpy.ok()) == (False, True, False)
+
+
+def test_after_a_shutdown_init_begins_anew(begun: Graph) -> None:
+    rclpy.shutdown()
+    rclpy.init(args=[])
+    assert rclpy.ok()
+    Node("talker")
+
+
+def test_init_in_a_with_statement_shuts_down_at_the_end(graph: Graph) -> None:
+    with rclpy.init(args=[]):
+        assert rclpy.ok()
+    assert not rclpy.ok()
+    with Context() as context:
+        assert rclpy.ok(context=context)
+    assert not context.ok()
+
+
+def test_a_shutdown_calls_who_asked_for_it(begun: Graph) -> None:
+    called: list[str] = []
+    rclpy.get_default_context().on_shutdown(lambda: called.append("called"))
+    rclpy.shutdown()
+    assert called == ["called"]
+
+
+def test_a_shutdown_takes_the_nodes_out_of_the_graph(node: Node, begun: Graph) -> None:
+    publisher = node.create_publisher(type(node.get_clock().now().to_msg()), "now", 10)
+    rclpy.shutdown()
+    assert (begun.nodes(), begun.endpoints()) == ([], [])
+    with pytest.raises(RCLError, match=r"^Failed to publish: publisher's context is invalid$"):
+        publisher.publish(node.get_clock().now().to_msg())
+    node.destroy_node()
+
+
+def test_the_end_of_the_run_ends_ok_and_a_shutdown_after_it_is_fine(node: Node, begun: Graph) -> None:
+    rclpy.spin(node)
+    assert begun.ended
+    assert not rclpy.ok()
+    rclpy.spin_once(node)
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+def test_a_fresh_graph_starts_clean(begun: Graph) -> None:
+    with use_graph(Graph()):
+        assert not rclpy.ok()
+        rclpy.init(args=[])
+        Node("other")
+    assert [node.name for node in begun.nodes()] == []
+    assert rclpy.ok()
+
+
+def test_negative_domains_are_refused(graph: Graph) -> None:
+    with pytest.raises(RuntimeError, match=r"^Domain id \(-1\) should not be lower than zero.$"):
+        rclpy.init(domain_id=-1)
+
+
+def test_arguments_for_ros_can_be_taken_out() -> None:
+    from rclpy.utilities import remove_ros_args
+
+    given = ["me", "--speed", "1", "--ros-args", "-r", "a:=b", "--", "--more"]
+    assert remove_ros_args(given) == ["me", "--speed", "1", "--more"]

@@ -1,0 +1,146 @@
+from typing import Any
+
+import pytest
+import rclpy
+import rclpy.logging
+from rcl_interfaces.msg import Log
+from rclpy.clock import Clock
+from rclpy.duration import Duration
+from rclpy.logging import LoggingSeverity, get_logger
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from course_lib.ros.graph import Graph
+
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.mark.parametrize("level", ["info", "warning", "warn", "error", "fatal"])
+def test_a_message_is_a_line_on_stderr_as_ros_writes_it(node: Node, capsys: Captured, level: str) -> None:
+    node.get_clock().sleep_for(Duration(nanoseconds=123_456_789))
+    assert getattr(node.get_logger(), level)("hello")
+    name = level.upper().replace("WARNING", "WARN")
+    assert capsys.readouterr().err == f"[{name}] [1700000000.123456789] [talker]: hello\n"
+
+
+def test_children_carry_the_name_of_their_parent(node: Node, capsys: Captured) -> None:
+    node.get_logger().get_child("arm").info("up")
+    assert "[talker.arm]: up" in capsys.readouterr().err
+    with pytest.raises(ValueError, match=r"^Child logger name must not be empty.$"):
+        node.get_logger().get_child("")
+    with pytest.raises(ValueError, match=r"^Logger name must not be empty.$"):
+        get_logger("")
+
+
+def test_debug_is_silent_until_the_level_allows_it(graph: Graph, capsys: Captured) -> None:
+    logger = get_logger("a")
+    assert not logger.debug("hidden")
+    logger.set_level(LoggingSeverity.DEBUG)
+    assert logger.debug("shown")
+    assert capsys.readouterr().err == "[DEBUG] [1700000000.000000000] [a]: shown\n"
+
+
+def test_levels_are_inherited(graph: Graph) -> None:
+    rclpy.logging.set_logger_level("a", LoggingSeverity.ERROR)
+    assert get_logger("a.b.c").get_effective_level() is LoggingSeverity.ERROR
+    assert not get_logger("a.b").is_enabled_for(LoggingSeverity.WARN)
+    assert get_logger("ab").get_effective_level() is LoggingSeverity.INFO
+    assert rclpy.logging.get_logger_level("a.b") is LoggingSeverity.UNSET
+    rclpy.logging.set_logger_level("a", LoggingSeverity.UNSET)
+    assert rclpy.logging.get_logger_effective_level("a.b") is LoggingSeverity.INFO
+    assert rclpy.logging.get_logging_severity_from_string("warn") is LoggingSeverity.WARN
+
+
+def test_a_message_that_is_no_text_is_an_error(node: Node) -> None:
+    with pytest.raises(TypeError, match="the message must be a str, not int; write str"):
+        node.get_logger().info(42)  # type: ignore[arg-type]  # the mistake under test
+
+
+def log_five_times(node: Node, **options: Any) -> None:
+    for number in range(5):
+        node.get_logger().info(str(number), **options)
+        node.get_clock().sleep_for(Duration(seconds=0.4))
+
+
+@pytest.mark.parametrize(
+    ("options", "logged"),
+    [
+        ({}, "01234"),
+        ({"once": True}, "0"),
+        ({"skip_first": True}, "1234"),
+        ({"throttle_duration_sec": 1.0}, "03"),
+        ({"throttle_duration_sec": 1.0, "throttle_time_source_type": Clock()}, "03"),
+        ({"throttle_duration_sec": 1.0, "skip_first": True}, "3"),
+        ({"once": False}, "01234"),
+    ],
+)
+def test_options_choose_among_the_calls_of_one_place(
+    node: Node, capsys: Captured, options: dict[str, Any], logged: str
+) -> None:
+    log_five_times(node, **options)
+    lines = capsys.readouterr().err.splitlines()
+    assert "".join(line[-1] for line in lines) == logged
+
+
+def test_two_calls_in_one_line_are_two_places(node: Node, capsys: Captured) -> None:
+    logger = node.get_logger()
+    for _ in range(2):
+        logger.info("a", once=True), logger.info("b", once=True)
+    assert [line[-1] for line in capsys.readouterr().err.splitlines()] == ["a", "b"]
+
+
+def test_one_place_cannot_change_what_it_asks_for(node: Node) -> None:
+    def log(severity: LoggingSeverity, **options: Any) -> None:
+        node.get_logger().log("hello", severity, **options)
+
+    log(LoggingSeverity.INFO)
+    with pytest.raises(ValueError, match=r"^Logger severity cannot be changed between calls.$"):
+        log(LoggingSeverity.WARN)
+    with pytest.raises(ValueError, match=r"^Logger name cannot be changed between calls.$"):
+        log(LoggingSeverity.INFO, name="other")
+    with pytest.raises(ValueError, match=r"^Requested logging filters cannot be changed between calls.$"):
+        log(LoggingSeverity.INFO, once=True)
+
+
+def test_throttling_cannot_change_its_time(node: Node) -> None:
+    def log(seconds: float) -> None:
+        node.get_logger().info("hello", throttle_duration_sec=seconds)
+
+    log(1.0)
+    with pytest.raises(ValueError, match=r"^Logging filter parameters cannot be changed between calls.$"):
+        log(2.0)
+
+
+def test_unknown_and_incomplete_options_are_refused_as_in_ros(node: Node) -> None:
+    with pytest.raises(TypeError, match=r'^parameter "twice" is not one of the recognized logging options'):
+        node.get_logger().info("hello", twice=True)
+    with pytest.raises(TypeError, match=r'^required parameter "throttle_duration_sec" not specified'):
+        node.get_logger().info("hello", throttle_time_source_type=Clock())
+    with pytest.raises(
+        ValueError, match=r'^Received throttle_time_source_type of "wall" is not a clock instance'
+    ):
+        node.get_logger().info("hello", throttle_duration_sec=1.0, throttle_time_source_type="wall")
+
+
+def test_what_a_node_and_its_children_log_is_published_on_rosout(node: Node) -> None:
+    node.get_logger().get_child("arm").error("ouch")
+    got: list[Log] = []
+    latched = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Log, "/rosout", got.append, latched)
+    rclpy.spin_once(node)
+    log = got[0]
+    assert (log.name, log.msg, log.level, log.stamp.sec) == ("talker.arm", "ouch", 40, 1_700_000_000)
+    assert (log.file, log.function) == (
+        "test_logging.py",
+        "test_what_a_node_and_its_children_log_is_published_on_rosout",
+    )
+    assert log.line > 0
+
+
+def test_the_place_of_a_cells_code_is_the_same_on_all_machines(node: Node, begun: Graph) -> None:
+    exec(compile("logger.info('hello')", "/tmp/ipykernel_42/1234.py", "exec"), {"logger": node.get_logger()})
+    got: list[Log] = []
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Log, "/rosout", got.append, latched)
+    rclpy.spin_once(node)
+    assert got[0].file == "cell"

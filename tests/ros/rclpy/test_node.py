@@ -1,0 +1,176 @@
+import pytest
+import rclpy
+from rclpy.exceptions import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    InvalidParameterTypeException,
+    InvalidTopicNameException,
+    ParameterAlreadyDeclaredException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_msgs.msg import Int32, String
+
+from course_lib.ros.graph import Graph
+
+
+def test_a_node_knows_its_names(begun: Graph) -> None:
+    node = Node("talker", namespace="robot/left")
+    assert node.get_name() == "talker"
+    assert node.get_namespace() == "/robot/left"
+    assert node.get_fully_qualified_name() == "/robot/left/talker"
+    assert node.get_logger().name == "robot.left.talker"
+    assert Node("root").get_fully_qualified_name() == "/root"
+
+
+def test_bad_names_are_refused_as_in_ros(begun: Graph) -> None:
+    with pytest.raises(
+        InvalidNodeNameException, match="must not contain characters other than alphanumerics"
+    ):
+        Node("my node")
+    with pytest.raises(InvalidNamespaceException, match="must not have a token that starts with a number"):
+        Node("talker", namespace="2nd")
+    assert begun.nodes() == []
+
+
+def test_every_node_has_rosout_and_parameter_events(node: Node) -> None:
+    assert node.get_topic_names_and_types() == [
+        ("/parameter_events", ["rcl_interfaces/msg/ParameterEvent"]),
+        ("/rosout", ["rcl_interfaces/msg/Log"]),
+    ]
+    info = node.get_publishers_info_by_topic("/rosout")[0]
+    assert (info.node_name, info.qos_profile.durability.name, info.qos_profile.depth) == (
+        "talker",
+        "TRANSIENT_LOCAL",
+        1000,
+    )
+
+
+def test_a_bad_topic_name_is_refused_as_in_ros(node: Node) -> None:
+    with pytest.raises(InvalidTopicNameException) as caught:
+        node.create_publisher(String, "x/", 10)
+    text = "Invalid topic name: topic name must not end with a forward slash:\n  'x/'\n   ^"
+    assert str(caught.value).startswith(text[:-1])
+
+
+def test_a_bad_quality_of_service_is_refused_as_in_ros(node: Node) -> None:
+    with pytest.raises(TypeError, match=r"^Expected QoSProfile or int, but received <class 'str'>$"):
+        node.create_publisher(String, "x", "10")  # type: ignore[arg-type]  # the mistake under test
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'qos_profile'"):
+        node.create_publisher(String, "x")  # type: ignore[call-arg]  # the mistake under test
+    with pytest.raises(ValueError, match=r"^history depth must be greater than or equal to zero$"):
+        node.create_subscription(String, "x", print, -1)
+
+
+def test_what_is_no_message_type_is_refused_as_in_ros(node: Node) -> None:
+    text = "type object 'String' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type"
+    with pytest.raises(AttributeError, match=text):
+        node.create_publisher(String(), "x", 10)  # type: ignore[arg-type]  # the mistake under test
+    with pytest.raises(AttributeError, match="type object 'str' has no attribute '_TYPE_SUPPORT'"):
+        node.create_subscription("std_msgs/String", "x", print, 10)  # type: ignore[arg-type]  # likewise
+
+
+def test_a_node_sees_the_graph(node: Node) -> None:
+    other = Node("other", namespace="/far")
+    node.create_publisher(String, "chatter", 10)
+    other.create_subscription(String, "/chatter", print, 10)
+    assert node.get_node_names() == ["talker", "other"]
+    assert node.get_node_names_and_namespaces() == [("talker", "/"), ("other", "/far")]
+    assert node.get_fully_qualified_node_names() == ["/talker", "/far/other"]
+    assert (node.count_publishers("chatter"), node.count_subscribers("chatter")) == (1, 1)
+    assert ("/chatter", ["std_msgs/msg/String"]) in node.get_publisher_names_and_types_by_node("talker", "/")
+    assert node.get_subscriber_names_and_types_by_node("other", "/far") == [
+        ("/chatter", ["std_msgs/msg/String"])
+    ]
+    assert str(node.get_subscriptions_info_by_topic("/chatter")[0]).splitlines()[:4] == [
+        "Node name: other",
+        "Node namespace: /far",
+        "Topic type: std_msgs/msg/String",
+        "Endpoint type: SUBSCRIPTION",
+    ]
+    with pytest.raises(RuntimeError, match="the node 'nobody' in '/' is unknown"):
+        node.get_publisher_names_and_types_by_node("nobody", "/")
+
+
+def test_topics_are_private_to_the_node_or_in_its_namespace(begun: Graph) -> None:
+    node = Node("talker", namespace="/robot")
+    assert node.create_publisher(String, "~/state", 10).topic_name == "/robot/talker/state"
+    assert node.create_publisher(String, "state", 10).topic_name == "/robot/state"
+    assert node.create_publisher(String, "/state", 10).topic_name == "/state"
+    assert node.resolve_topic_name("state") == "/robot/state"
+
+
+def test_destroying_a_node_removes_what_it_made_and_may_be_repeated(node: Node, begun: Graph) -> None:
+    node.create_publisher(String, "chatter", 10)
+    node.create_subscription(String, "chatter", print, 10)
+    node.create_timer(1.0, print)
+    node.destroy_node()
+    node.destroy_node()
+    assert (begun.nodes(), begun.endpoints()) == ([], [])
+    assert [*node.publishers, *node.subscriptions, *node.timers] == []
+
+
+def test_what_a_node_did_not_make_it_does_not_destroy(node: Node) -> None:
+    publisher = Node("other").create_publisher(String, "x", 10)
+    assert not node.destroy_publisher(publisher)
+    subscription = node.create_subscription(String, "x", print, 10)
+    assert node.destroy_subscription(subscription)
+    assert not node.destroy_subscription(subscription)
+
+
+def test_two_nodes_of_one_name_are_warned_of_as_in_ros(
+    node: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Node("talker")
+    assert node.get_node_names() == ["talker", "talker"]
+    assert capsys.readouterr().err == (
+        "[WARN] [1700000000.000000000] [rcl.logging_rosout]: Publisher already registered for node name: "
+        "'talker'. If this is due to multiple nodes with the same name then all logs for the logger named "
+        "'talker' will go out over the existing publisher. As soon as any node with that name is destructed "
+        "it will unregister the publisher, preventing any further logs for that name from being published on "
+        "the rosout topic.\n"
+    )
+
+
+def test_the_handle_cannot_be_replaced(node: Node) -> None:
+    with pytest.raises(AttributeError, match=r"^handle cannot be modified after node creation$"):
+        node.handle = None
+
+
+def test_parameters_are_declared_and_read(node: Node) -> None:
+    assert node.declare_parameter("speed", 1.5).value == 1.5
+    assert node.get_parameter("speed").value == 1.5
+    assert node.get_parameter("speed").get_parameter_value().double_value == 1.5
+    assert node.has_parameter("speed")
+    assert node.get_parameter("use_sim_time").value is False
+    assert Parameter.from_parameter_msg(node.get_parameter("speed").to_parameter_msg()).value == 1.5
+
+
+def test_wrong_use_of_parameters_is_refused_as_in_ros(node: Node) -> None:
+    with pytest.raises(
+        ParameterNotDeclaredException, match=r"^Invalid access to undeclared parameter\(s\): x$"
+    ):
+        node.get_parameter("x")
+    node.declare_parameter("x", 1)
+    with pytest.raises(
+        ParameterAlreadyDeclaredException, match=r"^Parameter\(s\) already declared: \['x'\]$"
+    ):
+        node.declare_parameter("x", 1)
+    node.declare_parameter("y", Parameter.Type.INTEGER)
+    with pytest.raises(ParameterUninitializedException, match=r"^The parameter 'y' is not initialized: y$"):
+        node.get_parameter("y")
+    with pytest.warns(UserWarning, match="declaring a parameter only providing its name is deprecated"):
+        node.declare_parameter("z")
+    with pytest.raises(TypeError, match=r"^The given value is not one of the allowed types"):
+        node.declare_parameter("w", Int32())
+
+
+def test_overrides_count_more_than_defaults_if_their_type_fits(begun: Graph) -> None:
+    overrides = [Parameter("speed", value=2.0), Parameter("name", value="a")]
+    node = rclpy.create_node("talker", parameter_overrides=overrides)
+    assert node.declare_parameter("speed", 1.0).value == 2.0
+    text = "Trying to set parameter 'name' to 'a' of type 'STRING', expecting type 'INTEGER': name"
+    with pytest.raises(InvalidParameterTypeException, match=f"^{text}$"):
+        node.declare_parameter("name", 1)

@@ -1,0 +1,173 @@
+import pytest
+from rclpy.duration import Duration, Infinite
+from rclpy.impl.qos_conversion import to_profile, to_qos
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    InvalidQoSProfileException,
+    LivelinessPolicy,
+    QoSCompatibility,
+    QoSDurabilityPolicy,
+    QoSHistoryPolicy,
+    QoSLivelinessPolicy,
+    QoSPresetProfiles,
+    QoSProfile,
+    QoSReliabilityPolicy,
+    ReliabilityPolicy,
+    qos_check_compatible,
+    qos_policy_name_from_kind,
+    qos_profile_best_available,
+    qos_profile_sensor_data,
+    qos_profile_system_default,
+)
+
+from course_lib.ros.qos import Qos
+
+BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def test_a_profile_needs_a_depth_or_a_history() -> None:
+    with pytest.raises(InvalidQoSProfileException) as caught:
+        QoSProfile()
+    assert caught.value.args == ("Invalid QoSProfile", "History and/or depth settings are required.")
+    with pytest.raises(InvalidQoSProfileException) as caught:
+        QoSProfile(history=HistoryPolicy.KEEP_LAST)
+    assert caught.value.args[1] == "History set to KEEP_LAST without a depth setting."
+    assert QoSProfile(history=HistoryPolicy.KEEP_ALL).depth == 10
+
+
+def test_a_profile_is_reliable_and_volatile_unless_told_otherwise() -> None:
+    profile = QoSProfile(depth=7)
+    assert profile.history is HistoryPolicy.KEEP_LAST
+    assert profile.reliability is ReliabilityPolicy.RELIABLE
+    assert profile.durability is DurabilityPolicy.VOLATILE
+    assert profile == QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=7)
+    assert profile != QoSProfile(depth=8)
+
+
+def test_unknown_and_wrongly_typed_arguments_are_refused() -> None:
+    with pytest.raises(
+        AssertionError, match=r"^Invalid arguments passed to constructor: dict_keys\(\['dept'\]\)$"
+    ):
+        QoSProfile(dept=1)  # type: ignore[call-arg]  # the mistake under test
+    with pytest.raises(AssertionError, match="'depth' of a QoSProfile must be int: 'ten'"):
+        QoSProfile(depth="ten")  # type: ignore[arg-type]  # the mistake under test
+    with pytest.raises(AssertionError, match=r"'deadline' of a QoSProfile must be Duration: 1.0"):
+        QoSProfile(depth=1).deadline = 1.0  # type: ignore[assignment]  # the mistake under test
+
+
+def test_numbers_become_policies() -> None:
+    profile = QoSProfile(depth=1)
+    profile.reliability = 2  # type: ignore[assignment]  # allowed in ROS
+    assert profile.reliability is ReliabilityPolicy.BEST_EFFORT
+
+
+def test_depth_zero_is_warned_of() -> None:
+    with pytest.warns(
+        UserWarning, match="A zero depth with KEEP_LAST doesn't make sense; no data could be stored"
+    ):
+        QoSProfile(depth=0)
+
+
+def test_long_and_short_names_are_the_same_policies() -> None:
+    assert (QoSHistoryPolicy, QoSReliabilityPolicy) == (HistoryPolicy, ReliabilityPolicy)
+    assert ReliabilityPolicy["RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT"] is ReliabilityPolicy.BEST_EFFORT
+    assert QoSDurabilityPolicy is DurabilityPolicy
+    assert QoSLivelinessPolicy is LivelinessPolicy
+    assert ReliabilityPolicy.short_keys()[:2] == ["system_default", "reliable"]
+    assert ReliabilityPolicy.get_from_short_key("best_effort") == 2
+    assert ReliabilityPolicy.BEST_EFFORT.short_key == "best_effort"
+    assert qos_policy_name_from_kind(16) == "RELIABILITY"
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "reliability", "durability"),
+    [
+        ("default", 10, "RELIABLE", "VOLATILE"),
+        ("sensor_data", 5, "BEST_EFFORT", "VOLATILE"),
+        ("services_default", 10, "RELIABLE", "VOLATILE"),
+        ("parameters", 1000, "RELIABLE", "VOLATILE"),
+        ("parameter_events", 1000, "RELIABLE", "VOLATILE"),
+        ("action_status_default", 1, "RELIABLE", "TRANSIENT_LOCAL"),
+        ("system_default", 0, "SYSTEM_DEFAULT", "SYSTEM_DEFAULT"),
+    ],
+)
+def test_presets_are_those_of_ros(name: str, depth: int, reliability: str, durability: str) -> None:
+    profile = QoSPresetProfiles.get_from_short_key(name)
+    assert (profile.depth, profile.reliability.name, profile.durability.name) == (
+        depth,
+        reliability,
+        durability,
+    )
+
+
+@pytest.mark.parametrize(
+    ("publisher", "subscription", "reason"),
+    [
+        (BEST_EFFORT, QoSProfile(depth=1), "ERROR: Best effort publisher and reliable subscription;"),
+        (QoSProfile(depth=1), LATCHED, "ERROR: Volatile publisher and transient local subscription;"),
+        (
+            BEST_EFFORT,
+            LATCHED,
+            "ERROR: Best effort publisher and reliable subscription;"
+            "ERROR: Volatile publisher and transient local subscription;",
+        ),
+        (
+            QoSProfile(depth=1),
+            QoSProfile(depth=1, deadline=Duration(seconds=1)),
+            "ERROR: Subscription has a deadline, but publisher does not;",
+        ),
+        (
+            QoSProfile(depth=1, deadline=Duration(seconds=2)),
+            QoSProfile(depth=1, deadline=Duration(seconds=1)),
+            "ERROR: Subscription deadline is less than publisher deadline;",
+        ),
+        (
+            QoSProfile(depth=1, liveliness_lease_duration=Duration(seconds=2)),
+            QoSProfile(depth=1, liveliness_lease_duration=Duration(seconds=1)),
+            "ERROR: Subscription liveliness lease duration is less than publisher;",
+        ),
+    ],
+)
+def test_incompatible_profiles_are_explained(
+    publisher: QoSProfile, subscription: QoSProfile, reason: str
+) -> None:
+    assert qos_check_compatible(publisher, subscription) == (QoSCompatibility.ERROR, reason)
+
+
+def test_what_is_left_to_the_system_is_a_warning() -> None:
+    sure = QoSProfile(depth=1, liveliness=LivelinessPolicy.AUTOMATIC)
+    assert qos_check_compatible(sure, sure) == (QoSCompatibility.OK, "")
+    found, reason = qos_check_compatible(qos_profile_system_default, sure)
+    assert found is QoSCompatibility.WARNING
+    assert reason == "WARNING: Reliable subscription, but publisher is system_default;"
+    _, reason = qos_check_compatible(qos_profile_system_default, qos_profile_system_default)
+    assert (
+        "WARNING: Publisher durabilty is system_default and subscription durability is system_default;"
+        in reason
+    )
+
+
+def test_a_profile_becomes_what_the_graph_works_with_and_back() -> None:
+    qos = to_qos(qos_profile_sensor_data, "sub", [])
+    assert qos == Qos(depth=5, reliability="best_effort")
+    profile = to_profile(qos)
+    assert (profile.depth, profile.reliability) == (5, ReliabilityPolicy.BEST_EFFORT)
+    assert profile.deadline == Infinite
+    limited = QoSProfile(depth=1, deadline=Duration(seconds=1), lifespan=Infinite)
+    assert to_qos(limited, "pub", []) == Qos(depth=1, deadline_ns=10**9)
+
+
+def test_system_default_is_what_dds_does_by_default() -> None:
+    assert to_qos(qos_profile_system_default, "pub", []) == Qos(depth=1)
+    assert to_qos(qos_profile_system_default, "sub", []) == Qos(depth=1, reliability="best_effort")
+
+
+def test_best_available_asks_for_no_more_than_the_partners_offer() -> None:
+    offered = [Qos(), Qos(reliability="best_effort")]
+    assert to_qos(qos_profile_best_available, "sub", offered).reliability == "best_effort"
+    assert to_qos(qos_profile_best_available, "sub", offered[:1]) == Qos()
+    latched = Qos(durability="transient_local")
+    assert to_qos(qos_profile_best_available, "sub", [latched]) == latched
+    assert to_qos(qos_profile_best_available, "pub", []) == latched

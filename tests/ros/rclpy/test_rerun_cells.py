@@ -1,0 +1,88 @@
+"""What is forgiven in a notebook, where cells are run again."""
+
+import threading
+
+import pytest
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+
+Captured = pytest.CaptureFixture[str]
+
+
+def test_init_again_is_noted_in_one_line(notebook: Graph, capsys: Captured) -> None:
+    rclpy.init()
+    rclpy.init()
+    out = capsys.readouterr().out
+    assert out == "rclpy.init() was called before, and what it began goes on.\n"
+
+
+def test_a_new_node_of_the_same_name_replaces_the_old_one_and_says_so(
+    notebook: Graph, capsys: Captured
+) -> None:
+    rclpy.init()
+    old = Node("talker")
+    old.create_publisher(String, "x", 10)
+    Node("talker", namespace="other")
+    assert capsys.readouterr().out == ""
+    Node("talker")
+    assert capsys.readouterr().out == "The new node /talker replaces the one of the same name.\n"
+    assert [node.name for node in notebook.nodes()] == ["talker", "talker"]
+    assert list(old.publishers) == []
+
+
+def test_a_replacement_logs_on_rosout(notebook: Graph, capsys: Captured) -> None:
+    rclpy.init()
+    Node("talker")
+    new = Node("talker")
+    new.get_logger().info("hello")
+    assert [sample.topic for sample in notebook.latched()] == ["/rosout"]
+
+
+def test_spin_in_a_cell_that_nobody_watches_stops_after_five_seconds(
+    notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    rclpy.init()
+    node, calls = Node("talker"), []
+    node.create_timer(1.0, lambda: calls.append(node.get_clock().now()))
+    rclpy.spin(node)
+    assert len(calls) == 5
+    assert "rclpy.spin stopped after 5 s of robot time" in capsys.readouterr().out
+    assert rclpy.ok()
+
+
+def test_stopping_a_cell_ends_spin_with_one_line_and_the_node_stays_usable(
+    notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    rclpy.init()
+    node = Node("talker")
+    timer = node.create_timer(1.5, stop)
+    rclpy.spin(node)
+    assert capsys.readouterr().out == "Stopped after 1.5 s of robot time.\n"
+    node.destroy_timer(timer)
+    rclpy.spin_once(node, timeout_sec=1.0)
+    assert notebook.now_ns == START_NS + 2_500_000_000
+
+
+def test_no_signal_handlers_are_installed_in_a_kernel(notebook: Graph) -> None:
+    rclpy.init()
+    assert rclpy.signals.get_current_signal_handlers_options() == 0
+
+
+def test_a_thread_that_spins_in_a_kernel_runs_while_a_cell_waits(notebook: Graph) -> None:
+    rclpy.init()
+    node, calls = Node("talker"), []
+    node.create_timer(1.0, lambda: calls.append("tick"))
+    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+    node.get_clock().sleep_for(rclpy.duration.Duration(seconds=3))
+    rclpy.shutdown()
+    assert len(calls) == 3

@@ -1,0 +1,113 @@
+import pytest
+import rclpy
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+
+
+def test_a_future_brings_a_result_or_an_exception() -> None:
+    future: Future[int] = Future()
+    assert not future.done()
+    assert future.result() is None
+    future.set_result(3)
+    assert (future.done(), future.result(), future.exception()) == (True, 3, None)
+    failed: Future[int] = Future()
+    failed.set_exception(KeyError("x"))
+    assert isinstance(failed.exception(), KeyError)
+    with pytest.raises(KeyError):
+        failed.result()
+
+
+def test_done_callbacks_are_called_once_and_at_once_if_it_is_done() -> None:
+    future: Future[int] = Future()
+    seen: list[object] = []
+    future.add_done_callback(lambda f: seen.append(f.result()))
+    future.set_result(1)
+    future.add_done_callback(lambda f: seen.append("late"))
+    assert seen == [1, "late"]
+
+
+def test_a_done_callback_that_fails_does_not_keep_the_others_from_being_called() -> None:
+    future: Future[int] = Future()
+    seen: list[object] = []
+    future.add_done_callback(lambda f: 1 / 0)
+    future.add_done_callback(seen.append)
+    with pytest.warns(UserWarning, match="Unhandled exception in done callback: division by zero"):
+        future.set_result(1)
+    assert seen == [future]
+
+
+def test_a_cancelled_future_is_not_done() -> None:
+    future: Future[int] = Future()
+    future.cancel()
+    assert (future.cancelled(), future.done()) == (True, False)
+
+
+def test_an_executor_runs_tasks_and_their_done_callbacks(begun: Graph) -> None:
+    executor = SingleThreadedExecutor()
+    seen: list[object] = []
+    task = executor.create_task(lambda a, b: a + b, 1, b=2)
+    task.add_done_callback(lambda f: seen.append(f.result()))
+    executor.spin_until_future_complete(task)
+    assert (task.result(), seen) == (3, [])
+    executor.spin_once(timeout_sec=0)
+    assert seen == [3]
+
+
+def test_a_coroutine_callback_waits_for_a_future_while_other_callbacks_run(node: Node) -> None:
+    answer: Future[str] = Future()
+    seen: list[object] = []
+
+    async def ask() -> None:
+        timer.cancel()
+        seen.append(await answer)
+
+    group = rclpy.callback_groups.MutuallyExclusiveCallbackGroup()
+    timer = node.create_timer(1.0, ask, callback_group=group)
+    node.create_timer(2.5, lambda: None if answer.done() else answer.set_result("yes"))
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    executor.spin_until_future_complete(answer)
+    executor.spin_once(timeout_sec=0)
+    assert seen == ["yes"]
+    assert node.get_clock().now().nanoseconds == START_NS + 2_500_000_000
+
+
+def test_a_mutually_exclusive_group_rests_while_its_coroutine_waits(node: Node) -> None:
+    forever: Future[None] = Future()
+    calls: list[str] = []
+
+    async def wait_for_ever(message: String) -> None:
+        calls.append(message.data)
+        await forever
+
+    node.create_subscription(String, "x", wait_for_ever, 10)
+    node.create_timer(1.0, lambda: calls.append("timer"))
+    publisher = node.create_publisher(String, "x", 10)
+    publisher.publish(String(data="one"))
+    publisher.publish(String(data="two"))
+    rclpy.spin(node)
+    assert calls == ["one"]
+
+
+def test_spin_until_future_complete_stops_at_its_time_limit(node: Node) -> None:
+    never: Future[None] = Future()
+    node.create_timer(0.3, lambda: None)
+    rclpy.spin_until_future_complete(node, never, timeout_sec=2.0)
+    assert node.get_clock().now().nanoseconds == START_NS + 2 * 10**9
+    assert not never.done()
+    node.get_clock().sleep_for(Duration(seconds=1))
+
+
+def test_what_a_coroutine_raises_comes_out_of_spin(node: Node) -> None:
+    async def fail() -> None:
+        raise ValueError("out of range")
+
+    node.create_timer(1.0, fail)
+    with pytest.raises(ValueError, match="out of range"):
+        rclpy.spin(node)

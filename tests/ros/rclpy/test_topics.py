@@ -1,0 +1,158 @@
+"""Publishers and subscriptions, from end to end."""
+
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.event_handler import (
+    PublisherEventCallbacks,
+    QoSRequestedIncompatibleQoSInfo,
+    SubscriptionEventCallbacks,
+)
+from rclpy.exceptions import InvalidHandle
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.subscription import MessageInfo
+from std_msgs.msg import Int32, Int32MultiArray, String
+
+from course_lib.ros.clock import START_NS
+
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def test_a_message_arrives_one_millisecond_later(node: Node) -> None:
+    arrived: list[tuple[str, int]] = []
+    node.create_subscription(
+        String, "x", lambda m: arrived.append((m.data, node.get_clock().now().nanoseconds)), 10
+    )
+    node.create_publisher(String, "x", 10).publish(String(data="hello"))
+    rclpy.spin_once(node)
+    assert arrived == [("hello", START_NS + 1_000_000)]
+
+
+def test_changing_a_message_after_publishing_changes_nothing_and_each_receiver_has_its_own(
+    node: Node,
+) -> None:
+    got: list[Int32MultiArray] = []
+    for _ in range(2):
+        node.create_subscription(Int32MultiArray, "x", got.append, 10)
+    message = Int32MultiArray(data=[1, 2])
+    node.create_publisher(Int32MultiArray, "x", 10).publish(message)
+    message.data[0] = 99
+    rclpy.spin_once(node)
+    got[0].data.append(3)
+    rclpy.spin_once(node)
+    assert [list(m.data) for m in got] == [[1, 2, 3], [1, 2]]
+
+
+def test_a_message_of_another_type_is_refused_as_in_ros(node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    text = "^Expected <class 'std_msgs.msg._string.String'>, got <class 'std_msgs.msg._int32.Int32'>$"
+    with pytest.raises(TypeError, match=text):
+        publisher.publish(Int32())  # type: ignore[arg-type]  # the mistake under test
+
+
+def test_bytes_are_published_as_they_are_and_raw_subscriptions_get_bytes(node: Node) -> None:
+    got: list[Any] = []
+    node.create_subscription(String, "x", got.append, 10)
+    node.create_subscription(String, "x", got.append, 10, raw=True)
+    raw = serialize_message(String(data="raw"))
+    node.create_publisher(String, "x", 10).publish(raw)
+    rclpy.spin_once(node)
+    rclpy.spin_once(node)
+    assert got == [String(data="raw"), raw]
+    assert deserialize_message(raw, String) == got[0]
+
+
+def test_a_callback_with_two_arguments_learns_when_the_message_came(node: Node) -> None:
+    infos: list[MessageInfo] = []
+    node.create_subscription(String, "x", lambda _, info: infos.append(info), 10)
+    node.create_publisher(String, "x", 10).publish(String())
+    rclpy.spin_once(node)
+    assert infos[0]["source_timestamp"] == START_NS
+    assert infos[0]["received_timestamp"] == START_NS + 1_000_000
+
+
+def test_a_callback_that_takes_no_message_is_refused_as_in_ros(node: Node) -> None:
+    with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
+        node.create_subscription(String, "x", lambda: None, 10)  # type: ignore[arg-type]  # the mistake under test
+    assert node.count_subscribers("x") == 0
+
+
+def test_a_full_queue_loses_its_oldest_message(node: Node) -> None:
+    got: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: got.append(m.data), 2)
+    publisher = node.create_publisher(Int32, "x", 10)
+    for number in range(5):
+        publisher.publish(Int32(data=number))
+    node.get_clock().sleep_for(rclpy.duration.Duration(seconds=1))
+    for _ in range(3):
+        rclpy.spin_once(node, timeout_sec=0)
+    assert got == [3, 4]
+
+
+def test_publishers_and_subscriptions_count_each_other(node: Node) -> None:
+    publisher = node.create_publisher(String, "x", BEST_EFFORT)
+    subscription = node.create_subscription(String, "x", print, BEST_EFFORT)
+    node.create_subscription(Int32, "x", print, BEST_EFFORT)
+    assert (publisher.get_subscription_count(), subscription.get_publisher_count()) == (1, 1)
+
+
+def test_what_was_destroyed_cannot_be_used(node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    node.destroy_publisher(publisher)
+    with pytest.raises(InvalidHandle, match=r"^cannot use Destroyable because destruction was requested$"):
+        publisher.publish(String())
+
+
+def test_a_destroyed_subscription_gets_nothing_more(node: Node) -> None:
+    got: list[String] = []
+    subscription = node.create_subscription(String, "x", got.append, 10)
+    publisher = node.create_publisher(String, "x", 10)
+    publisher.publish(String())
+    node.get_clock().sleep_for(rclpy.duration.Duration(seconds=1))
+    node.destroy_subscription(subscription)
+    rclpy.spin_once(node, timeout_sec=1.0)
+    assert got == []
+
+
+def test_late_subscriptions_get_what_latched_publishers_keep(node: Node) -> None:
+    latched, volatile = node.create_publisher(Int32, "x", LATCHED), node.create_publisher(Int32, "y", 10)
+    for number in range(3):
+        latched.publish(Int32(data=number))
+        volatile.publish(Int32(data=number))
+    got: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: got.append(m.data), LATCHED)
+    node.create_subscription(Int32, "y", lambda m: got.append(m.data), 10)
+    rclpy.spin(node)
+    assert got == [1, 2]
+
+
+def test_incompatible_partners_are_warned_of_on_both_sides(
+    node: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listener = Node("listener")
+    node.create_publisher(String, "/t", BEST_EFFORT)
+    listener.create_subscription(String, "/t", print, 10)
+    assert capsys.readouterr().err.splitlines() == [
+        "[WARN] [1700000000.000000000] [talker]: New subscription discovered on topic '/t', requesting "
+        "incompatible QoS. No messages will be sent to it. Last incompatible policy: RELIABILITY",
+        "[WARN] [1700000000.000000000] [listener]: New publisher discovered on topic '/t', offering "
+        "incompatible QoS. No messages will be received from it. Last incompatible policy: RELIABILITY",
+    ]
+
+
+def test_a_program_can_be_told_of_incompatible_partners_instead(
+    node: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told: list[QoSRequestedIncompatibleQoSInfo] = []
+    node.create_subscription(
+        String, "x", print, LATCHED, event_callbacks=SubscriptionEventCallbacks(incompatible_qos=told.append)
+    )
+    silent = PublisherEventCallbacks(use_default_callbacks=False)
+    node.create_publisher(String, "x", 10, event_callbacks=silent)
+    rclpy.spin_once(node, timeout_sec=0)
+    assert told == [QoSRequestedIncompatibleQoSInfo(1, 1, QoSPolicyKind.DURABILITY)]
+    assert capsys.readouterr().err == ""
