@@ -7,6 +7,7 @@ import numpy as np
 
 from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids
+from course_lib.viewer.mesh_files import parse_mesh
 
 Json: TypeAlias = Mapping[str, Any]
 
@@ -64,6 +65,26 @@ _SOLIDS: dict[str, Callable[[Json, Floats], Solids]] = {
     "SphereGeometry": _sphere,
     "CylinderGeometry": _cylinder,
 }
+
+
+def mesh_of(json: Json) -> Mesh | None:
+    """Return the mesh file in an object of meshcat, read once, as pages take seconds for it.
+
+    None if there is none, or if it comes with pictures, which the page can draw.
+    """
+    thing, geometry = json["object"], _part(json, "geometry", "geometries")
+    file = thing if thing["type"] == "_meshfile_object" else geometry
+    if not str(file.get("type", "")).startswith("_meshfile") or file.get("resources"):
+        return None
+    material = _part(json, "material", "materials")
+    data = file["data"]
+    data = data.encode() if isinstance(data, str) else bytes(getattr(data, "data", data))
+    mesh = parse_mesh(data, file["format"], tuple(_color(material).tolist()) if material else None)
+    transform_mesh_to_node = np.reshape(thing.get("matrix", np.eye(4)), (4, 4)).T
+    if np.array_equal(transform_mesh_to_node, np.eye(4)):
+        return mesh
+    vertices = mesh.vertices @ transform_mesh_to_node[:3, :3].T + transform_mesh_to_node[:3, 3]
+    return Mesh(vertices, mesh.faces, mesh.colors)
 
 
 def _color(material: Json) -> Floats:

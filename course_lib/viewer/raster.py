@@ -41,11 +41,10 @@ def covered(xy: Doubles, size: tuple[int, int]) -> Iterator[Covered]:
     triangle, y = _expanded(low, high)
     slope, offset = _edges(xy)
     slope, offset = slope[triangle], offset[triangle, :, 0] + offset[triangle, :, 1] * (y[:, None] + 0.5)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = -offset / slope  # a share is positive on one side of where it is zero
+    crossing = -offset / np.where(slope == 0, 1, slope)  # a share is positive on one side of where it is zero
     first = np.where(slope > 0, crossing, -np.inf).max(axis=1)
     last = np.where(slope < 0, crossing, np.inf).min(axis=1)
-    outside = ((slope == 0) & (offset < 0)).any(axis=1) | ~np.isfinite(offset).all(axis=1)
+    outside = ((slope == 0) & (offset < 0)).any(axis=1)
     left = np.ceil(first - 0.5).clip(0, width)
     right = np.where(outside, 0, np.ceil(last - 0.5).clip(0, width))
     ends = np.cumsum(np.maximum(right - left, 0))
@@ -84,10 +83,11 @@ def _edges(xy: Doubles) -> tuple[Doubles, Doubles]:
     this, other = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
     rise, run = this[..., 1] - other[..., 1], other[..., 0] - this[..., 0]
     area = rise * (xy[..., 0] - other[..., 0]) + run * (xy[..., 1] - other[..., 1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = rise / area
-        offset = np.stack([-(rise * other[..., 0] + run * other[..., 1]) / area, run / area], axis=-1)
-    return slope, offset
+    flat = ~(np.abs(area) > 1e-9)  # also of what is not a number
+    area[flat] = 1
+    slope = np.where(flat, 0, rise / area)
+    start = np.where(flat, -1, -(rise * other[..., 0] + run * other[..., 1]) / area)  # no share anywhere
+    return slope, np.stack([start, np.where(flat, 0, run / area)], axis=-1)
 
 
 def _expanded(start: Indices, stop: Indices) -> tuple[Indices, Indices]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.viewer.camera import Camera
+from course_lib.viewer.meshcat_objects import mesh_of
 from course_lib.viewer.scene import MeshcatObject, Scene
 
 _FURNITURE = ("Lights", "Grid", "Axes")  # of meshcat's own page, which is not there
@@ -65,7 +66,8 @@ class Window:
         """Do nothing: there is no server to stop."""
 
     def _set_object(self, path: str, command: dict[str, Any]) -> None:
-        self.scene.set_object(path, MeshcatObject(command["object"]))
+        json = command["object"]
+        self.scene.set_object(path, mesh_of(json) or MeshcatObject(json))
 
     def _set_transform(self, path: str, command: dict[str, Any]) -> None:
         matrix = np.reshape(command["matrix"], (4, 4)).T
