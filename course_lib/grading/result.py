@@ -12,8 +12,8 @@ from course_lib.grading.store import write_whole
 from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
-COLUMNS = ("student", "exercise", "score", "max_score", "days_late", "penalty", "final")
-COLUMNS += ("status", "reason", "message")
+MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")
+COLUMNS = ("student", "exercise", *MARK_COLUMNS, "status", "reason", "message")
 ISOLATION = "separate process, no sandbox"
 
 

@@ -1,11 +1,13 @@
 """Interrupts a run in this process that does not come to an end."""
 
 import _thread
+import ctypes
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-AGAIN_S = 1.0  # [s] code that swallows an interrupt gets another one
+AGAIN = 1.0  # [s] code that swallows an interrupt gets another one
 
 
 class Watchdog:
@@ -14,12 +16,15 @@ class Watchdog:
     def __init__(self) -> None:
         self.barked = False
         self._over = threading.Event()
+        self._older = set(threading.enumerate())
 
     def watch(self, seconds: float) -> None:
-        """Interrupt the main thread after `seconds` of the wall clock, and again until it stops."""
-        while not self._over.wait(AGAIN_S if self.barked else seconds):
+        """Interrupt after `seconds` of the wall clock, and again until the run is over."""
+        while not self._over.wait(AGAIN if self.barked else seconds):
             self.barked = True
-            _thread.interrupt_main()
+            for thread in set(threading.enumerate()) - self._older - {threading.current_thread()}:
+                _end(thread)
+            _interrupt_main()
 
     def stop(self) -> None:
         """Watch no more."""
@@ -28,7 +33,7 @@ class Watchdog:
 
 @contextmanager
 def watchdog(seconds: float) -> Iterator[Watchdog]:
-    """Raise KeyboardInterrupt in the main thread if the block lasts longer than `seconds`, [s]."""
+    """Raise KeyboardInterrupt in the main thread, and end threads started meanwhile, after so many [s]."""
     dog = Watchdog()
     thread = threading.Thread(target=dog.watch, args=(seconds,), daemon=True)
     thread.start()
@@ -37,3 +42,16 @@ def watchdog(seconds: float) -> Iterator[Watchdog]:
     finally:
         dog.stop()
         thread.join()
+
+
+def _end(thread: threading.Thread) -> None:
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(
+        ctypes.c_ulong(thread.ident or 0), ctypes.py_object(SystemExit)
+    )
+
+
+def _interrupt_main() -> None:
+    if hasattr(signal, "pthread_kill"):  # a real signal: it also ends a wait for a lock
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()

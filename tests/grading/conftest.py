@@ -1,17 +1,19 @@
-"""Evidence made by hand."""
+"""Evidence made by hand, and a small course with submissions."""
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.grade_one import Course
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.qos import Qos
 
-Published = Sequence[tuple[float, str, Any]]
 MakeEvidence = Callable[..., Evidence]
 
 
@@ -50,3 +52,109 @@ def cube() -> Callable[..., Any]:
         return marker
 
     return make
+
+
+COURSE = """
+title = "A course"
+time_zone = "Europe/Paris"
+[limits]
+cell_seconds = 2
+scenario_seconds = 2
+[weeks.week01]
+title = "First marker"
+deadline = 2026-10-11T23:59:00
+[weeks.week01.points]
+red_cube = 60
+half = 40
+[weeks.week01.bonus]
+answer = 10
+"""
+CHECKS = """
+from course_lib.grading.task import Call, Message, Scenario, Task, my
+from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_text, expect_value
+
+TOPIC = "/visualization_marker"
+HINTS = ("Which fields has a marker?", "The centre is half an edge up.", "Set position.z to 0.5.")
+TASKS = (
+    Task("week01.red_cube", "A red cube", "node", "RedCubeNode", HINTS, scenarios=(
+        Scenario("public", seconds=3.0, checks=(
+            expect_marker(TOPIC, type="CUBE", frame="map", position=(0, 0, 0.5)),
+            expect_marker(TOPIC, color=(1, 0, 0)),
+        )),),
+        ghost=(Message(TOPIC, "visualization_msgs/msg/Marker", {"type": 1, "scale": {"x": 1}}),),
+    ),
+    Task("week01.half", "Half of it", "function", "half", HINTS, scenarios=(
+        Scenario("public", calls=(Call(4.0),), checks=(expect_value(2.0, unit="m"),)),)),
+    Task("week01.answer", "Your number", "value", "answer", HINTS, personal={"n": (10, 20, 30)}, scenarios=(
+        Scenario("public", checks=(expect_value(my("n", times=2)),)),)),
+)
+"""
+HIDDEN = """
+from course_lib.grading.task import Call, Scenario
+from course_lib.grading.vocabulary import expect_rate, expect_value
+HIDDEN = {
+    "week01.red_cube": (Scenario("longer", seconds=9.0, checks=(
+        expect_rate("/visualization_marker", 1.0).worth(2),)),),
+    "week01.half": (Scenario("other", calls=(Call(-7.0),), checks=(expect_value(-3.5),)),),
+}
+"""
+RIGHT = """
+%load_ext course_lib
+import rclpy
+from rclpy.node import Node
+from visualization_msgs.msg import Marker
+from course_lib import check
+from course_lib.grading import my_values
+
+class RedCubeNode(Node):
+    def __init__(self):
+        super().__init__("red_cube")
+        self.publisher = self.create_publisher(Marker, "/visualization_marker", 10)
+        self.create_timer(1.0, self.publish_marker)
+
+    def publish_marker(self):
+        marker = Marker(type=Marker.CUBE)
+        marker.header.frame_id = "map"
+        marker.pose.position.z = 0.5
+        marker.scale.x = marker.scale.y = marker.scale.z = 1.0
+        marker.color.r = marker.color.a = 1.0
+        self.publisher.publish(marker)
+# next cell
+def half(length):
+    return length / 2
+# next cell
+answer = 2 * my_values("week01.answer")["n"]
+check("week01.answer", answer)
+"""
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Course:
+    """A small course of one week: a node, a function and a value."""
+    for name, text in {
+        "exercises/course.toml": COURSE,
+        "exercises/checks/week01.py": CHECKS,
+        "solutions/checks/week01.py": HIDDEN,
+    }.items():
+        (tmp_path / "course" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "course" / name).write_text(text)
+    return Course(tmp_path / "course/exercises", tmp_path / "course/solutions")
+
+
+@pytest.fixture
+def right() -> str:
+    """The right answer; a line `# next cell` parts the cells."""
+    return RIGHT
+
+
+@pytest.fixture
+def write_notebook() -> Callable[..., Path]:
+    """Writes an exercise notebook."""
+
+    def write(path: Path, code: str, **course: str) -> Path:
+        cells = [{"cell_type": "code", "source": cell} for cell in code.split("# next cell\n")]
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"nbformat": 4, "metadata": {"course": course}, "cells": cells}))
+        return path
+
+    return write

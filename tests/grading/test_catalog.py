@@ -1,80 +1,49 @@
-from pathlib import Path
-
 import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.course_file import read_course_file
+from course_lib.grading.grade_one import Course
 from course_lib.grading.personal import personal_values
 
-COURSE = """
-title = "A course"
-time_zone = "Europe/Paris"
-[weeks.week01]
-title = "First marker"
-deadline = 2026-10-11T23:59:00
-[weeks.week01.points]
-red_cube = 100
-[weeks.week01.bonus]
-answer = 10
-"""
-CHECKS = """
-from course_lib.grading.task import Scenario, Task
-from course_lib.grading.vocabulary import expect_value
-HINTS = ("one", "two", "three")
-TASKS = (
-    Task("week01.red_cube", "A cube", "node", "RedCubeNode", HINTS, personal={"height": (0.5, 0.8, 1.1)}),
-    Task("week01.answer", "An answer", "value", "answer", HINTS,
-         scenarios=(Scenario("public", checks=(expect_value(42),)),)),
-)
-"""
-HIDDEN = """
-from course_lib.grading.task import Scenario
-HIDDEN = {"week01.answer": (Scenario("hidden"),)}
-"""
 
-
-@pytest.fixture
-def course(tmp_path: Path) -> Path:
-    for name, text in {
-        "exercises/course.toml": COURSE,
-        "exercises/checks/week01.py": CHECKS,
-        "solutions/checks/week01.py": HIDDEN,
-    }.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
-    return tmp_path
-
-
-def test_tasks_points_and_hidden_scenarios_are_found(course: Path) -> None:
-    catalog = load_catalog(course / "exercises", course / "solutions")
-    assert [task.id for task in catalog.of_week("week01")] == ["week01.red_cube", "week01.answer"]
-    assert catalog.points(catalog.task("week01.red_cube")) == (100, False)
+def test_tasks_points_and_hidden_scenarios_are_found(course: Course) -> None:
+    catalog = load_catalog(course.exercises, course.solutions)
+    assert [task.id for task in catalog.of_week("week01")] == [
+        "week01.red_cube",
+        "week01.half",
+        "week01.answer",
+    ]
+    assert catalog.points(catalog.task("week01.red_cube")) == (60, False)
     assert catalog.points(catalog.task("week01.answer")) == (10, True)
-    assert [scenario.name for scenario in catalog.hidden["week01.answer"]] == ["hidden"]
+    assert [scenario.name for scenario in catalog.hidden["week01.half"]] == ["other"]
 
 
-def test_a_students_copy_has_no_hidden_scenarios(course: Path) -> None:
-    assert not load_catalog(course / "exercises").hidden
+def test_a_students_copy_has_no_hidden_scenarios(course: Course) -> None:
+    assert not load_catalog(course.exercises).hidden
 
 
-def test_an_unknown_task_names_the_close_ones(course: Path) -> None:
+def test_an_unknown_task_names_the_close_ones(course: Course) -> None:
     with pytest.raises(CourseError, match=r"Did you mean 'week01\.red_cube'"):
-        load_catalog(course / "exercises").task("week01.red_cub")
+        load_catalog(course.exercises).task("week01.red_cub")
 
 
-def test_own_values_depend_on_the_student_only(course: Path) -> None:
-    task = load_catalog(course / "exercises").task("week01.red_cube")
+def test_own_values_depend_on_the_student_only(course: Course) -> None:
+    task = load_catalog(course.exercises).task("week01.answer")
     assert personal_values(task, "20231234") == personal_values(task, "20231234")
-    heights = {personal_values(task, str(number))["height"] for number in range(50)}
-    assert heights == {0.5, 0.8, 1.1}
+    assert {personal_values(task, str(number))["n"] for number in range(50)} == {10, 20, 30}
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new", "message"),
     [
-        ("exercises/course.toml", "= 100", "= 90", "weeks.week01.points: they sum to 90, expected 100"),
-        ("exercises/course.toml", "red_cube", "blue_cube", "course.toml: points for ['answer', 'blue_cube']"),
+        ("exercises/course.toml", "= 60", "= 50", "weeks.week01.points: they sum to 90, expected 100"),
+        (
+            "exercises/course.toml",
+            "red_cube",
+            "blue_cube",
+            "course.toml: points for ['answer', 'blue_cube', 'half']",
+        ),
         ("exercises/course.toml", "Europe/Paris", "Mars/Base", "time_zone"),
         ("exercises/course.toml", "title =", "titel =", "unknown key 'titel'"),
         ("exercises/course.toml", '"A course"', "7", "title: 7, expected a text"),
@@ -85,25 +54,25 @@ def test_own_values_depend_on_the_student_only(course: Path) -> None:
         ("exercises/checks/week01.py", "week01.answer", "week02.answer", "ids of week01"),
         ("exercises/checks/week01.py", '"value"', '"values"', "kind 'values'"),
         ("exercises/checks/week01.py", "TASKS = (", "TASKS = ((", "SyntaxError"),
-        ("solutions/checks/week01.py", "week01.answer", "week01.other", "unknown task 'week01.other'"),
-        ("solutions/checks/week01.py", '"hidden"', '"public"', "two scenarios of one name"),
+        ("solutions/checks/week01.py", "week01.half", "week01.other", "unknown task 'week01.other'"),
+        ("solutions/checks/week01.py", '"other"', '"public"', "two scenarios of one name"),
         ("solutions/checks/week01.py", "HIDDEN =", "HIDE =", "HIDDEN: expected a dict"),
     ],
 )
 def test_what_is_malformed_is_named_with_its_file(
-    course: Path, file: str, old: str, new: str, message: str
+    course: Course, file: str, old: str, new: str, message: str
 ) -> None:
-    path = course / file
+    path = course.exercises.parent / file
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(CourseError) as refusal:
-        load_catalog(course / "exercises", course / "solutions")
+        load_catalog(course.exercises, course.solutions)
     assert message in str(refusal.value)
     assert path.name in str(refusal.value)
 
 
-def test_a_missing_file_is_named(course: Path) -> None:
-    (course / "exercises/checks/week01.py").unlink()
+def test_a_missing_file_is_named(course: Course) -> None:
+    (course.exercises / "checks/week01.py").unlink()
     with pytest.raises(CourseError, match=r"week01\.py is missing"):
-        load_catalog(course / "exercises")
+        load_catalog(course.exercises)
     with pytest.raises(CourseError, match="can't be read"):
-        read_course_file(course / "nothing.toml")
+        read_course_file(course.exercises / "nothing.toml")

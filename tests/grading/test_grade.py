@@ -1,0 +1,174 @@
+"""The grader on tiny submissions: each its right mark, the others untouched."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course, catalog_of
+from course_lib.grading.scenario import run_here
+
+WriteNotebook = Callable[..., Path]
+IN_TIME = "2026-10-11 12:00:00 UTC"
+
+ENDLESS_CELL = "while True: pass\n"
+SECOND_TICK = "        if self.get_clock().now().nanoseconds > 1_700_000_001 * 10**9: "
+FLOOD = "import sys\nfor _ in range(100): sys.stdout.write('x' * 10**6)\n"
+
+
+def variants(right: str) -> dict[str, str]:
+    publish = "        self.publisher.publish(marker)\n"
+    return {
+        "right": right,
+        "wrong_color": right.replace("marker.color.r = marker.color.a", "marker.color.g = marker.color.a"),
+        "crashes": right.replace(publish, "        marker.nothing = 1\n"),
+        "endless_cell": right.replace("# next cell\n", f"# next cell\n{ENDLESS_CELL}# next cell\n", 1),
+        "endless_node": right.replace(publish, SECOND_TICK + "exec('while True: pass')\n" + publish),
+        "flood": right.replace("# next cell\n", f"# next cell\n{FLOOD}# next cell\n", 1),
+        "exits": right.replace(publish, SECOND_TICK + "import os; os._exit(0)\n" + publish),
+        "stub": "def half(length):\n    raise NotImplementedError('half is empty')\n",
+        "rebinds": right + "\ncheck('week01.half', lambda length: length / 2)\ndel half\n",
+    }
+
+
+def rows(out: Path) -> dict[str, dict[str, str]]:
+    with (out / "gradebook.csv").open(newline="") as file:
+        return {row["student"]: row for row in csv.DictReader(file)}
+
+
+def result(out: Path, student: str) -> Any:
+    return json.loads((out / "results" / student / "week01_exercise.json").read_text())
+
+
+@pytest.fixture
+def hand_in(tmp_path: Path, write_notebook: WriteNotebook) -> Callable[..., Path]:
+    def write(codes: dict[str, str]) -> Path:
+        for student, code in codes.items():
+            path = write_notebook(tmp_path / "in" / student / "week01_exercise.ipynb", code, student=student)
+            path.with_name("timestamp.txt").write_text(IN_TIME)
+        return tmp_path / "in"
+
+    return write
+
+
+def test_each_tiny_submission_gets_its_right_mark(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    assert grade(hand_in(variants(right)), out, jobs=2, course=course)
+    marks = {
+        student: (float(row["final"]), row["status"], row["reason"]) for student, row in rows(out).items()
+    }
+    assert marks == {
+        "right": (110, "graded", ""),
+        "wrong_color": (95, "graded", ""),
+        "crashes": (50, "graded", ""),
+        "endless_cell": (110, "limit", "time"),
+        "endless_node": (80, "limit", "time"),  # a cube came before the loop, but no rate
+        "flood": (110, "graded", ""),
+        "exits": (80, "graded", ""),
+        "stub": (0, "graded", ""),
+        "rebinds": (110, "graded", ""),
+    }
+    assert len(result(out, "flood")["output"]) < 1_100_000
+    assert "nothing" in result(out, "crashes")["tasks"][0]["errors"][0]
+    assert "cell 2 was stopped after 2 s" in result(out, "endless_cell")["cell_errors"]
+
+
+def test_kernel_and_worker_give_equal_digests(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    codes = {
+        name: code for name, code in variants(right).items() if name in ("right", "wrong_color", "crashes")
+    }
+    grade(hand_in(codes), tmp_path / "out", jobs=1, course=course)
+    task = catalog_of(course).task("week01.red_cube")
+    for student, code in codes.items():
+        names: dict[str, Any] = {}
+        exec(code.split("# next cell")[0].replace("%load_ext course_lib", ""), names)
+        here = run_here(task, task.scenarios[0], names["RedCubeNode"], {})
+        digests = result(tmp_path / "out", student)["digests"]
+        assert digests["week01.red_cube/public"] == here.recording.digest()
+
+
+def test_the_same_submission_gives_the_same_files_again(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    submissions = hand_in({"right": right, "crashes": variants(right)["crashes"]})
+    for out in ("one", "two"):
+        grade(submissions, tmp_path / out, jobs=1, course=course)
+    files = [path.relative_to(tmp_path / "one") for path in (tmp_path / "one").rglob("*") if path.is_file()]
+    assert len(files) == 7
+    for file in files:
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+
+
+def test_late_days_cost_ten_percent_each(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    submissions = hand_in({"late": right})
+    (submissions / "late/timestamp.txt").write_text("2026-10-13 10:00:00 UTC")
+    grade(submissions, tmp_path / "out", jobs=1, course=course)
+    row = rows(tmp_path / "out")["late"]
+    assert (row["days_late"], row["penalty"], row["final"]) == ("2", "22.0", "88.0")
+
+
+def test_what_is_no_exercise_is_rejected_and_the_rest_goes_on(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    submissions = hand_in({"right": right, "broken": right})
+    (submissions / "broken/week01_exercise.ipynb").write_text("<html>Please log in</html>")
+    write_notebook(submissions / "other/homework.ipynb", right)
+    write_notebook(submissions / "week9/week09_exercise.ipynb", right)
+    assert not grade(submissions, tmp_path / "out", jobs=1, course=course)
+    status = {student: (row["status"], row["reason"]) for student, row in rows(tmp_path / "out").items()}
+    assert status == {
+        "right": ("graded", ""),
+        "broken": ("rejected", "unreadable"),
+        "other": ("rejected", "wrong exercise"),
+        "week9": ("rejected", "wrong exercise"),
+    }
+    assert "it looks like a web page" in rows(tmp_path / "out")["broken"]["message"]
+
+
+def test_a_broken_check_is_never_a_students_zero(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    hidden = course.solutions / "checks/week01.py"
+    hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", "expect_value(-3.5, tolerance='a')"))
+    assert not grade(hand_in({"right": right}), tmp_path / "out", jobs=1, course=course)
+    row = rows(tmp_path / "out")["right"]
+    assert (row["status"], row["reason"], row["final"]) == ("grader_error", "BrokenCheckError", "")
+
+
+def test_resume_and_only_grade_what_is_asked_for(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    submissions, out = hand_in({"ada": right, "bob": right}), tmp_path / "out"
+    grade(submissions, out, jobs=1, only="ada/*", course=course)
+    assert rows(out).keys() == {"ada"}
+    first = (out / "results/ada/week01_exercise.json").stat().st_mtime_ns
+    grade(submissions, out, jobs=1, resume=True, course=course)
+    assert rows(out).keys() == {"ada", "bob"}
+    assert (out / "results/ada/week01_exercise.json").stat().st_mtime_ns == first
+
+
+@pytest.mark.parametrize("name", ["missing", "empty", "file.txt"])
+def test_a_folder_without_submissions_is_refused(course: Course, tmp_path: Path, name: str) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file.txt").write_text("")
+    with pytest.raises(CourseError, match=r"no folder|no submission"):
+        grade(tmp_path / name, tmp_path / "out", course=course)
+
+
+def test_an_out_folder_that_cannot_be_written_is_named_before_grading(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "out").write_text("a file")
+    with pytest.raises(CourseError, match="can't be written"):
+        grade(hand_in({"right": right}), tmp_path / "out", course=course)
