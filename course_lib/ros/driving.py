@@ -52,15 +52,15 @@ def spin_for(seconds: float, *nodes: "Node") -> Done:
     return Done()
 
 
-def spin_node(node: "Node") -> None:
-    """Do what `rclpy.spin` does in a notebook: run until ■; without a page stop after a while and say so."""
+def spin_cell(executor: "Executor") -> None:
+    """Do what `spin` does in a notebook: run until ■; without a page stop after a while and say so."""
     graph, limit_ns = current_graph(), FOR_EVER_NS
     if pace.wanted() == "fast":
         limit_ns = graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9)
-    with executor_with([node]) as executor, until_interrupted(), pace.kept(graph):
-        spin_until(executor, limit_ns, lambda: not executor.context.ok())
+    with joined_by(executor, running_nodes()), until_interrupted(), pace.kept(graph):
+        spin_until(executor, limit_ns, lambda: not executor.is_running)
     if graph.now_ns == limit_ns:
-        say(f"No page is watching: rclpy.spin stopped after {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+        say(f"No page is watching: spin() stopped after {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
 
 
 def wait_for(ready: Callable[[], bool], *, seconds: float) -> bool:
@@ -103,10 +103,17 @@ def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
         if not isinstance(node, Node):
             raise CourseError(f"{node!r} is not a node. Give an object of your class, like MyNode().")
     executor: Executor = rclpy.get_global_executor()
+    with joined_by(executor, [*running_nodes(), *nodes]):
+        yield executor
+
+
+@contextmanager
+def joined_by(executor: "Executor", nodes: Sequence["Node"]) -> Iterator[None]:
+    """Let nodes be in an executor for a while, in a thread that belongs to the program."""
     with baton.known():
-        added = [node for node in (*running_nodes(), *nodes) if executor.add_node(node)]
+        added = [node for node in nodes if executor.add_node(node)]
         try:
-            yield executor
+            yield
         finally:
             for node in added:
                 executor.remove_node(node)

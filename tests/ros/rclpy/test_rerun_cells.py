@@ -4,6 +4,7 @@ import threading
 
 import pytest
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
@@ -51,8 +52,22 @@ def test_spin_in_a_cell_that_nobody_watches_stops_after_five_seconds(
     node.create_timer(1.0, lambda: calls.append(node.get_clock().now()))
     rclpy.spin(node)
     assert len(calls) == 5
-    assert "rclpy.spin stopped after 5 s of robot time" in capsys.readouterr().out
+    assert "spin() stopped after 5 s of robot time" in capsys.readouterr().out
     assert rclpy.ok()
+
+
+def test_an_executor_that_spins_in_a_cell_is_treated_likewise(
+    notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    rclpy.init()
+    node = Node("talker")
+    node.create_timer(2.0, rclpy.shutdown)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    executor.spin()
+    assert notebook.now_ns == START_NS + 2_000_000_000
+    assert capsys.readouterr().out == ""
 
 
 def test_stopping_a_cell_ends_spin_with_one_line_and_the_node_stays_usable(

@@ -1,6 +1,5 @@
 """The ROS client library for Python: the kit's stand-in, in one process, by robot time."""
 
-import threading
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -111,10 +110,6 @@ def get_global_executor() -> "Executor":
 
 def spin(node: "Node", executor: "Executor | None" = None) -> None:
     """Run the node's callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    if executor is None and node.handle.graph.notebook and in_main_thread:
-        driving.spin_node(node)
-        return
     executor = executor or get_global_executor()
     try:
         executor.add_node(node)

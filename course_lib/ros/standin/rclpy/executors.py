@@ -11,6 +11,7 @@ from contextlib import AbstractContextManager, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from course_lib.ros import driving
 from course_lib.ros.baton import baton
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
@@ -60,6 +61,11 @@ class Executor(AbstractContextManager["Executor"]):
         """The context whose shutdown ends it."""
         return self._context
 
+    @property
+    def is_running(self) -> bool:
+        """Whether neither it nor its context has been shut down."""
+        return self._context.is_valid and not self._is_shutdown
+
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task:
         """Have a function or a coroutine run by the executor; returns its future."""
         task = Task(callback, args, kwargs, executor=self)
@@ -92,9 +98,12 @@ class Executor(AbstractContextManager["Executor"]):
         return True
 
     def spin(self) -> None:
-        """Run callbacks until the shutdown or the end of the run."""
+        """Run callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
+        if self._context.graph.notebook and threading.current_thread() is threading.main_thread():
+            driving.spin_cell(self)
+            return
         with baton.known():
-            while self._context.ok() and not self._is_shutdown:
+            while self.is_running and self._context.ok():
                 self.spin_once()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
@@ -113,7 +122,7 @@ class Executor(AbstractContextManager["Executor"]):
         graph, limit_ns = self._context.graph, timeout_sec_to_nsec(timeout_sec)
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         with baton.known():
-            while self._context.ok() and not future.done() and not self._is_shutdown:
+            while self.is_running and self._context.ok() and not future.done():
                 self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.done)
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
@@ -130,7 +139,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     def _wait_for_task(self, limit_ns: int, condition: Callable[[], bool]) -> Task | None:
         def stops() -> bool:
-            return self._is_shutdown or not self._context.is_valid or condition()
+            return not self.is_running or condition()
 
         until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
         if limit_ns == 0:
