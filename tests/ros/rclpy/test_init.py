@@ -97,6 +97,12 @@ def test_negative_domains_are_refused(graph: Graph) -> None:
         rclpy.init(domain_id=-1)
 
 
+def test_the_parts_that_programs_name_in_full_are_there_with_a_node() -> None:
+    assert rclpy.Parameter.Type.STRING is rclpy.parameter.Parameter.Type.STRING
+    assert issubclass(rclpy.executors.ExternalShutdownException, Exception)
+    assert rclpy.time.Time().nanoseconds == rclpy.duration.Duration().nanoseconds == 0
+
+
 def test_arguments_for_ros_can_be_taken_out() -> None:
     from rclpy.utilities import remove_ros_args
 

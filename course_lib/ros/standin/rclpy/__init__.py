@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 from course_lib.ros import driving
 from rclpy.context import Context
 from rclpy.impl.run import current_run
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from rclpy.task import Future
 from rclpy.utilities import get_default_context, ok
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
     from rclpy.node import Node, NodeOptions
 
 __all__ = [
+    "Context",
+    "Future",
+    "Parameter",
+    "SignalHandlerOptions",
     "create_node",
     "get_default_context",
     "get_global_executor",

@@ -1,7 +1,7 @@
 """Nodes: what a ROS program is made of."""
 
 import weakref
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 from rcl_interfaces.msg import Log, ParameterEvent
 
@@ -9,6 +9,7 @@ from rclpy.clock import Clock
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
+from rclpy.executors import Executor
 from rclpy.impl import names
 from rclpy.impl.node_entities import NodeEntities
 from rclpy.impl.node_graph import NodeNameNonExistentError
@@ -21,9 +22,6 @@ from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.utilities import get_default_context
-
-if TYPE_CHECKING:
-    from rclpy.executors import Executor
 
 __all__ = ["Node", "NodeNameNonExistentError"]
 
@@ -102,12 +100,12 @@ class Node(NodeEntities, NodeParameters):
         return self.handle.context
 
     @property
-    def executor(self) -> "Executor | None":
+    def executor(self) -> Executor | None:
         """The executor that it was added to last."""
         return self._executor() if self._executor else None
 
     @executor.setter
-    def executor(self, new_executor: "Executor | None") -> None:
+    def executor(self, new_executor: Executor | None) -> None:
         former = self.executor
         if former is new_executor:
             return
