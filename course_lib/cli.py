@@ -120,7 +120,7 @@ def submit(
     out: Annotated[Path | None, typer.Option(help="Where the file to hand in goes.")] = None,
 ) -> None:
     """Pack an exercise into one file to hand in, with a receipt."""
-    from course_lib.grading.submission import submit as pack
+    from course_lib.grading.submit import submit as pack
 
     typer.echo(pack(file, out).text())
 

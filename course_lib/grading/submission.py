@@ -78,7 +78,7 @@ def read_submission(path: Path, top: Path) -> Submission:
         return Submission(student, named, path, received(path, top, receipt), problem=str(error))
     claimed = _identity(notebook.student) or _identity(receipt.get("student"))
     student = folders[0] if folders else claimed or path.stem
-    exercise = exercise_of(notebook, path)
+    exercise = exercise_of(notebook, Path(str(receipt.get("exercise", path.name))))
     return Submission(
         student=student,
         exercise=exercise or path.name,

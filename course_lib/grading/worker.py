@@ -136,7 +136,7 @@ def main() -> None:
     """Serve the grader at the other end of the socket whose number is the argument."""
     standin_path.install()
     virtual_time.install()
-    Worker(Channel(socket.socket(fileno=int(sys.argv[1])))).serve()
+    Worker(Channel(socket.socket(fileno=int(sys.argv.pop())))).serve()
 
 
 if __name__ == "__main__":

@@ -1,0 +1,114 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import course_lib.grading.check as check_module
+from course_lib.course.state import student_state
+from course_lib.errors import CourseError
+from course_lib.grading import personal
+from course_lib.grading.catalog import load_catalog
+from course_lib.grading.check import CheckFailedError, check
+from course_lib.grading.grade_one import Course
+from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.table import Table
+
+
+@pytest.fixture(autouse=True)
+def student_folder(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A student in a folder of their own, with the small course installed."""
+    (tmp_path / "mine/.course").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "mine")
+    monkeypatch.setattr(check_module, "shipped_catalog", lambda: load_catalog(course.exercises))
+    monkeypatch.delenv("COURSE_STRICT", raising=False)
+
+
+@pytest.fixture
+def red_cube(right: str) -> Callable[..., Any]:
+    def make(old: str = "", new: str = "") -> Any:
+        names: dict[str, Any] = {}
+        cell = right.split("# next cell")[0].replace("%load_ext course_lib", "")
+        exec(cell.replace(old, new) if old else cell, names)
+        return names["RedCubeNode"]
+
+    return make
+
+
+def test_full_marks_say_that_hidden_checks_follow(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube())
+    said = capsys.readouterr().out
+    assert "week01.red_cube (A red cube): 2 of 2 checks passed" in said
+    assert "all public checks passed; hidden checks run at grading" in said
+    assert student_state().get("progress", "week01.red_cube") == {"score": 60.0, "of": 60.0}
+
+
+def test_each_failure_shows_the_next_hint_and_the_last_one_stays(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = []
+    for _ in range(4):
+        check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
+        said.append(capsys.readouterr().out.strip().splitlines())
+    assert [lines[-1] for lines in said] == [
+        "Hint 1 of 3: Which fields has a marker?",
+        "Hint 2 of 3: The centre is half an edge up.",
+        "Hint 3 of 3: Set position.z to 0.5.",
+        "Hint 3 of 3: Set position.z to 0.5.",
+    ]
+    assert "✗ failed" in said[0][1]
+    assert "0.50 m too low" in said[0][1]
+
+
+def test_an_exception_is_shown_with_the_students_line_and_no_traceback(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube("marker.color.r =", "marker.colour.r ="))
+    said = capsys.readouterr().out
+    assert "AttributeError: 'Marker' object has no attribute 'colour'" in said
+    assert "Traceback" not in said
+
+
+def test_a_node_object_instead_of_its_class_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    check("week01.half", 4.0)
+    assert "got an object of float, expected a function" in capsys.readouterr().out
+
+
+def test_an_unknown_task_names_the_close_ones() -> None:
+    with pytest.raises(CourseError, match=r"Did you mean 'week01\.red_cube'"):
+        check("week01.redcube", object)
+
+
+def test_a_failed_check_raises_where_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_STRICT", "1")
+    check("week01.half", lambda length: length / 2)
+    with pytest.raises(CheckFailedError, match="expected 2"):
+        check("week01.half", lambda length: length)
+
+
+def test_own_values_are_those_of_the_student(
+    course: Course, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    student_state().put("identity", "student", "20231234")
+    task = load_catalog(course.exercises).task("week01.answer")
+    check("week01.answer", 2 * personal.personal_values(task, "20231234")["n"])
+    assert "1 of 1 checks passed" in capsys.readouterr().out
+
+
+def test_html_shows_words_and_icons_and_escapes_everything() -> None:
+    bad = CheckResult("<b>title</b>", "public", False, 1, 0.0, "<script>alert(1)</script>", "secret")
+    html = Table(TaskResult("t", "T", 1, False, (bad,), ("<i>",)), "<hint>")._repr_mimebundle_()["text/html"]
+    assert "✗ failed" in html
+    for raw in ("<b>", "<script>", "<i>", "<hint>"):
+        assert raw not in html
+
+
+def test_a_hidden_check_shows_the_kind_of_mistake_only() -> None:
+    hidden = CheckResult(
+        "at 0.123", "longer", True, 1, 0.0, "is 0.5, expected 0.123", "the position is wrong"
+    )
+    text = str(Table(TaskResult("t", "T", 1, False, (hidden,))))
+    assert "hidden check 1: the position is wrong" in text
+    assert "0.123" not in text

@@ -1,0 +1,88 @@
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from course_lib.grading.course_file import Late
+from course_lib.grading.evidence import Check, Evidence, Verdict
+from course_lib.grading.gradebook import write_gradebook
+from course_lib.grading.judge import BrokenCheckError, CheckResult, Run, TaskResult, judge_task
+from course_lib.grading.marks import Mark, count_days_late, mark
+from course_lib.grading.received import Received
+from course_lib.grading.result import Result
+from course_lib.grading.submission import Submission
+from course_lib.grading.task import Scenario, Task
+
+PARIS = ZoneInfo("Europe/Paris")
+DEADLINE = datetime(2026, 10, 24, 23, 59, tzinfo=PARIS)  # the clocks change in the night after
+
+
+def task(points: float, score: float, *, bonus: bool = False) -> TaskResult:
+    return TaskResult("t", "T", points, bonus, (CheckResult("c", "public", False, 1, score, "", ""),))
+
+
+@pytest.mark.parametrize(
+    ("received", "days"),
+    [
+        (DEADLINE - timedelta(days=3), 0),
+        (DEADLINE, 0),
+        (DEADLINE.astimezone(UTC) + timedelta(minutes=5), 0),
+        (DEADLINE.astimezone(UTC) + timedelta(minutes=6), 1),
+        (datetime(2026, 10, 25, 23, 59, tzinfo=PARIS), 1),  # 25 hours later, and yet one day
+        (datetime(2026, 10, 26, 0, 5, tzinfo=PARIS), 2),
+        (datetime(2026, 11, 24, 12, 0, tzinfo=PARIS), 31),
+    ],
+)
+def test_late_days_are_started_days_of_local_time(received: datetime, days: int) -> None:
+    assert count_days_late(received, DEADLINE, Late(grace_minutes=5)) == days
+
+
+def test_without_a_deadline_nothing_is_late() -> None:
+    assert count_days_late(DEADLINE, None, Late()) == 0
+
+
+def test_a_bonus_comes_on_top_and_the_penalty_is_a_part_of_the_score() -> None:
+    tasks = [task(60, 1.0), task(40, 0.5), task(10, 1.0, bonus=True)]
+    assert mark(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
+    assert mark(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
+    assert mark(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
+
+
+def judged(*checks: Check) -> TaskResult:
+    demo = Task("week01.demo", "A demo", "value", "demo", ("one", "two", "three"))
+    run = Run(Scenario("public", checks=checks), Evidence("week01.demo", "public", 1.0))
+    return judge_task(demo, 50, False, [run])
+
+
+def scoring(score: float) -> Check:
+    return Check("c", lambda _: Verdict(score, "m"))
+
+
+def test_checks_share_the_points_by_their_weights() -> None:
+    assert judged(scoring(1.0).worth(3), scoring(0.0)).score == 37.5
+    assert judged(scoring(1.0), scoring(0.0).worth(0)).score == 50
+    assert judged(scoring(0.25)).score == 12.5
+    assert judged().score == 0
+
+
+@pytest.mark.parametrize("score", [float("nan"), -1.0, 2.0])
+def test_a_score_that_is_none_counts_nothing(score: float) -> None:
+    assert judged(scoring(score)).score == 0
+
+
+def test_a_check_that_raises_is_named_as_broken() -> None:
+    def broken(evidence: Evidence) -> Verdict:
+        raise KeyError(evidence.task)
+
+    with pytest.raises(BrokenCheckError, match="'my check' is broken: KeyError"):
+        judged(Check("my check", broken))
+
+
+def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:
+    when = Received(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
+    submission = Submission("=cmd()", "week01_exercise", tmp_path / "a.ipynb", when)
+    Result(submission, "rejected", "unreadable", '@SUM(A1), "quoted"').write(tmp_path)
+    assert write_gradebook(tmp_path).read_text().splitlines()[1] == (
+        '\'=cmd(),week01_exercise,,,,,,rejected,unreadable,"\'@SUM(A1), ""quoted"""'
+    )

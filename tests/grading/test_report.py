@@ -1,0 +1,59 @@
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+
+WriteNotebook = Callable[..., Path]
+SCRIPT = "<script>alert(1)</script>"
+
+
+def report(course: Course, tmp_path: Path, notebook: Path) -> str:
+    grade(notebook.parents[1], tmp_path / "out", jobs=1, course=course)
+    return (tmp_path / "out/reports/ada/week01_exercise.html").read_text()
+
+
+def test_a_report_tells_the_mark_the_reasons_and_shows_both_scenes(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    wrong = right.replace("position.z = 0.5", "position.z = 0.2")
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", wrong))
+    for text in (
+        "A red cube",
+        "0.30 m too low",
+        "45 of 60 points",
+        "yours</figcaption>",
+        "expected</figcaption>",
+    ):
+        assert text in page
+    assert page.count('class="course-scene"') == 2
+    assert len(page) < 1_000_000
+
+
+def test_a_report_needs_nothing_but_itself(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right))
+    assert not re.findall(r"""(?:src|href)=["']?(?:https?:)?//""", page)
+
+
+def test_everything_from_students_is_escaped(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    code = right.replace('frame_id = "map"', f'frame_id = "{SCRIPT}"')
+    code += f"# next cell\nprint('{SCRIPT}')\n# next cell\nraise ValueError('{SCRIPT}')\n"
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", code))
+    assert "&lt;script&gt;alert(1)" in page
+    assert SCRIPT not in page
+
+
+def test_a_hidden_checks_title_and_values_stay_hidden(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    wrong = right.replace("create_timer(1.0", "create_timer(0.5").replace("length / 2", "abs(length) / 2")
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", wrong))
+    assert "a topic is published too fast" in page
+    assert "a value has the wrong sign" in page
+    assert "2.00 Hz" not in page
+    assert "3.5" not in page.split("<script>")[0].replace("0.35", "")

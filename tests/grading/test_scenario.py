@@ -1,0 +1,127 @@
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.scenario import run_here
+from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
+
+# How a runaway thread is ended; nothing else raises in threads here.
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+
+NUMBER = "std_msgs/msg/Float64"
+
+
+def run(subject: Any, kind: Kind = "node", personal: dict[str, Any] | None = None, **more: Any) -> Evidence:
+    task = Task("week01.demo", "A demo", kind, "demo", ("one", "two", "three"))
+    limit = more.pop("wall_limit", 20.0)
+    return run_here(task, Scenario("public", **more), subject, personal or {}, wall_limit=limit)
+
+
+class Doubler(Node):
+    def __init__(self) -> None:
+        super().__init__("doubler")
+        self.out = self.create_publisher(Float64, "/out", 10)
+        self.create_subscription(Float64, "/in", self.on_message, 10)
+
+    def on_message(self, message: Float64) -> None:
+        self.out.publish(Float64(data=2 * message.data))
+
+
+def numbers(evidence: Evidence) -> list[tuple[float, float]]:
+    return [(round(seconds, 3), message.data) for seconds, message in evidence.messages("/out")]
+
+
+def test_inputs_arrive_and_only_the_students_side_is_evidence() -> None:
+    inputs = tuple(Message("/in", NUMBER, {"data": data}, at=at) for at, data in ((0.5, 1), (1.5, 2)))
+    evidence = run(Doubler, inputs=inputs, seconds=2.0)
+    assert numbers(evidence) == [(0.501, 2.0), (1.501, 4.0)]
+    assert evidence.topics.keys() == {"/out"}
+
+
+def test_the_students_own_values_go_into_inputs_and_calls() -> None:
+    inputs = (Message("/in", NUMBER, {"data": my("n")}, at=0.5),)
+    assert numbers(run(Doubler, inputs=inputs, personal={"n": 5.0})) == [(0.501, 10.0)]
+    calls = (Call(my("n"), [my("n", times=2)]),)
+    assert run(lambda a, b: (a, b), "function", {"n": 5.0}, calls=calls).returns == ([5.0, [10.0]],)
+
+
+def test_a_malformed_input_names_its_topic() -> None:
+    with pytest.raises(CourseError, match=r"the message for /in \(std_msgs/msg/Float64\)"):
+        run(Doubler, inputs=(Message("/in", NUMBER, {"date": 1.0}),))
+
+
+def main() -> None:
+    rclpy.init()
+    node = Doubler()
+    node.create_timer(1.0, lambda: node.out.publish(Float64(data=7.0)))
+    rclpy.spin(node)
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+def several() -> list[Node]:
+    return [Doubler(), Node("other")]
+
+
+@pytest.mark.parametrize("subject", [main, several, lambda: Doubler()])
+def test_a_main_or_a_factory_is_as_good_as_a_class(subject: Callable[..., Any]) -> None:
+    evidence = run(subject, inputs=(Message("/in", NUMBER, {"data": 1.0}, at=0.25),), seconds=1.0)
+    assert evidence.errors == ()
+    assert numbers(evidence)[0] == (0.251, 2.0)
+
+
+def test_every_call_keeps_its_place_and_errors_are_sentences() -> None:
+    evidence = run(lambda x: 1 / x, "function", calls=(Call(2.0), Call(0.0), Call(4.0)))
+    assert evidence.returns == (0.5, None, 0.25)
+    assert evidence.errors[0].startswith("ZeroDivisionError: float division by zero")
+    assert "test_scenario.py, line" in evidence.errors[0]
+
+
+def test_values_texts_and_files_are_handed_in(tmp_path: Any) -> None:
+    assert run([1, (2,)], "value").returns == ([1, [2]],)
+    assert run("because", "text").returns == ("because",)
+    (tmp_path / "view.rviz").write_text("Panels: []")
+    assert run(tmp_path / "view.rviz", "file").returns == ("Panels: []",)
+    assert "FileNotFoundError" in run(tmp_path / "none.rviz", "file").errors[0]
+
+
+def loop_for_ever() -> None:
+    while True:
+        pass
+
+
+def loop_in_a_thread() -> Node:
+    threading.Thread(target=loop_for_ever, daemon=True).start()
+    return Doubler()
+
+
+@pytest.mark.parametrize("subject", [loop_for_ever, loop_in_a_thread])
+def test_an_endless_loop_is_interrupted_and_the_next_run_is_fine(subject: Callable[..., Any]) -> None:
+    evidence = run(subject, wall_limit=0.2)
+    assert evidence.stopped == "time"
+    assert evidence.errors == ("still running after 0.2 s: an endless loop? It was stopped.",)
+    assert run(lambda: 3, "function", calls=(Call(),)).returns == (3,)
+
+
+def test_output_is_kept_and_chance_is_seeded() -> None:
+    def roll() -> float:
+        import random
+
+        print("rolled")  # noqa: T201  what a student's code does
+        return random.random()
+
+    first, second = (run(roll, "function", calls=(Call(),), seed=4) for _ in range(2))
+    assert first.output == "rolled\n"
+    assert first.returns == second.returns != run(roll, "function", calls=(Call(),), seed=5).returns
+
+
+def test_leaving_the_process_is_an_error_of_the_student() -> None:
+    evidence = run(lambda: exit(3), "function", calls=(Call(),))
+    assert evidence.errors[0].startswith("SystemExit: 3")

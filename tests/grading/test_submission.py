@@ -1,0 +1,162 @@
+import json
+import os
+import zipfile
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading.notebook import parse_notebook
+from course_lib.grading.submission import find_submissions
+from course_lib.grading.submit import submit
+
+WriteNotebook = Callable[..., Path]
+
+
+def test_what_submit_packs_is_found_again_with_its_receipt(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    exercise = write_notebook(tmp_path / "work/week01_exercise.ipynb", "x = 1", student="ada")
+    receipt = submit(exercise)
+    assert receipt.file.name == "week01_exercise_ada.zip"
+    assert "sha256" in receipt.text()
+    (tmp_path / "in").mkdir()
+    receipt.file.rename(tmp_path / "in/renamed by the LMS.zip")
+    (found,) = find_submissions(tmp_path / "in")
+    assert (found.student, found.exercise, found.received.source) == ("ada", "week01_exercise", "receipt")
+    assert found.sha256 == receipt.content["sha256"]
+    assert found.notebook is not None
+    assert found.notebook.cells == ("x = 1",)
+
+
+def test_without_an_id_the_student_is_told(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
+    assert "It names no student" in submit(exercise, tmp_path / "out.zip").text()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("none.ipynb", None, "can't be read: No such file"),
+        ("folder", None, "can't be read: Is a directory"),
+        ("week01_exercise.ipynb", b"", "it is empty"),
+        ("week01_exercise.ipynb", b"{]", "it is not JSON"),
+        ("week01_exercise.ipynb", b"[" * 100_000, "it is not JSON"),
+        ("week01_exercise.ipynb", b"[]", "no notebook of format 4"),
+        ("week01_exercise.ipynb", b'{"cells": [1]}', "no notebook of format 4"),
+        ("homework.ipynb", b'{"cells": []}', "no exercise of this course"),
+        ("week01.zip", b"PK", "not a file that `course submit` wrote"),
+    ],
+)
+def test_what_cannot_be_handed_in_is_refused_in_one_line(
+    tmp_path: Path, name: str, content: bytes | None, message: str
+) -> None:
+    (tmp_path / "folder").mkdir()
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(CourseError) as refusal:
+        submit(tmp_path / name)
+    assert message in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_out_file_that_cannot_be_written_is_named(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
+    with pytest.raises(CourseError, match="can't be written"):
+        submit(exercise, tmp_path / "nowhere/out.zip")
+
+
+def test_a_notebook_may_keep_its_source_as_lines_and_have_any_metadata() -> None:
+    cells = [{"cell_type": "code", "source": ["a = 1\n", "b = 2", 3]}, {"cell_type": "markdown"}]
+    notebook = parse_notebook(json.dumps({"cells": cells, "metadata": {"course": 7}}).encode(), "n")
+    assert notebook.cells == ("a = 1\nb = 2",)
+    assert (notebook.exercise, notebook.student) == (None, None)
+
+
+def test_the_folder_says_who_and_a_mismatch_is_a_note(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "ada/deep/week01_exercise.ipynb", "x = 1", student="bob")
+    write_notebook(tmp_path / "cleo/week01_exercise (1).ipynb", "x = 1")
+    write_notebook(tmp_path / "cleo/.ipynb_checkpoints/week01_exercise-checkpoint.ipynb", "x = 2")
+    ada, cleo = find_submissions(tmp_path)
+    assert (ada.student, ada.claimed, ada.notes) == (
+        "ada",
+        "bob",
+        ("the file names bob, but ada handed it in",),
+    )
+    assert (cleo.student, cleo.exercise) == ("cleo", "week01_exercise")
+    assert "names no student" in cleo.notes[0]
+
+
+def test_an_id_that_is_a_path_never_names_a_folder(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1", student="../../etc")
+    assert find_submissions(tmp_path)[0].student == "week01_exercise"
+
+
+def test_the_newest_of_two_counts(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    for name, second in (("week01_exercise.ipynb", 100), ("week01_exercise_v2.ipynb", 50)):
+        path = write_notebook(tmp_path / "ada" / name, "x = 1")
+        os.utime(path, (second, second))
+    (found,) = find_submissions(tmp_path)
+    assert found.path.name == "week01_exercise.ipynb"
+    assert found.received.source == "file time"
+
+
+def test_links_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    secret = write_notebook(tmp_path / "secret/week01_exercise.ipynb", "x = 1")
+    write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / "in/bob").mkdir()
+    (tmp_path / "in/bob/week01_exercise.ipynb").symlink_to(secret)
+    (tmp_path / "in/cleo").symlink_to(secret.parent)
+    assert [found.student for found in find_submissions(tmp_path / "in")] == ["ada"]
+
+
+def test_a_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("receipt.json", json.dumps({"exercise": "week01_exercise"}))
+        archive.writestr("week01_exercise.ipynb", b" " * 50_000_000)
+    (found,) = find_submissions(tmp_path)
+    assert "larger than" in found.problem
+
+
+@pytest.mark.parametrize(
+    ("files", "time", "source"),
+    [
+        (
+            {"received.csv": "file,received\nada/week01_exercise.ipynb,2026-10-11T10:00:00+02:00\n"},
+            8,
+            "received.csv",
+        ),
+        ({"ada/timestamp.txt": "2026-10-11 10:00:00.5 Europe/Paris"}, 8, "timestamp.txt"),
+        ({"ada/timestamp.txt": "2026-10-11 10:00:00 UTC"}, 10, "timestamp.txt"),
+    ],
+)
+def test_the_time_of_receipt_and_its_source_are_known(
+    tmp_path: Path, write_notebook: WriteNotebook, files: dict[str, str], time: int, source: str
+) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    (found,) = find_submissions(tmp_path)
+    assert found.received.time.astimezone(UTC).replace(microsecond=0) == datetime(
+        2026, 10, 11, time, tzinfo=UTC
+    )
+    assert found.received.source == source
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("received.csv", "file,received\nada/week01_exercise.ipynb,2026-10-11T10:00:00\n"),
+        ("received.csv", "name,time\na,b\n"),
+        ("ada/timestamp.txt", "yesterday"),
+    ],
+)
+def test_a_time_that_cannot_be_read_is_named(
+    tmp_path: Path, write_notebook: WriteNotebook, name: str, text: str
+) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / name).write_text(text)
+    with pytest.raises(CourseError, match=Path(name).name):
+        find_submissions(tmp_path)
