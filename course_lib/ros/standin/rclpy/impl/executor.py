@@ -1,0 +1,204 @@
+"""What all executors share: taking callbacks in their order, waiting, spinning."""
+
+# ruff: noqa: N818 - the names are ROS's
+
+import inspect
+import threading
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from course_lib.ros import driving
+from course_lib.ros.baton import baton
+from rclpy.context import Context
+from rclpy.exceptions import NotInitializedException
+from rclpy.impl.node_handle import Entity
+from rclpy.task import Future, Task
+from rclpy.utilities import get_default_context, timeout_sec_to_nsec
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class TimeoutException(Exception):
+    """A time limit has passed."""
+
+
+class ShutdownException(Exception):
+    """The executor has been shut down."""
+
+
+class ExternalShutdownException(Exception):
+    """The context was shut down while an executor waited."""
+
+
+class ConditionReachedException(Exception):
+    """What was waited for is there."""
+
+
+async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
+    """Call a callback, and await it if it is a coroutine."""
+    result = callback(*args)
+    return await result if inspect.iscoroutine(result) else result
+
+
+class Executor(AbstractContextManager["Executor"]):
+    """The base of executors: takes its nodes' callbacks in the order in which they became ready."""
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        self._context = context or get_default_context()
+        if not self._context.is_valid:
+            raise NotInitializedException("cannot create executor")
+        self._nodes: dict[Node, None] = {}  # a set that keeps its order
+        self._tasks: list[Task] = []
+        self._is_shutdown = False
+
+    @property
+    def context(self) -> Context:
+        """The context whose shutdown ends it."""
+        return self._context
+
+    @property
+    def is_running(self) -> bool:
+        """Whether neither it nor its context has been shut down."""
+        return self._context.is_valid and not self._is_shutdown
+
+    def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task:
+        """Have a function or a coroutine run by the executor; returns its future."""
+        task = Task(callback, args, kwargs, executor=self)
+        self._tasks.append(task)
+        return task
+
+    def add_node(self, node: "Node") -> bool:
+        """Run a node's callbacks from now on; False if it does already."""
+        if node in self._nodes:
+            return False
+        self._nodes[node] = None
+        node.executor = self
+        return True
+
+    def remove_node(self, node: "Node") -> None:
+        """Run a node's callbacks no more; what is ready waits for another executor."""
+        self._nodes.pop(node, None)
+
+    def get_nodes(self) -> "list[Node]":
+        """List the nodes."""
+        return list(self._nodes)
+
+    def wake(self) -> None:
+        """Look at everything anew; it is what each wait does whenever something has happened."""
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """Run nothing any more; True when all callbacks have come to their ends within the time."""
+        self._is_shutdown = True
+        self._nodes.clear()
+        return True
+
+    def spin(self) -> None:
+        """Run callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
+        if self._context.graph.notebook and threading.current_thread() is threading.main_thread():
+            driving.spin_cell(self)
+            return
+        with baton.known():
+            while self.is_running and self._context.ok():
+                self.spin_once()
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Wait for a callback and run it, only this one.
+
+        Args:
+            timeout_sec: How long to wait, [s]; None or negative: without limit; 0: not at all.
+
+        Raises:
+            ExternalShutdownException: If the context was shut down meanwhile.
+        """
+        self._spin_once(timeout_sec_to_nsec(timeout_sec), lambda: False)
+
+    def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+        """Run callbacks until a future is done, or the time [s] is over."""
+        graph, limit_ns = self._context.graph, timeout_sec_to_nsec(timeout_sec)
+        end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
+        with baton.known():
+            while self.is_running and self._context.ok() and not future.done():
+                self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.done)
+                if end_ns is not None and graph.now_ns >= end_ns:
+                    return
+
+    def spin_once_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+        """Wait for a callback and run it, unless the future is done before."""
+        self._spin_once(timeout_sec_to_nsec(timeout_sec), future.done)
+
+    def _spin_once(self, limit_ns: int, condition: Callable[[], bool]) -> None:
+        with baton.known():
+            task = self._wait_for_task(limit_ns, condition)
+            if task is not None:
+                self._execute(task)
+
+    def _wait_for_task(self, limit_ns: int, condition: Callable[[], bool]) -> Task | None:
+        def stops() -> bool:
+            return not self.is_running or condition()
+
+        until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
+        if limit_ns == 0:
+            baton.poll()
+        while not stops():
+            task = self._next_task()
+            if task is not None or limit_ns == 0:
+                return task
+            names = ", ".join(node.get_fully_qualified_name() for node in self._nodes)
+            what = f"a callback of {names or 'no node'}"
+            if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=what):
+                return None
+        if not self._context.is_valid and not self._is_shutdown:
+            raise ExternalShutdownException
+        return None
+
+    def can_work(self) -> bool:
+        """Say whether a callback is ready to be run."""
+        going_on = any(task.can_go_on() for task in self._tasks)
+        return going_on or any(node.handle.first_ready() for node in self._nodes)
+
+    def _next_task(self) -> Task | None:
+        """Take what is next: a task that can go on, else the callback that became ready first."""
+        for task in self._tasks:
+            if task.can_go_on():
+                self._tasks.remove(task)
+                return task
+        while True:
+            ready = [(item, node) for node in self._nodes if (item := node.handle.first_ready())]
+            if not ready:
+                return None
+            item, node = min(ready, key=lambda pair: pair[0][0])
+            call = node.handle.take(item)
+            if call is not None:
+                return self._begin(item[1], call)
+
+    def _begin(self, entity: Entity, call: Callable[[], object]) -> Task:
+        group = entity.callback_group
+        group.beginning_execution(entity)
+
+        async def run() -> None:
+            try:
+                await await_or_execute(call)
+            finally:
+                group.ending_execution(entity)
+
+        return Task(run, executor=self)
+
+    def _execute(self, task: Task) -> None:
+        """Run a task; what it raises is raised, what it has to wait for is kept."""
+        task()
+        if not task.done():
+            self._tasks.append(task)
+        error = task.exception()
+        if error is not None:
+            raise error
+
+    def __enter__(self) -> "Executor":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.shutdown()
