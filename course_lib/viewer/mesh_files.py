@@ -46,7 +46,9 @@ def parse_mesh(data: bytes, file_format: str, color: tuple[float, float, float, 
         )
     try:
         mesh = reader(data)
-    except (ValueError, LookupError, SyntaxError) as error:  # ElementTree.ParseError is a SyntaxError
+        if not len(mesh.faces):
+            raise ValueError("it has no triangles.")
+    except (ValueError, LookupError, SyntaxError, CourseError) as error:  # XML's ParseError is a SyntaxError
         raise MeshFileError(f"This is no {file_format.upper()} file that can be read: {error}") from error
     return mesh if color is None else Mesh(mesh.vertices, mesh.faces, color, mesh.normals)
 

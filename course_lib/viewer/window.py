@@ -1,13 +1,16 @@
 """A window for meshcat.Visualizer that draws into a scene, with no server and no page of its own."""
 
 from collections.abc import Callable
+from io import BytesIO
 from typing import Any, Protocol
 
 import numpy as np
+from PIL import Image
 
 from course_lib.errors import CourseError
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.meshcat_objects import mesh_of
+from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import MeshcatObject, Scene
 
 _FURNITURE = ("Lights", "Grid", "Axes")  # of meshcat's own page, which is not there
@@ -53,6 +56,10 @@ class Window:
         path = lowered["path"].strip("/")
         if path.partition("/")[0] not in _FURNITURE:
             handler(path, lowered)
+
+    def get_image(self, width: int | None = None, height: int | None = None) -> Image.Image:
+        """Return a picture of the scene; sizes in pixels."""
+        return Image.open(BytesIO(screenshot(self.scene, size=(width or 800, height or 600)).png))
 
     def open(self) -> "Window":
         """Do nothing: whoever shows the scene opens it."""

@@ -1,0 +1,94 @@
+from io import BytesIO
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser
+
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Lines, Mesh, Points, Shape, Solids, Text
+from course_lib.viewer.html import bundle_script, save_html, scene_fragment
+from course_lib.viewer.picture import screenshot
+from course_lib.viewer.scene import Scene
+from tests.browser.fake_host import Pixels, count
+
+pytestmark = pytest.mark.browser
+
+RED, BLUE = (255, 0, 0), (0, 0, 255)
+
+
+def colored(rgb: tuple[int, int, int]) -> Scene:
+    scene = Scene()
+    scene.camera = Camera(eye=(0, 0, 6), target=(0, 0, 0), up=(0, 1, 0))
+    scene.set_object("box", Solids("box", [np.eye(4)], (*np.divide(rgb, 255), 1)))
+    return scene
+
+
+def of_all_kinds() -> Scene:
+    scene = Scene()
+    scene.camera = Camera(eye=(5, 3, 4), target=(0, 0, 0.5))
+    for number, shape in enumerate(get_args(Shape)):
+        transform_unit_to_node = np.diag([1.0, 0.7, 0.9, 1.0])
+        transform_unit_to_node[:2, 3] = number - 1.5, (number % 2) * 1.2  # [m]
+        scene.set_object(
+            shape, Solids(shape, [transform_unit_to_node], (1, 0.2 * number, 0, 1 - 0.2 * number))
+        )
+    grid = [[x, y, 0] for a in range(-3, 4) for x, y in ((a, -3), (a, 3), (-3, a), (3, a))]
+    scene.set_object("grid", Lines(grid, (0.6, 0.6, 0.6, 0.5), strip=False))
+    scene.set_object("strip", Lines([[-2, -2, 0], [0, -2, 1], [2, -2, 0]], (0, 1, 1, 1), width=0.1))
+    scene.set_object("points", Points(np.mgrid[0:3, 0:3, 2:3].reshape(3, -1).T, (1, 1, 1, 1), (0.1, 0.1)))
+    scene.set_object("text", Text("Tag 7", 0.4, (1, 1, 0, 1)))
+    scene.set_transform("text", np.block([[np.eye(3), np.array([[0], [0], [1.5]])], [np.zeros((1, 3)), 1]]))
+    scene.set_object(
+        "mesh", Mesh([[2, 1, 0], [3, 1, 0], [2, 2, 1]], None, np.eye(4)[[0, 1, 2]] + [0, 0, 0, 1])
+    )
+    return scene
+
+
+def pixels_of(png: bytes) -> Pixels:
+    return np.asarray(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
+
+
+def test_both_renderers_draw_the_same(browser: Browser) -> None:
+    scene = of_all_kinds()
+    shots = [screenshot(scene, size=(400, 300), renderer=renderer) for renderer in ("chromium", "numpy")]
+    ours, theirs = (pixels_of(shot.png) for shot in shots)
+    assert ours.shape == (300, 400, 3)
+    assert (np.abs(ours - theirs).max(axis=-1) < 40).mean() > 0.98
+    assert (np.abs(ours - scene.background).max(axis=-1) > 30).mean() > 0.1
+
+
+def test_a_page_from_a_file_shows_the_scene_and_asks_for_nothing(browser: Browser, tmp_path: Path) -> None:
+    file = save_html(colored(RED), tmp_path / "scene.html", title="The <red> box")
+    assert file.stat().st_size < 350_000
+    page = browser.new_page(viewport={"width": 400, "height": 300})
+    errors: list[str] = []
+    requests: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(file.as_uri())
+    page.wait_for_selector("canvas")
+    page.evaluate("() => new Promise((done) => setTimeout(done, 200))")
+    pixels = pixels_of(page.screenshot())
+    assert (page.title(), page.get_by_role("img").get_attribute("aria-label")) == ("The <red> box",) * 2
+    assert count(pixels, RED) > 4000
+    assert errors == []
+    assert [url for url in requests if not url.startswith("blob:")] == [file.as_uri()]
+    page.close()
+
+
+def test_two_scenes_stand_side_by_side_with_one_script(browser: Browser) -> None:
+    left, right = (scene_fragment(colored(rgb), height="300px", label="box") for rgb in (RED, BLUE))
+    page = browser.new_page(viewport={"width": 400, "height": 300})
+    page.set_content(
+        '<body style="margin:0"><div style="display:grid;grid-template-columns:1fr 1fr">'
+        f"{left}{right}</div>{bundle_script()}"
+    )
+    page.wait_for_function("document.querySelectorAll('canvas').length === 2")
+    page.evaluate("() => new Promise((done) => setTimeout(done, 200))")
+    pixels = pixels_of(page.screenshot())
+    assert min(count(pixels[:, :200], RED), count(pixels[:, 200:], BLUE)) > 2000
+    assert max(count(pixels[:, :200], BLUE), count(pixels[:, 200:], RED)) == 0
+    page.close()

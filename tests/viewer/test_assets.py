@@ -1,0 +1,34 @@
+import re
+from pathlib import Path
+
+from course_lib.viewer import assets
+
+FOLDER = Path(assets.__file__).parent / "js"
+
+
+def test_every_module_is_in_the_bundle_and_none_of_its_imports() -> None:
+    key, script = assets.bundle()
+    assert {path.stem for path in FOLDER.glob("*.js")} == {*assets._MODULES, "widget"}
+    ours = script[script.rindex("const { THREE } = MeshCat") :]
+    assert not re.search(r"^(import|export) ", ours, re.M)
+    assert key in assets.widget_module()
+
+
+def test_no_two_modules_use_one_name_as_all_are_joined() -> None:
+    names = []
+    for path in FOLDER.glob("*.js"):
+        names += re.findall(
+            r"^(?:export )?(?:async )?(?:const|let|class|function) (\w+)", path.read_text(), re.M
+        )
+    assert sorted(names) == sorted(set(names))
+
+
+def test_modules_import_only_what_comes_before_them() -> None:
+    for position, name in enumerate(assets._MODULES):
+        imported = re.findall(r'from "\./(\w+)\.js"', (FOLDER / f"{name}.js").read_text())
+        assert set(imported) <= set(assets._MODULES[:position])
+
+
+def test_the_javascript_stays_small() -> None:
+    assert sum(len(path.read_text().splitlines()) for path in FOLDER.glob("*.js")) <= 900
+    assert len(assets.bundle_zipped()) < 230_000

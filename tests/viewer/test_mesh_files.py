@@ -1,0 +1,101 @@
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from course_lib.viewer.mesh_files import MeshFileError, load_mesh, parse_mesh
+
+CORNERS = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
+ASCII_STL = """solid t
+facet normal 0 0 1
+ outer loop
+  vertex 0 0 0
+  vertex 1 0 0
+  vertex 0 2 0
+ endloop
+endfacet
+endsolid t"""
+OBJ = """# a square and its first corner again
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+f 1/1/1 2/2/1 3/3/1 4/4/1
+f -4 -3 -2
+"""
+DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+<library_effects><effect id="paint"><profile_COMMON><technique sid="c"><phong>
+ <diffuse><color>1 0.5 0 1</color></diffuse></phong></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="orange"><instance_effect url="#paint"/></material></library_materials>
+<library_geometries><geometry id="quad"><mesh>
+ <source id="p"><float_array count="12">0 0 0 100 0 0 100 100 0 0 100 0</float_array></source>
+ <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+ <polylist material="m" count="1"><input semantic="VERTEX" source="#v" offset="0"/>
+  <vcount>4</vcount><p>0 1 2 3</p></polylist></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene><node><translate>0 0 100</translate><rotate>1 0 0 90</rotate>
+ <node><scale>2 1 1</scale><instance_geometry url="#quad"><bind_material><technique_common>
+ <instance_material symbol="m" target="#orange"/></technique_common></bind_material></instance_geometry>
+ </node></node></visual_scene></library_visual_scenes></COLLADA>"""
+
+
+def binary_stl(corners: Any) -> bytes:
+    facet = np.zeros(1, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
+    facet["corners"] = corners
+    return b"solid but binary".ljust(80) + (1).to_bytes(4, "little") + facet.tobytes()
+
+
+@pytest.mark.parametrize("data", [ASCII_STL.encode(), binary_stl(CORNERS)], ids=["ascii", "binary"])
+def test_stl_files_of_both_kinds_are_read(data: bytes) -> None:
+    mesh = parse_mesh(data, "stl")
+    assert sorted(mesh.vertices[mesh.faces[0]].tolist()) == sorted(CORNERS)
+
+
+def test_obj_polygons_become_triangles() -> None:
+    mesh = parse_mesh(OBJ.encode(), "obj")
+    assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+
+
+def test_dae_nodes_place_scale_and_colour_what_is_below_them() -> None:
+    mesh = parse_mesh(DAE.encode(), "dae")
+    assert len(mesh.faces) == 2
+    assert mesh.vertices.min(axis=0) == pytest.approx([0, 0, 1])
+    assert mesh.vertices.max(axis=0) == pytest.approx([2, 0, 2])
+    assert mesh.colors[0] == pytest.approx([1, 0.5, 0, 1])
+    assert mesh.normals is not None
+    assert np.abs(mesh.normals) == pytest.approx(np.tile([0, 1, 0], (6, 1)), abs=1e-6)
+
+
+def test_a_colour_that_is_asked_for_replaces_the_files_own() -> None:
+    assert parse_mesh(DAE.encode(), "dae", (0, 0, 1, 0.5)).colors.tolist() == [0, 0, 1, 0.5]
+
+
+@pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
+def test_a_broken_file_is_refused_in_words(file_format: str) -> None:
+    with pytest.raises(MeshFileError, match=f"no {file_format.upper()} file that can be read"):
+        parse_mesh(b"v 1 2\n<not any of these", file_format)
+
+
+def test_missing_files_and_unknown_formats_are_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(MeshFileError, match=r"gone\.stl"):
+        load_mesh(tmp_path / "gone.stl")
+    (tmp_path / "mesh.blend").write_bytes(b"")
+    with pytest.raises(
+        MeshFileError, match="'blend' is no format of meshes that is known; take dae, stl, obj"
+    ):
+        load_mesh(tmp_path / "mesh.blend")
+
+
+def test_a_robots_meshes_are_where_another_reader_puts_them() -> None:
+    coal = pytest.importorskip("coal")
+    pinocchio = pytest.importorskip("pinocchio")
+    robots = Path(pinocchio.__file__).parents[4] / "share" / "example-robot-data" / "robots"
+    files = sorted((robots / "ur_description" / "meshes" / "ur10").rglob("*.[ds]*"))
+    assert len(files) == 14
+    for file in files:
+        expected = np.array(coal.MeshLoader().load(str(file), np.ones(3)).vertices())
+        vertices = load_mesh(file).vertices
+        assert vertices.min(axis=0) == pytest.approx(expected.min(axis=0), abs=1e-5), file.name
+        assert vertices.max(axis=0) == pytest.approx(expected.max(axis=0), abs=1e-5), file.name

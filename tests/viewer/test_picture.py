@@ -1,0 +1,75 @@
+import stat
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.viewer import picture
+from course_lib.viewer.browser import dump_dom
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.picture import screenshot
+from course_lib.viewer.scene import Scene
+
+PNG = b"\x89PNG"
+
+
+@pytest.fixture
+def scene() -> Scene:
+    scene = Scene()
+    scene.set_object("box", Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+    return scene
+
+
+@pytest.fixture
+def browser_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    def make(code: str) -> None:
+        program = tmp_path / "chromium"
+        program.write_text(f"#!{sys.executable}\n{code}")
+        program.chmod(program.stat().st_mode | stat.S_IEXEC)
+        monkeypatch.setattr(picture, "find_browser", lambda: str(program))
+
+    return make
+
+
+def test_without_a_browser_numpy_draws_and_says_why(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(picture, "find_browser", lambda: None)
+    drawn = screenshot(scene)
+    assert (drawn.renderer, drawn.png[:4]) == ("numpy", PNG)
+    assert "No Chromium or Chrome was found" in drawn.note
+    with pytest.raises(CourseError, match="Take renderer='numpy'"):
+        screenshot(scene, renderer="chromium")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
+def test_a_browser_that_hangs_is_ended_and_numpy_draws(
+    scene: Scene, browser_that: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    browser_that("import time; time.sleep(60)")
+    monkeypatch.setattr(picture, "_TIMEOUT", 0.3)
+    drawn = screenshot(scene)
+    assert drawn.renderer == "numpy"
+    assert "did not draw within 0.3 s" in drawn.note
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
+def test_a_browser_without_webgl_is_told_by_its_empty_page(
+    scene: Scene, browser_that: Callable[[str], None]
+) -> None:
+    browser_that("print('<html></html>')")
+    drawn = screenshot(scene)
+    assert drawn.renderer == "numpy"
+    assert "without a picture" in drawn.note
+
+
+def test_a_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="nothing"):
+        dump_dom(str(tmp_path / "nothing"), "", 1.0)
+
+
+def test_a_picture_is_written_where_asked(scene: Scene, tmp_path: Path) -> None:
+    drawn = screenshot(scene, tmp_path / "scene.png", size=(64, 48), renderer="numpy")
+    assert (tmp_path / "scene.png").read_bytes() == drawn.png
+    assert drawn.note == ""

@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+
+from course_lib.viewer.text import rasterized
+
+
+def ink(text: str) -> np.ndarray:
+    return rasterized(text).mask > 128
+
+
+def test_a_capital_letter_is_as_high_as_said() -> None:
+    rows = np.flatnonzero(ink("H").any(axis=1))
+    assert len(rows) == pytest.approx(rasterized("H").pixels_per_height, abs=1)
+
+
+@pytest.mark.parametrize("text", ["ÄÖÜ", "Привет", "αβγ", "→ ✓ ≤", "½ µ °"])
+def test_letters_of_many_languages_are_not_empty_boxes(text: str) -> None:
+    missing = ink("\uffff")
+    for sign in text.replace(" ", ""):
+        assert ink(sign).any()
+        assert ink(sign).shape != missing.shape or (ink(sign) != missing).any()
+
+
+def test_lines_are_below_each_other() -> None:
+    two, one = ink("H\nH"), ink("H")
+    assert two.any(axis=1).sum() == 2 * one.any(axis=1).sum()
+
+
+def test_no_text_is_drawn_as_nothing() -> None:
+    assert not ink("").any()

@@ -1,0 +1,78 @@
+import base64
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from course_lib.viewer import widget as widget_module
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.widget import SceneWidget
+
+RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
+
+
+@pytest.fixture
+def scene() -> Scene:
+    scene = Scene()
+    scene.set_object("box", RED_BOX)
+    return scene
+
+
+def test_a_cell_gets_a_view_a_picture_and_words(scene: Scene) -> None:
+    data, _ = SceneWidget(scene, label="The red box")._repr_mimebundle_()
+    assert data["text/plain"] == "The red box: 1 objects"
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert base64.b64decode(data["image/png"]).startswith(b"\x89PNG")
+
+
+def test_a_scene_too_large_to_draw_at_once_has_no_picture(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(widget_module, "_PICTURE_LIMIT", 11)
+    assert "image/png" not in SceneWidget(scene)._repr_mimebundle_()[0]
+
+
+def test_the_state_holds_the_scene_as_it_is_when_asked(scene: Scene) -> None:
+    widget = SceneWidget(scene)
+    before = widget.get_state()
+    scene.set_object("other", RED_BOX)
+    after = widget.get_state()
+    assert len(after["snapshot"]) > len(before["snapshot"])
+    assert after["number"] > before["number"]
+    assert "snapshot" not in widget.get_state("height")
+
+
+def test_all_widgets_share_one_copy_of_the_code(scene: Scene) -> None:
+    assert SceneWidget(scene).code == SceneWidget(Scene()).code
+
+
+def test_no_page_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    widget = SceneWidget(scene)
+    monkeypatch.setattr(widget, "send", lambda *_: pytest.fail("sent to nobody"))
+    scene.set_object("other", RED_BOX)
+    widget.flush()
+    assert not widget.ready
+
+
+def test_what_a_page_must_not_say_is_passed_over(scene: Scene) -> None:
+    widget = SceneWidget(scene)
+    for content in ({}, {"type": "format_disk"}, {"type": "ready", "number": "first"}):
+        widget._receive(widget, content, [])
+
+
+def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
+    program = (
+        "import numpy as np\n"
+        "from course_lib.viewer.drawables import Solids\n"
+        "from course_lib.viewer.scene import Scene\n"
+        "from course_lib.viewer.widget import SceneWidget\n"
+        "scene = Scene()\n"
+        "widget = SceneWidget(scene)\n"
+        "widget._receive(widget, {'type': 'ready', 'number': 0}, [])\n"
+        "for x in range(50):\n"
+        "    scene.set_transform('a', np.eye(4))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -1,0 +1,122 @@
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from course_lib.viewer import zbuffer
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.scene import Scene
+
+SIZE = (200, 160)
+
+
+def scaled(size: float, z: float = 0.0) -> np.ndarray:
+    transform_unit_to_node = np.diag([size, size, size, 1.0])
+    transform_unit_to_node[2, 3] = z  # [m]
+    return transform_unit_to_node
+
+
+def from_above(*drawables: Drawable) -> Scene:
+    """A scene seen from 10 m above, 20 pixels to the metre."""
+    scene = Scene()
+    scene.background = (0, 0, 0)
+    scene.camera = Camera(eye=(0, 0, 10), target=(0, 0, 0), up=(0, 1, 0), orthographic_scale=20)
+    for number, drawable in enumerate(drawables):
+        scene.set_object(str(number), drawable)
+    return scene
+
+
+def drawn(scene: Scene) -> np.ndarray:
+    return np.asarray(Image.open(BytesIO(zbuffer.draw(scene, SIZE)))).astype(int)
+
+
+def middle(scene: Scene) -> list[int]:
+    found: list[int] = drawn(scene)[SIZE[1] // 2, SIZE[0] // 2].tolist()
+    return found
+
+
+def box(color: tuple[float, ...], z: float = 0.0, size: float = 2.0) -> Solids:
+    return Solids("box", [scaled(size, z)], color)
+
+
+def test_a_face_that_looks_at_the_camera_has_its_own_colour() -> None:
+    assert middle(from_above(box((1, 0.5, 0, 1)))) == [255, 128, 0]
+
+
+def test_a_slanted_face_is_darker_and_keeps_its_hue() -> None:
+    slanted = Mesh([[-2, -2, -2], [2, -2, 2], [2, 2, 2], [-2, 2, -2]], [[0, 1, 2], [0, 2, 3]], (1, 0.5, 0, 1))
+    red, green, blue = middle(from_above(slanted))
+    assert red == pytest.approx(255 * np.sqrt(0.5), abs=1)
+    assert green == pytest.approx(red / 2, abs=1)
+    assert blue == 0
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_the_nearer_thing_is_seen_whatever_came_first(order: tuple[int, int]) -> None:
+    boxes = [box((1, 0, 0, 1), z=2), box((0, 1, 0, 1), z=-2)]
+    assert middle(from_above(*(boxes[i] for i in order))) == [255, 0, 0]
+
+
+def test_half_transparent_things_mix_with_what_is_behind_them() -> None:
+    assert middle(from_above(box((1, 0, 0, 0.5), z=2), box((0, 0, 1, 1)))) == [128, 0, 128]
+    layers = (box((1, 0, 0, 0.5), z=2), box((0, 1, 0, 0.5), z=-2))
+    assert middle(from_above(*layers)) == middle(from_above(*reversed(layers))) == [128, 64, 0]
+
+
+def test_alpha_zero_is_not_seen() -> None:
+    assert middle(from_above(box((1, 0, 0, 0)))) == [0, 0, 0]
+
+
+def test_hidden_and_deleted_things_are_not_drawn() -> None:
+    scene = from_above(box((1, 0, 0, 1)), box((0, 1, 0, 1)))
+    scene.set_visible("0", False)
+    scene.delete("1")
+    assert not drawn(scene).any()
+
+
+def test_lines_are_as_wide_as_asked_and_one_pixel_if_not() -> None:
+    wide = drawn(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1), width=0.5)))[..., 0]
+    assert wide[:, 100].sum() / 255 == pytest.approx(10, abs=1)
+    assert wide[80].sum() / 255 == pytest.approx(120, abs=1)
+    thin = drawn(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1))))[..., 0]
+    assert thin[:, 100].sum() / 255 == pytest.approx(1, abs=0.5)
+
+
+def test_a_line_that_begins_behind_the_eye_is_still_seen() -> None:
+    scene = from_above(Lines([[0, -1, 100], [0, 0, -100]], (1, 1, 1, 1), width=0.2))
+    scene.camera = Camera(eye=(0, 0, 10), target=(0, 0, 0), up=(0, 1, 0))
+    assert drawn(scene).any()
+
+
+def test_points_are_squares_in_metres_or_pixels() -> None:
+    metres = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (1.0, 0.5))))[..., 0] > 0
+    assert metres.sum() == 20 * 10
+    pixels = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4, 4), pixels=True)))[..., 0] > 0
+    assert pixels.sum() == 16
+
+
+def test_capital_letters_have_the_height_asked_for_and_stand_in_the_middle() -> None:
+    rows, columns = np.nonzero(drawn(from_above(Text("H", 2.0)))[..., 0] > 128)
+    assert np.ptp(rows) + 1 == pytest.approx(40, abs=1)
+    assert (rows.min() + rows.max()) / 2 == pytest.approx(79.5, abs=1)
+    assert (columns.min() + columns.max()) / 2 == pytest.approx(99.5, abs=2)
+
+
+def test_colours_of_vertices_run_into_each_other() -> None:
+    corners = [[-4, -3, 0], [4, -3, 0], [0, 3, 0]]
+    mesh = Mesh(corners, None, [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)], lit=False)
+    picture = drawn(from_above(mesh))
+    assert picture[80, 100] == pytest.approx([64, 64, 128], abs=3)
+
+
+def test_an_empty_scene_is_all_background() -> None:
+    scene = from_above(Points([], [], (1, 1)), Lines([], []), Solids("box", [], []))
+    scene.background = (1, 2, 3)
+    assert (drawn(scene) == [1, 2, 3]).all()
+
+
+def test_a_flattened_solid_is_drawn_from_its_flat_side() -> None:
+    flat = np.diag([2.0, 2.0, 0.0, 1.0])
+    assert middle(from_above(Solids("box", [flat], (1, 0, 0, 1)))) == [255, 0, 0]
