@@ -12,11 +12,11 @@ from course_lib.viewer.drawables import Lines
 
 FIXED_FRAME = "<Fixed Frame>"  # stands for the fixed frame, whatever it is
 
-# Columns: where the grid's x, z and normal point in the reference frame (grid_display.cpp:updatePlane).
+# Where the grid's x, normal and z point in the reference frame (grid_display.cpp:updatePlane).
 _PLANES = {
     "XY": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
     "XZ": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "YZ": ((0, -1, 0), (0, 0, 1), (1, 0, 0)),
+    "YZ": ((0, 0, 1), (-1, 0, 0), (0, -1, 0)),
 }
 
 

@@ -51,16 +51,16 @@ def read_layout(path: str | Path) -> Layout:
     return Layout(document, fixed_frame, background, frame_rate, displays, view)
 
 
-def _displays(path: str | Path, group: Any) -> Iterator[Mapping[str, Any]]:
+def _displays(path: str | Path, group: Any, ticked: bool = True) -> Iterator[Mapping[str, Any]]:
     """Yield the displays of a group, and those of the groups in it."""
     displays = _part(path, group, "Displays", list)
     for index, display in enumerate(displays):
         if not isinstance(display, dict):
             raise _misshapen(path, display, displays, index, f"Display {index + 1}", dict)
         if display.get("Class") == "rviz_common/Group":
-            yield from _displays(path, display)
+            yield from _displays(path, display, ticked and display.get("Enabled") is not False)
         else:
-            yield display
+            yield display if ticked else {**display, "Enabled": False}
 
 
 def _parsed(path: Path) -> dict[str, Any]:

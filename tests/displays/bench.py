@@ -1,0 +1,107 @@
+"""A session on the bench: publish to it, let time pass, look at what it shows."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
+from std_msgs.msg import ColorRGBA
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from course_lib.displays.display import Display
+from course_lib.displays.session import Session
+from course_lib.displays.statuses import Level
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import Message, serialize, type_name
+from course_lib.ros.qos import Qos
+from course_lib.viewer.scene import Scene
+
+START_NS = 1_000_000_000_000  # [ns]
+TOPIC, ARRAY = "/markers", "/marker_arrays"
+
+
+class Bench:
+    """A session with a Marker and a MarkerArray display; times are in [s] since it began."""
+
+    def __init__(self, fixed_frame: str = "map", match_qos: bool = True) -> None:
+        self.scene = Scene()
+        self.session = Session(self.scene, fixed_frame, START_NS, match_qos)
+        self.marker = self.session.add("rviz_default_plugins/Marker", "Marker", {"Topic": TOPIC})
+        self.array = self.session.add("rviz_default_plugins/MarkerArray", "MarkerArray", {"Topic": ARRAY})
+
+    def hear(self, topic: str, message: Any, at: float = 0.0, qos: Qos | None = None) -> None:
+        """Let a message be published."""
+        assert isinstance(message, Message)
+        sample = Sample(ns(at), topic, type_name(message), serialize(message), qos or Qos(), 1)
+        self.session.receive(sample)
+
+    def show(self, *markers: Marker, at: float = 0.0) -> None:
+        """Publish markers in one array, and look."""
+        self.hear(ARRAY, MarkerArray(markers=list(markers)), at)
+        self.look(at)
+
+    def look(self, at: float = 0.0) -> None:
+        """Make a frame."""
+        self.session.update(ns(at))
+
+    def transform(
+        self,
+        parent: str,
+        child: str,
+        at_xyz: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        *,
+        yaw: float = 0.0,
+        at: float = 0.0,
+        static: bool = True,
+    ) -> None:
+        """Publish a transform, stamped with the time it is published at."""
+        message = TransformStamped(child_frame_id=child)
+        message.header.frame_id = parent
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns(at), 10**9)
+        message.transform.translation = Vector3(x=at_xyz[0], y=at_xyz[1], z=at_xyz[2])
+        message.transform.rotation = Quaternion(z=float(np.sin(yaw / 2)), w=float(np.cos(yaw / 2)))
+        qos = Qos(durability="transient_local") if static else Qos()
+        self.hear("/tf_static" if static else "/tf", TFMessage(transforms=[message]), at, qos)
+
+    def said(self, display: Display, name: str) -> tuple[Level, str] | None:
+        """Return RViz's status of a name."""
+        rows = {row.name: row for row in display.rows() if row.level != "hint"}
+        return (rows[name].level, rows[name].text) if name in rows else None
+
+    def hints(self, display: Display) -> list[str]:
+        """Return our hints."""
+        return [
+            row.text for row in self.session.rows() if row.display == display.name and row.level == "hint"
+        ]
+
+    def shown(self) -> list[str]:
+        """Return the names of the visible markers, ns/id."""
+        paths = [path for path in self.scene.objects() if self.scene.visible(path)]
+        return sorted({"/".join(path.split("/")[-3:-1]) for path in paths})
+
+    def place(self, name: str) -> npt.NDArray[np.float64]:
+        """Return the transform from a marker, ns/id, to the fixed frame, shape (4, 4)."""
+        paths = [path for path in self.scene.objects() if path.rpartition("/")[0].endswith(name)]
+        return self.scene.world_transform(paths[0])
+
+
+def ns(at: float) -> int:
+    return START_NS + round(at * 1e9)
+
+
+def marker(
+    kind: int = Marker.CUBE, number: int = 0, *, ns: str = "n", frame: str = "map", **fields: Any
+) -> Marker:
+    """Make a red marker of 1 m at the origin."""
+    made = Marker(type=kind, id=number, ns=ns, **fields)
+    made.header.frame_id = frame
+    if "scale" not in fields:
+        made.scale = Vector3(x=1.0, y=1.0, z=1.0)
+    if "color" not in fields:
+        made.color = ColorRGBA(r=1.0, a=1.0)
+    return made
+
+
+def points(*coordinates: tuple[float, float, float]) -> list[Point]:
+    return [Point(x=x, y=y, z=z) for x, y, z in coordinates]

@@ -1,0 +1,159 @@
+import pytest
+from visualization_msgs.msg import Marker, MarkerArray
+
+from course_lib.displays.display import Display
+from course_lib.ros.qos import Qos
+from tests.displays.bench import ARRAY, TOPIC, Bench, marker, ns
+
+
+def stamped(at: float, frame: str = "base", number: int = 0) -> Marker:
+    made = marker(frame=frame, number=number)
+    made.header.stamp.sec, made.header.stamp.nanosec = divmod(ns(at), 10**9)
+    return made
+
+
+def test_a_marker_waits_for_the_transform_of_its_stamp() -> None:
+    bench = Bench()
+    bench.transform("map", "base", at=0.0, static=False)
+    bench.hear(TOPIC, stamped(0.5), at=0.5)
+    bench.look(0.6)
+    assert bench.shown() == []
+    assert bench.said(bench.marker, "n/0") is None
+    assert any("1 messages wait for tf2. No transform" in hint for hint in bench.hints(bench.marker))
+    bench.transform("map", "base", (1.0, 0.0, 0.0), at=1.0, static=False)
+    bench.look(1.1)
+    assert bench.shown() == ["n/0"]
+    assert bench.place("n/0")[0, 3] == 0.5
+    assert bench.hints(bench.marker) == []
+
+
+def test_an_array_does_not_wait_and_is_an_error_at_once() -> None:
+    bench = Bench()
+    bench.transform("map", "base", at=0.0, static=False)
+    bench.show(stamped(0.5), at=0.5)
+    said = bench.said(bench.array, "n/0")
+    assert said is not None
+    assert said[1].startswith(
+        "No transform to fixed frame [map]. TF error: [Lookup would require extrapolation"
+    )
+
+
+def test_the_marker_display_also_takes_arrays_beside_its_topic_at_once() -> None:
+    bench = Bench()
+    bench.hear(TOPIC + "_array", MarkerArray(markers=[marker(), stamped(9.0, number=1)]))
+    bench.look()
+    assert bench.shown() == ["n/0"]
+    assert bench.said(bench.marker, "Array Topic") == ("ok", "OK")
+    assert bench.said(bench.marker, "Topic") == ("ok", "OK")
+
+
+def test_only_so_many_markers_wait() -> None:
+    bench = Bench()
+    for number in range(12):
+        bench.hear(TOPIC, stamped(0.5, number=number), at=0.5)
+    assert any(
+        "for reason 'discarding message because the queue is full'" in h for h in bench.hints(bench.marker)
+    )
+    bench.transform("map", "base", at=1.0)
+    bench.look(1.0)
+    assert bench.shown() == sorted(f"n/{number}" for number in range(2, 12))
+
+
+def test_a_marker_without_a_frame_is_dropped_with_a_line_in_rviz_log_only() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, marker(frame=""))
+    bench.look()
+    assert bench.shown() == []
+    assert bench.said(bench.marker, "n/0") is None
+    assert bench.hints(bench.marker) == [
+        "RViz's log: Message Filter dropping message: frame '' at time 0.000 for reason "
+        "'the frame id of the message is empty'"
+    ]
+
+
+def test_a_marker_that_tf2_has_forgotten_the_time_of_is_dropped() -> None:
+    bench = Bench()
+    for second in (0.0, 20.0):
+        bench.transform("map", "base", at=second, static=False)
+    bench.hear(TOPIC, stamped(5.0), at=20.0)
+    reason = "earlier than all the data in the transform cache"
+    assert any(reason in hint for hint in bench.hints(bench.marker))
+
+
+@pytest.mark.parametrize("which", ["marker", "array"])
+def test_another_fixed_frame_clears_all_markers(which: str) -> None:
+    bench = Bench()
+    display: Display = getattr(bench, which)
+    message = marker() if which == "marker" else MarkerArray(markers=[marker()])
+    bench.hear(TOPIC if which == "marker" else ARRAY, message)
+    bench.look()
+    assert bench.shown() == ["n/0"]
+    bench.session.fixed_frame = "odom"
+    assert bench.shown() == []
+    bench.session.fixed_frame = "map"
+    assert bench.shown() == []
+    assert bench.said(display, "Topic") is None
+
+
+def test_received_messages_are_counted() -> None:
+    bench = Bench()
+    for second in (1.0, 2.0, 3.0, 4.0):
+        bench.hear(TOPIC, marker(), at=second)
+    assert bench.said(bench.marker, "Topic") == ("ok", "4 messages received at 1.0 hz.")
+
+
+def test_a_namespace_that_a_layout_has_unticked_is_not_shown() -> None:
+    bench = Bench()
+    config = {"Topic": {"Value": "/layout"}, "Namespaces": {"hidden": False, "seen": True}}
+    bench.session.add("rviz_default_plugins/MarkerArray", "Layout", config)
+    bench.hear("/layout", MarkerArray(markers=[marker(ns="hidden"), marker(ns="seen")]))
+    bench.look()
+    assert bench.shown() == ["seen/0"]
+
+
+def test_the_default_topics_are_those_of_rviz() -> None:
+    bench = Bench()
+    array = bench.session.add("rviz_default_plugins/MarkerArray", "Default", {})
+    assert [s.topic for s in array.subscriptions] == ["/visualization_marker_array"]
+    single = bench.session.add("rviz_default_plugins/Marker", "Default", {})
+    assert single.subscriptions == ()
+    assert bench.said(single, "Topic") == ("error", "Error subscribing: Empty topic name")
+
+
+def test_a_display_that_is_not_ticked_shows_nothing_and_forgets_what_it_had() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, marker())
+    bench.look()
+    bench.marker["Enabled"] = False
+    assert bench.shown() == []
+    bench.hear(TOPIC, marker(), at=1.0)
+    bench.marker["Enabled"] = True
+    assert bench.shown() == []
+    bench.hear(TOPIC, marker(), at=2.0)
+    bench.look(2.0)
+    assert bench.shown() == ["n/0"]
+
+
+def test_a_message_of_another_type_is_hinted_at() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, MarkerArray(markers=[marker()]))
+    bench.look()
+    assert bench.shown() == []
+    assert bench.hints(bench.marker) == [
+        "/markers carries visualization_msgs/msg/MarkerArray; "
+        "this display takes visualization_msgs/msg/Marker."
+    ]
+
+
+def test_quality_of_service_that_does_not_match_is_hinted_at() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, marker(), qos=Qos(reliability="best_effort"))
+    bench.look()
+    assert bench.shown() == []
+    (hint,) = bench.hints(bench.marker)
+    assert hint.startswith("/markers is published with another RELIABILITY than this display asks for")
+    bench.marker["Reliability Policy"] = "Best Effort"
+    bench.hear(TOPIC, marker(), at=1.0, qos=Qos(reliability="best_effort"))
+    bench.look(1.0)
+    assert bench.shown() == ["n/0"]
+    assert bench.hints(bench.marker) == []

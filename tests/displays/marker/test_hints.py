@@ -1,0 +1,63 @@
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from course_lib.displays.marker.hints import hints
+from tests.displays.bench import marker, points
+
+TWO = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+THREE = [*TWO, *points((0.0, 1.0, 0.0))]
+RED = ColorRGBA(r=1.0, a=1.0)
+FLAT = Vector3()
+
+SILENT: dict[str, tuple[int, dict[str, Any], str]] = {
+    "alpha 0": (Marker.CUBE, {"color": ColorRGBA(r=1.0)}, "color.a is 0"),
+    "alpha 0, colours that do not count": (
+        Marker.POINTS,
+        {"points": TWO, "color": ColorRGBA(), "colors": [RED]},
+        "color.a is 0",
+    ),
+    "too few colours": (Marker.POINTS, {"points": TWO, "colors": [RED]}, "one entry for each point"),
+    "line without width": (Marker.LINE_STRIP, {"points": TWO, "scale": FLAT}, "the width of the line"),
+    "points without size": (Marker.POINTS, {"points": TWO, "scale": FLAT}, "the size of the points"),
+    "cubes without size": (Marker.CUBE_LIST, {"points": TWO, "scale": FLAT}, "0 in one of x/y/z"),
+    "no points": (Marker.SPHERE_LIST, {}, "points is empty"),
+    "text without height": (Marker.TEXT_VIEW_FACING, {"text": "hi", "scale": FLAT}, "height of the letters"),
+    "no text": (Marker.TEXT_VIEW_FACING, {}, "text is empty"),
+    "no mesh": (Marker.MESH_RESOURCE, {}, "mesh_resource is empty"),
+    "texture": (Marker.TRIANGLE_LIST, {"points": THREE, "texture_resource": "embedded://a"}, "textures"),
+    "arrow strip": (Marker.ARROW_STRIP, {}, "Unknown marker type: 12"),
+    "no rotation": (
+        Marker.CUBE,
+        {"pose": Pose(orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=0.0))},
+        "Set orientation.w = 1.0",
+    ),
+    "long rotation": (Marker.CUBE, {"pose": Pose(orientation=Quaternion(z=1.0, w=1.0))}, "(0, 0, 1, 1)"),
+}
+
+FINE: dict[str, tuple[int, dict[str, Any]]] = {
+    "cube": (Marker.CUBE, {}),
+    "own colours": (Marker.POINTS, {"points": TWO, "color": ColorRGBA(), "colors": [RED, RED]}),
+    "a colour for each face": (Marker.TRIANGLE_LIST, {"points": THREE, "colors": [RED]}),
+    "materials of the mesh": (
+        Marker.MESH_RESOURCE,
+        {"color": ColorRGBA(), "mesh_resource": "file:///a.dae", "mesh_use_embedded_materials": True},
+    ),
+    "rounded rotation": (Marker.CUBE, {"pose": Pose(orientation=Quaternion(z=0.7071, w=0.7071))}),
+    "colours of a cube": (Marker.CUBE, {"colors": [RED]}),
+}
+
+
+@pytest.mark.parametrize("name", SILENT)
+def test_where_rviz_is_silent_we_say_what_is_wrong(name: str) -> None:
+    kind, fields, text = SILENT[name]
+    assert any(text in hint for hint in hints(marker(kind, **fields)))
+
+
+@pytest.mark.parametrize("name", FINE)
+def test_what_is_fine_needs_no_hint(name: str) -> None:
+    kind, fields = FINE[name]
+    assert hints(marker(kind, **fields)) == ()

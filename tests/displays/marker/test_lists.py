@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from course_lib.displays.marker.drawn import Drawn
+from course_lib.displays.marker.lists import lines, spots
+from course_lib.viewer.drawables import Lines, Points, Solids
+from tests.displays.bench import marker, points
+
+FOUR = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 2.0))
+BLUE = ColorRGBA(b=1.0, a=1.0)
+THIN = Vector3(x=0.1)
+
+
+def only(drawn: Drawn) -> Lines | Points | Solids:
+    (part,) = drawn.parts.values()
+    assert isinstance(part, Lines | Points | Solids)
+    return part
+
+
+@pytest.mark.parametrize(("kind", "strip"), [(Marker.LINE_STRIP, True), (Marker.LINE_LIST, False)])
+def test_lines_are_as_wide_as_x_of_the_scale(kind: int, strip: bool) -> None:
+    part = only(lines(marker(kind, points=FOUR, scale=THIN)))
+    assert isinstance(part, Lines)
+    assert part.width == pytest.approx(0.1)
+    assert part.strip == strip
+    np.testing.assert_array_equal(part.points[3], [0, 1, 2])
+
+
+def test_an_odd_list_of_lines_is_an_error() -> None:
+    drawn = lines(marker(Marker.LINE_LIST, 3, points=FOUR[:3], scale=THIN))
+    assert (drawn.parts, drawn.refused) == ({}, False)
+    assert drawn.status == ("error", "Line list marker [n/3] has an odd number of points.")
+
+
+@pytest.mark.parametrize(("count", "width"), [(4, 0.0), (0, 0.1), (1, 0.1)])
+def test_lines_without_width_or_points_draw_nothing_and_say_nothing(count: int, width: float) -> None:
+    shape = marker(Marker.LINE_STRIP, points=FOUR[:count], scale=Vector3(x=width))
+    assert lines(shape) == Drawn()
+
+
+@pytest.mark.parametrize("count", [0, 3, 5])
+def test_colours_that_are_not_one_for_each_point_are_ignored(count: int) -> None:
+    shape = marker(Marker.LINE_STRIP, points=FOUR, colors=[BLUE] * count, scale=THIN)
+    np.testing.assert_array_equal(only(lines(shape)).colors, [1, 0, 0, 1])
+    shape.type = Marker.CUBE_LIST
+    np.testing.assert_array_equal(only(spots(shape)).colors, [[1, 0, 0, 1]] * 4)
+
+
+@pytest.mark.parametrize("kind", [Marker.LINE_LIST, Marker.POINTS, Marker.CUBE_LIST, Marker.SPHERE_LIST])
+def test_one_colour_for_each_point_is_used(kind: int) -> None:
+    draw = lines if kind == Marker.LINE_LIST else spots
+    part = only(draw(marker(kind, points=FOUR, colors=[BLUE] * 4)))
+    np.testing.assert_array_equal(part.colors, [[0, 0, 1, 1]] * 4)
+
+
+def test_points_are_squares_of_x_by_y() -> None:
+    part = only(spots(marker(Marker.POINTS, points=FOUR, scale=Vector3(x=0.2, y=0.1))))
+    assert isinstance(part, Points)
+    assert part.size == pytest.approx((0.2, 0.1))
+    assert not part.pixels
+
+
+@pytest.mark.parametrize(("kind", "shape"), [(Marker.CUBE_LIST, "box"), (Marker.SPHERE_LIST, "sphere")])
+def test_each_solid_of_a_list_has_the_full_extent_of_the_scale(kind: int, shape: str) -> None:
+    part = only(spots(marker(kind, points=FOUR, scale=Vector3(x=0.4, y=0.3, z=0.2))))
+    assert isinstance(part, Solids)
+    assert part.shape == shape
+    expected = np.diag([0.4, 0.3, 0.2, 1.0])
+    expected[:3, 3] = [0, 1, 2]
+    np.testing.assert_allclose(part.placements[3], expected, atol=1e-7)
+
+
+def test_the_alpha_of_one_colour_for_all_counts_twice() -> None:
+    shape = marker(Marker.CUBE_LIST, points=FOUR, color=ColorRGBA(r=1.0, a=0.5))
+    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 0.25])
+    shape.colors = [ColorRGBA(r=1.0, a=0.5)] * 4
+    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 0.5])
+
+
+def test_points_that_are_all_transparent_are_a_warning_but_one_colour_is_not() -> None:
+    shape = marker(Marker.POINTS, points=FOUR, colors=[ColorRGBA(r=1.0)] * 4)
+    assert spots(shape).status == ("warn", "All points have a zero alpha value.")
+    assert spots(marker(Marker.POINTS, points=FOUR, color=ColorRGBA(r=1.0))).status is None
+
+
+def test_points_of_no_size_or_number_draw_nothing_and_say_nothing() -> None:
+    assert spots(marker(Marker.POINTS, points=FOUR, scale=Vector3(x=0.1))) == Drawn()
+    assert spots(marker(Marker.SPHERE_LIST)) == Drawn()
+
+
+def test_a_colour_that_is_no_number_does_not_stop_the_drawing() -> None:
+    nan = ColorRGBA(r=float("nan"), a=1.0)
+    np.testing.assert_array_equal(
+        only(spots(marker(Marker.POINTS, points=FOUR, colors=[nan] * 4))).colors[0], [0, 0, 0, 1]
+    )

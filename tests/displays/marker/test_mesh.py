@@ -1,0 +1,81 @@
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from course_lib.displays.marker.drawn import Drawn
+from course_lib.displays.marker.mesh import mesh, resolved
+from course_lib.viewer.drawables import Mesh
+from tests.displays.bench import marker
+
+pytest.importorskip("coal", reason="meshes need pin, which has no wheels here")
+
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
+UPPER_ARM = "package://example-robot-data/robots/ur_description/meshes/ur10/visual/upperarm.dae"
+
+
+@pytest.fixture
+def obj(tmp_path: Path) -> str:
+    path = tmp_path / "my mesh.obj"
+    path.write_text(OBJ)
+    return f"file://{tmp_path}/my%20mesh.obj"
+
+
+def drawn(uri: str, **fields: Any) -> Mesh:
+    part = mesh(marker(Marker.MESH_RESOURCE, mesh_resource=uri, **fields)).parts["mesh"]
+    assert isinstance(part, Mesh)
+    return part
+
+
+def test_a_mesh_of_a_file_is_drawn_in_the_markers_colour_and_scale(obj: str) -> None:
+    part = drawn(obj, scale=Vector3(x=2.0, y=1.0, z=1.0))
+    np.testing.assert_array_equal(part.vertices.max(axis=0), [2, 1, 1])
+    assert len(part.faces) == 2
+    np.testing.assert_array_equal(part.colors, [1, 0, 0, 1])
+
+
+def test_a_mesh_of_the_robot_data_is_found_by_its_package() -> None:
+    part = drawn(UPPER_ARM)
+    assert len(part.faces) > 1000
+    assert np.ptp(part.vertices, axis=0).max() == pytest.approx(0.7, abs=0.2)  # [m]
+
+
+def test_a_package_is_looked_for_on_the_ros_package_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "my_robot").mkdir()
+    (tmp_path / "my_robot" / "arm.stl").touch()
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    assert resolved("package://my_robot/arm.stl") == tmp_path / "my_robot" / "arm.stl"
+
+
+@pytest.mark.parametrize("tint", [False, True])
+def test_a_mesh_with_its_own_materials_takes_a_tint_only_if_there_is_one(obj: str, tint: bool) -> None:
+    color = ColorRGBA(r=1.0, a=1.0) if tint else ColorRGBA()
+    part = drawn(obj, mesh_use_embedded_materials=True, color=color)
+    assert part.colors[3] == 1.0
+    assert (part.colors[0] > part.colors[1]) == tint
+
+
+@pytest.mark.parametrize(
+    "uri",
+    ["file:///nowhere.stl", "package://nobody/arm.stl", "https://example.org/a.stl", "arm.stl", "file:///"],
+)
+def test_what_cannot_be_loaded_is_an_error_in_rviz_words(uri: str) -> None:
+    made = mesh(marker(Marker.MESH_RESOURCE, 5, mesh_resource=uri))
+    assert made.refused
+    assert made.status == ("error", f"Mesh resource marker [n/5] could not load [{uri}]")
+
+
+def test_a_file_that_is_no_mesh_is_an_error(tmp_path: Path) -> None:
+    path = tmp_path / "arm.stl"
+    path.write_text("not a mesh")
+    assert mesh(marker(Marker.MESH_RESOURCE, mesh_resource=f"file://{path}")).refused
+
+
+def test_no_address_draws_nothing_and_says_nothing() -> None:
+    assert mesh(marker(Marker.MESH_RESOURCE)) == Drawn()

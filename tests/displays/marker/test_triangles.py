@@ -1,0 +1,74 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from course_lib.displays.marker.triangles import triangles
+from course_lib.viewer.drawables import Mesh
+from tests.displays.bench import marker, points
+
+SIX = points(*[(float(i), float(i % 2), 0.0) for i in range(6)])
+
+
+def drawn(**fields: Any) -> Mesh:
+    part = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, **fields)).parts["mesh"]
+    assert isinstance(part, Mesh)
+    return part
+
+
+def clear(alpha: float, count: int) -> list[ColorRGBA]:
+    return [ColorRGBA(g=1.0, a=alpha) for _ in range(count)]
+
+
+def test_triangles_without_colours_are_shaded_in_that_of_the_marker() -> None:
+    mesh = drawn(scale=Vector3(x=2.0, y=1.0, z=1.0))
+    assert mesh.lit
+    np.testing.assert_array_equal(mesh.colors, [1, 0, 0, 1])
+    np.testing.assert_array_equal(mesh.vertices[3], [6, 1, 0])
+
+
+@pytest.mark.parametrize("count", [6, 2], ids=["each corner", "each face"])
+def test_triangles_with_colours_are_not_shaded(count: int) -> None:
+    mesh = drawn(colors=clear(1.0, count))
+    assert not mesh.lit
+    np.testing.assert_array_equal(mesh.colors, [[0, 1, 0, 1]] * 6)
+
+
+@pytest.mark.parametrize("count", [1, 3, 5, 7])
+def test_colours_that_fit_neither_corners_nor_faces_are_ignored(count: int) -> None:
+    np.testing.assert_array_equal(drawn(colors=clear(1.0, count)).colors, [1, 0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("count", "own", "each", "alpha"),
+    [
+        (6, 0.5, 1.0, 1.0),  # opaque corners: RViz replaces, whatever the marker's alpha
+        (6, 0.5, 0.5, 0.25),
+        (2, 1.0, 0.5, 1.0),  # faces are blended only if the marker is
+        (2, 0.5, 0.5, 0.25),
+    ],
+)
+def test_triangles_are_blended_as_rviz_decides(count: int, own: float, each: float, alpha: float) -> None:
+    mesh = drawn(color=ColorRGBA(r=1.0, a=own), colors=clear(each, count))
+    np.testing.assert_allclose(mesh.colors[:, 3], alpha)
+
+
+@pytest.mark.parametrize(
+    ("count", "text"),
+    [
+        (0, "TriMesh marker [n/0] has no points."),
+        (4, "TriMesh marker [n/0] has a point count which is not divisible by 3 [4]"),
+    ],
+)
+def test_points_that_make_no_triangles_are_refused(count: int, text: str) -> None:
+    made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX[:count]))
+    assert made.refused
+    assert made.status == ("error", text)
+
+
+def test_a_flat_scale_is_a_warning() -> None:
+    made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, scale=Vector3(x=1.0, y=1.0)))
+    assert made.status == ("warn", "Scale of 0 in one of x/y/z")

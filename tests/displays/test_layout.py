@@ -1,0 +1,189 @@
+from pathlib import Path
+
+import pytest
+
+from course_lib.displays.layout import read_layout
+from course_lib.displays.session import Session
+from course_lib.errors import CourseError
+from course_lib.ros.qos import Qos
+from course_lib.viewer.scene import Scene
+
+LAYOUT = """\
+Panels:
+  - Class: rviz_common/Displays
+    Name: Displays
+Visualization Manager:
+  Class: ""
+  Displays:
+    - Alpha: 0.5
+      Cell Size: 2
+      Class: rviz_default_plugins/Grid
+      Enabled: true
+      Line Style:
+        Line Width: 0.1
+        Value: Billboards
+      Name: My grid
+      Value: true
+    - Class: rviz_common/Group
+      Displays:
+        - Class: rviz_default_plugins/MarkerArray
+          Enabled: false
+          Name: Boxes
+          Namespaces:
+            {}
+          Topic:
+            Depth: 7
+            Durability Policy: Transient Local
+            History Policy: Keep Last
+            Reliability Policy: Best Effort
+            Value: /boxes
+      Name: Group
+    - Class: rviz_default_plugins/Marker
+      Name: Old
+      Queue Size: 3
+      Topic: /old
+      Unreliable: true
+    - Class: rviz/Grid
+      Name: From ROS 1
+  Enabled: true
+  Global Options:
+    Background Color: 200; 220; 255
+    Fixed Frame: /world
+    Frame Rate: 10
+  Views:
+    Current:
+      Class: rviz_default_plugins/XYOrbit
+      Distance: 3.5
+      Focal Point:
+        X: 1
+        Y: 2
+        Z: 0
+      Near Clip Distance: 0.1
+      Pitch: 0.3
+      Target Frame: <Fixed Frame>
+      Value: XYOrbit (rviz)
+      Yaw: 1.5
+    Saved: ~
+"""
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Session:
+    path = tmp_path / "view.rviz"
+    path.write_text(LAYOUT)
+    made = Session(Scene())
+    made.apply(read_layout(path))
+    return made
+
+
+def test_a_layout_gives_options_displays_and_view(session: Session) -> None:
+    assert (session.fixed_frame, session.frame_rate) == ("world", 10)
+    assert session.context.scene.background == (200, 220, 255)
+    assert [display.name for display in session.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
+    view = session.view
+    assert repr(view) == "XYOrbit"
+    labels = ("Distance", "Yaw", "Pitch", "Focal Point", "Near Clip Distance")
+    assert [view[label] for label in labels] == [3.5, 1.5, 0.3, (1.0, 2.0, 0.0), 0.1]
+
+
+def test_properties_are_read_by_rviz_labels(session: Session) -> None:
+    grid, boxes = session.displays[:2]
+    labels = ("Alpha", "Cell Size", "Line Style", "Line Width", "Enabled")
+    assert [grid[label] for label in labels] == [0.5, 2.0, "Billboards", 0.1, True]
+    assert not boxes.enabled
+    boxes["Enabled"] = True
+    (subscription,) = boxes.subscriptions
+    assert subscription.topic == "/boxes"
+    assert subscription.qos == Qos(depth=7, reliability="best_effort", durability="transient_local")
+
+
+def test_topics_as_written_before_galactic_are_understood(session: Session) -> None:
+    old = session.displays[2].subscriptions[0]
+    assert old.topic == "/old"
+    assert old.qos == Qos(depth=3, reliability="best_effort")
+
+
+def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    text = LAYOUT.replace("Enabled: false", "Enabled: true").replace(
+        "Group\n    ", "Group\n      Enabled: false\n    "
+    )
+    path.write_text(text)
+    by_name = {config["Name"]: config for config in read_layout(path).displays}
+    assert not by_name["Boxes"]["Enabled"]
+    assert by_name["My grid"]["Enabled"]
+
+
+def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:
+    (row,) = session.displays[3].rows()
+    assert "'rviz/Grid', could not be loaded" in row.text
+
+
+def test_the_configuration_is_kept_with_what_we_do_not_know(session: Session) -> None:
+    assert session.displays[0].config["Value"] is True
+
+
+def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    path.write_text(
+        LAYOUT.replace("Cell Size: 2", "Cell Size: wide").replace("3.5", "far").replace("XYO", "O")
+    )
+    made = Session(Scene())
+    made.apply(read_layout(path))
+    assert made.displays[0]["Cell Size"] == 1.0
+    hints = [row.text for row in made.rows() if row.level == "hint"]
+    assert any("'Cell Size' is 'wide', expected a number" in hint for hint in hints)
+    assert any("'Distance' is 'far', expected a number" in hint for hint in hints)
+
+
+def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    path.write_text(LAYOUT.replace("rviz_default_plugins/XYOrbit", "my_pkg/Drone"))
+    made = Session(Scene())
+    made.apply(read_layout(path))
+    assert repr(made.view) == "Orbit"
+    assert any("Drone is none of Orbit, XYOrbit" in row.text for row in made.rows())
+
+
+BROKEN = {
+    "no YAML": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is no YAML"),
+    "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is no YAML: found character '\\t'"),
+    "a list": ("- a\n- b\n", "is no .rviz file: it has no 'Visualization Manager'"),
+    "empty": ("", "is no .rviz file: it has no 'Visualization Manager'"),
+    "another file": ("a: 1\n", "is no .rviz file: it has no 'Visualization Manager'"),
+    "displays as text": (
+        "Visualization Manager:\n  Displays: none\n",
+        r"line 2, column 13: 'Displays' is 'none', expected a list",
+    ),
+    "a display as text": (
+        "Visualization Manager:\n  Displays:\n    - Grid\n",
+        r"line 3, column 7: 'Display 1' is 'Grid', expected a map",
+    ),
+    "a view as list": (
+        "Visualization Manager:\n  Views:\n    Current: []\n",
+        r"line 3, column 14: 'Current' is '\[\]', expected a map",
+    ),
+    "a colour": (
+        "Visualization Manager:\n  Global Options:\n    Background Color: dark; red\n",
+        "a value of Global Options is wrong: a colour like",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_is_broken_is_named_with_its_place(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    path.write_text(BROKEN[name][0])
+    with pytest.raises(CourseError, match=BROKEN[name][1]) as caught:
+        read_layout(path)
+    assert str(path) in str(caught.value)
+
+
+def test_what_is_no_file_or_no_text_is_one_clear_line(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match=r"Cannot read the layout .*: No such file or directory\."):
+        read_layout(tmp_path / "missing.rviz")
+    with pytest.raises(CourseError, match=r"Cannot read the layout .*: Is a directory\."):
+        read_layout(tmp_path)
+    (tmp_path / "picture.rviz").write_bytes(b"\x89PNG\xff\xfe")
+    with pytest.raises(CourseError, match="it is not even text"):
+        read_layout(tmp_path / "picture.rviz")

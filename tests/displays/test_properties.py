@@ -1,0 +1,131 @@
+from typing import Any
+
+import pytest
+
+from course_lib.displays.properties import (
+    Property,
+    PropertyHolder,
+    booleans,
+    color,
+    flag,
+    frame,
+    integer,
+    number,
+    text,
+    vector,
+    words,
+)
+from course_lib.errors import CourseError
+
+
+class Thing(PropertyHolder):
+    properties = (
+        Property("Cell Size", 1.0, number(0.1)),
+        Property("Line Style", "Lines", words("Lines", "Billboards")),
+        Property("Line Style/Line Width", 0.03, number()),
+        Property("Shape/Alpha", 1.0, number()),
+        Property("Covariance/Alpha", 0.5, number()),
+    )
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[str] = []
+
+    def __repr__(self) -> str:
+        return "Thing"
+
+    def changed(self, label: str) -> None:
+        self.seen.append(label)
+
+
+@pytest.mark.parametrize("label", ["Line Style/Line Width", "Line Width", "line_width"])
+def test_a_property_goes_by_its_path_its_unique_label_or_a_python_name(label: str) -> None:
+    thing = Thing()
+    thing[label] = 2
+    assert thing["Line Style/Line Width"] == 2.0
+    assert thing.seen == ["Line Style/Line Width"]
+
+
+def test_the_same_value_again_is_no_change() -> None:
+    thing = Thing()
+    thing["Cell Size"] = 1
+    assert thing.seen == []
+
+
+def test_an_unknown_label_names_close_ones() -> None:
+    with pytest.raises(CourseError, match="Thing has no property 'cell siz', but 'Cell Size'"):
+        Thing()["cell siz"]
+
+
+def test_a_label_that_two_properties_have_asks_for_the_path() -> None:
+    with pytest.raises(CourseError, match="'Alpha' may be 'Shape/Alpha' or 'Covariance/Alpha'"):
+        Thing()["Alpha"]
+
+
+def test_a_wrong_value_says_what_came_and_what_is_right() -> None:
+    with pytest.raises(CourseError, match="'Line Style' is 'Dots', expected one of 'Lines', 'Billboards'"):
+        Thing()["Line Style"] = "Dots"
+
+
+def test_a_layout_sets_what_it_names_and_reports_what_is_wrong() -> None:
+    thing = Thing()
+    config = {
+        "Cell Size": "wide",
+        "Line Style": {"Value": "Billboards", "Line Width": 0.5},
+        "Covariance": {"Alpha": 0.25},
+        "Foreign": 1,
+        "Shape": None,
+    }
+    (wrong,) = thing.load(config)
+    assert wrong == "Thing: 'Cell Size' is 'wide', expected a number."
+    values = [thing[prop.label] for prop in Thing.properties]
+    assert values == [1.0, "Billboards", 0.5, 1.0, 0.25]
+
+
+GOOD: list[tuple[Any, Any, Any]] = [
+    (number(0.0, 1.0), 2, 1.0),
+    (number(0.0, 1.0), "0.5", 0.5),
+    (integer(1), 0, 1),
+    (integer(1), 3.0, 3),
+    (flag, True, True),
+    (text, None, ""),
+    (text, 5, "5"),
+    (frame, "/map", "map"),
+    (color, "255; 0; 7", (255, 0, 7)),
+    (color, "#ff0007", (255, 0, 7)),
+    (color, "red", (255, 0, 0)),
+    (color, (1, 2, 300), (1, 2, 255)),
+    (vector, {"X": 1, "Y": 2.5, "Z": -3}, (1.0, 2.5, -3.0)),
+    (vector, [1, 2, 3], (1.0, 2.0, 3.0)),
+    (booleans, {"a": False}, {"a": False}),
+]
+
+
+@pytest.mark.parametrize(("convert", "given", "value"), GOOD)
+def test_values_are_taken_as_rviz_takes_them(convert: Any, given: Any, value: Any) -> None:
+    assert convert(given) == value
+
+
+BAD: list[tuple[Any, Any, str]] = [
+    (number(), "a", "a number"),
+    (number(), True, "a number"),
+    (number(), float("nan"), "a number"),
+    (integer(0), 1.5, "a whole number"),
+    (integer(0), float("inf"), "a whole number"),
+    (flag, 1, "True or False"),
+    (text, {}, "text"),
+    (words("A", "B"), ["A"], "one of 'A', 'B'"),
+    (color, "1; 2", "a colour like"),
+    (color, 7, "a colour like"),
+    (color, "nocolour", "a colour like"),
+    (vector, {"X": 1}, "three numbers"),
+    (vector, 1.0, "three numbers"),
+    (booleans, {"a": 1}, "True or False"),
+    (booleans, ["a"], "a map like"),
+]
+
+
+@pytest.mark.parametrize(("convert", "given", "expected"), BAD)
+def test_values_that_do_not_fit_say_what_does(convert: Any, given: Any, expected: str) -> None:
+    with pytest.raises(ValueError, match=expected):
+        convert(given)

@@ -1,0 +1,59 @@
+from course_lib.displays.status_table import StatusTable, table
+from course_lib.displays.statuses import Statuses, StatusRow
+
+
+def test_of_one_name_the_last_word_counts_and_hints_come_last() -> None:
+    statuses = Statuses()
+    statuses.hint("Topic", "a", "b")
+    statuses.set("error", "Topic", "bad")
+    statuses.set("ok", "Topic", "OK")
+    assert statuses.rows("Marker") == [
+        StatusRow("Marker", "Topic", "ok", "OK"),
+        StatusRow("Marker", "Topic", "hint", "a"),
+        StatusRow("Marker", "Topic", "hint", "b"),
+    ]
+
+
+def test_hints_without_text_take_back_the_last_ones() -> None:
+    statuses = Statuses()
+    statuses.hint("Topic", "a")
+    statuses.hint("Topic")
+    assert statuses.rows("Marker") == []
+
+
+def test_delete_forgets_a_name_and_clear_all() -> None:
+    statuses = Statuses()
+    for name in ("n/0", "n/1"):
+        statuses.set("warn", name, "x")
+        statuses.hint(name, "y")
+    statuses.delete("n/0")
+    assert {row.name for row in statuses.rows("")} == {"n/1"}
+    statuses.clear()
+    assert statuses.rows("") == []
+
+
+ROWS = [
+    StatusRow("Marker", "Topic", "ok", "1 messages received"),
+    StatusRow("Marker", "n/0", "error", "<b>Frame</b> & co"),
+    StatusRow("Marker", "n/0", "hint", "say this"),
+    StatusRow("Grid", "Transform", "warn", "hm"),
+]
+
+
+def test_the_table_tells_levels_by_icon_and_word_and_not_by_colour_only() -> None:
+    html = table(ROWS)
+    for mark in ("✔ Ok", "✖ Error", "⚠ Warn", "➤ hint"):
+        assert mark in html
+    assert "<th>Level</th>" in html
+
+
+def test_texts_cannot_become_html() -> None:
+    assert "<b>Frame" not in table(ROWS)
+    assert "&lt;b&gt;Frame&lt;/b&gt; &amp; co" in table(ROWS)
+
+
+def test_in_a_terminal_the_columns_are_aligned() -> None:
+    lines = str(StatusTable(ROWS)).splitlines()
+    assert lines[0] == "Marker  Topic      ✔ Ok     1 messages received"
+    assert lines[3] == "Grid    Transform  ⚠ Warn   hm"
+    assert str(StatusTable()) == ""

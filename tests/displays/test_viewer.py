@@ -1,0 +1,207 @@
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from course_lib.displays.status_table import StatusTable
+from course_lib.displays.viewer import Viewer
+from course_lib.displays.views import Orbit, TopDownOrtho
+from course_lib.errors import CourseError
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.messages import serialize, type_name
+from course_lib.ros.qos import Qos
+from tests.displays.bench import marker
+from tests.displays.test_layout import LAYOUT
+
+LATCHED = Qos(durability="transient_local")
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    with use_graph(Graph()) as made:
+        yield made
+
+
+def publish(graph: Graph, topic: str, message: Any, qos: Qos | None = None) -> None:
+    node = graph.add_node("talker", "/")
+    graph.publish(graph.add_publisher(node, topic, type_name(message), qos or Qos()), serialize(message))
+
+
+def shown(viewer: Viewer) -> set[str]:
+    viewer.look()
+    return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.visible(path)}
+
+
+def test_a_new_viewer_shows_a_grid_in_its_fixed_frame(graph: Graph) -> None:
+    viewer = Viewer(fixed_frame="odom")
+    assert [display.name for display in viewer.displays] == ["Grid"]
+    assert viewer.fixed_frame == "odom"
+    assert shown(viewer) == {"Grid"}
+
+
+def test_a_display_shows_what_is_published(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    assert shown(viewer) == {"Grid", "Marker"}
+    assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
+
+
+def test_a_late_display_gets_what_publishers_hold_only_if_it_asks_for_it(graph: Graph) -> None:
+    publish(graph, "/m", marker(), LATCHED)
+    viewer = Viewer()
+    display = viewer.add("Marker", topic="/m")
+    assert shown(viewer) == {"Grid"}
+    display["Durability Policy"] = "Transient Local"
+    assert shown(viewer) == {"Grid", "Marker"}
+
+
+def test_a_late_viewer_hears_static_transforms(graph: Graph) -> None:
+    transform = TransformStamped(child_frame_id="base")
+    transform.header.frame_id = "map"
+    publish(graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
+    assert ("Global Status", "Fixed Frame", "ok", "OK") in Viewer().statuses()
+
+
+def test_markers_expire_as_robot_time_goes_by(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    fading = marker()
+    fading.lifetime.sec = 1
+    publish(graph, "/m", fading)
+    assert shown(viewer) == {"Grid", "Marker"}
+    graph.call_at(graph.now_ns + 2 * 10**9, lambda: None, node=1, entity=0)
+    graph.advance()
+    assert "displays/Marker/n/0/body" not in viewer.scene.objects()
+
+
+def test_properties_go_by_rviz_labels_or_python_names_and_show_at_once(graph: Graph) -> None:
+    viewer = Viewer()
+    grid = viewer["Grid"]
+    before = viewer.scene.objects()["displays/Grid/grid"]
+    grid["Cell Size"] = 0.5
+    assert viewer.scene.objects()["displays/Grid/grid"] is not before
+    labels: dict[str, Any] = {"Plane Cell Count": 4}
+    viewer.add("Grid", name="Big", cell_size=2, **labels)
+    assert (viewer["Big"]["Cell Size"], viewer["Big"]["Plane Cell Count"]) == (2.0, 4)
+
+
+def test_remove_takes_a_display_away_with_what_it_drew(graph: Graph) -> None:
+    viewer = Viewer()
+    grid = viewer["Grid"]
+    viewer.remove(grid)
+    assert viewer.displays == []
+    assert viewer.scene.objects() == {}
+    with pytest.raises(CourseError, match="is not in this viewer"):
+        viewer.remove(grid)
+
+
+MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
+    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of Grid, MarkerArray, Marker"),
+    "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
+    "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
+    "name": (lambda v: v["Gird"], "No display is called 'Gird'; there is Grid"),
+    "background": (
+        lambda v: setattr(v, "background", "dark"),
+        "background is 'dark', expected a colour like",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_answered_with_what_would_be_right(name: str, graph: Graph) -> None:
+    mistake, text = MISTAKES[name]
+    viewer = Viewer()
+    with pytest.raises(CourseError, match=text):
+        mistake(viewer)
+    assert len(viewer.displays) == 1
+
+
+def test_the_view_may_be_replaced_or_changed_by_label(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.view = Orbit(distance=3.0, focal_point=(0, 0, 1))
+    assert viewer.scene.camera.target == (0.0, 0.0, 1.0)
+    viewer.view["Distance"] = 6.0
+    assert np.linalg.norm(np.subtract(viewer.camera.eye, viewer.camera.target)) == pytest.approx(6.0)
+    viewer.view = TopDownOrtho()
+    assert viewer.scene.camera.orthographic_scale == 10.0
+
+
+def test_the_background_is_a_colour_as_rviz_writes_it(graph: Graph) -> None:
+    viewer = Viewer()
+    assert viewer.background == (48, 48, 48)
+    viewer.background = "200; 220; 255"
+    assert viewer.background == (200, 220, 255)
+
+
+def test_a_layout_makes_a_viewer(graph: Graph, tmp_path: Path) -> None:
+    (tmp_path / "view.rviz").write_text(LAYOUT)
+    viewer = Viewer.from_rviz(tmp_path / "view.rviz")
+    assert [display.name for display in viewer.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
+    assert viewer.fixed_frame == "world"
+
+
+def test_a_page_and_a_picture_can_be_saved(graph: Graph, tmp_path: Path) -> None:
+    viewer = Viewer()
+    viewer.save_html(tmp_path / "scene.html")
+    assert "<html" in (tmp_path / "scene.html").read_text()[:200].lower()
+    picture = viewer.screenshot(tmp_path / "scene.png", size=(80, 60))
+    assert (tmp_path / "scene.png").read_bytes() == picture.png
+    assert picture.renderer in ("chromium", "numpy")
+
+
+def test_a_closed_viewer_hears_nothing_and_may_be_closed_again(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    viewer.close()
+    viewer.close()
+    publish(graph, "/m", marker())
+    assert shown(viewer) == {"Grid"}
+
+
+def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
+    pytest.importorskip("pinocchio")
+    from course_lib.robots.load import load_robot
+
+    viewer = Viewer()
+    viewer.show_robot(load_robot("ur10"))
+    links = [path for path in viewer.scene.objects() if "visuals" in path and viewer.scene.visible(path)]
+    assert len(links) == 7
+
+
+def test_a_cell_gets_the_view_a_picture_and_the_statuses(graph: Graph) -> None:
+    from course_lib.ros import pace
+
+    viewer = Viewer()
+    data, _ = viewer._repr_mimebundle_()
+    assert {"application/vnd.jupyter.widget-view+json", "image/png", "text/plain"} <= data.keys()
+    assert "No tf data." in data["text/plain"]
+    assert (
+        viewer._repr_mimebundle_()[0]["application/vnd.jupyter.widget-view+json"]
+        == (data["application/vnd.jupyter.widget-view+json"])
+    )
+    assert [is_there() for is_there in pace.pages[-1:]] == [False]
+    waiting = len(pace.pages)
+    viewer.close()
+    assert len(pace.pages) == waiting - 1
+
+
+def test_the_table_below_the_view_follows_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    viewer = Viewer()
+    viewer._repr_mimebundle_()
+    monkeypatch.setattr("course_lib.displays.panel._PERIOD", 0.0)
+    viewer.fixed_frame = "moon"
+    box = viewer._panel._box
+    assert box is not None
+    assert "Frame [moon] does not exist" in box.children[1].value
+    viewer.close()
+
+
+def test_statuses_are_a_table(graph: Graph) -> None:
+    statuses = Viewer().statuses()
+    assert isinstance(statuses, StatusTable)
+    assert statuses[0] == ("Global Status", "Fixed Frame", "warn", statuses[0].text)

@@ -1,0 +1,95 @@
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+
+from course_lib.displays.frames import Frames
+from course_lib.displays.views import FPS, Orbit, ThirdPersonFollower, TopDownOrtho, View, XYOrbit
+from course_lib.errors import CourseError
+from tests.displays.test_frames import transform
+
+YAW, PITCH = 0.8, 0.6  # [rad]
+AWAY = np.array([cos(YAW) * cos(PITCH), sin(YAW) * cos(PITCH), sin(PITCH)])
+
+
+def turned_frames() -> Frames:
+    frames = Frames("map")
+    message = transform("map", "base", 10.0)
+    message.transform.rotation.z = message.transform.rotation.w = 0.5**0.5
+    frames.take([message], is_static=True)
+    return frames
+
+
+def test_an_orbit_is_a_distance_away_from_its_focal_point() -> None:
+    camera = Orbit(distance=8.0, yaw=YAW, pitch=PITCH, focal_point=(1.0, 2.0, 0.5)).camera(Frames("map"))
+    np.testing.assert_allclose(camera.eye, np.array([1, 2, 0.5]) + 8 * AWAY)
+    np.testing.assert_allclose(camera.target, [1, 2, 0.5])
+    assert camera.vertical_fov == pytest.approx(pi / 4)
+
+
+def test_an_orbit_goes_along_with_the_position_of_its_target_frame_only() -> None:
+    camera = Orbit(target_frame="base", yaw=YAW, pitch=PITCH, distance=1.0).camera(turned_frames())
+    np.testing.assert_allclose(camera.target, [10, 0, 0])
+    np.testing.assert_allclose(np.subtract(camera.eye, camera.target), AWAY)
+
+
+def test_a_third_person_follower_turns_with_its_target_frame() -> None:
+    view = ThirdPersonFollower(target_frame="base", yaw=YAW, pitch=PITCH, distance=1.0)
+    camera = view.camera(turned_frames())
+    np.testing.assert_allclose(
+        np.subtract(camera.eye, camera.target), [-AWAY[1], AWAY[0], AWAY[2]], atol=1e-9
+    )
+
+
+def test_an_xy_orbit_lifts_the_camera_by_a_fifth_of_its_distance() -> None:
+    plain = Orbit(distance=5.0, yaw=YAW, pitch=PITCH).camera(Frames("map"))
+    lifted = XYOrbit(distance=5.0, yaw=YAW, pitch=PITCH).camera(Frames("map"))
+    moved = np.subtract(lifted.eye, plain.eye)
+    assert np.linalg.norm(moved) == pytest.approx(1.0)
+    assert moved @ AWAY == pytest.approx(0.0, abs=1e-9)
+    assert moved[2] > 0
+    np.testing.assert_allclose(np.subtract(lifted.target, plain.target), moved)
+
+
+def test_an_inverted_z_axis_turns_the_world_upside_down() -> None:
+    camera = Orbit(invert_z_axis=True, yaw=YAW, pitch=PITCH, distance=1.0).camera(Frames("map"))
+    np.testing.assert_allclose(camera.eye, AWAY * [1, -1, -1])
+    assert camera.up == (0.0, 0.0, -1.0)
+
+
+def test_fps_looks_ahead_and_down_by_its_pitch() -> None:
+    camera = FPS(position=(1.0, 2.0, 3.0), yaw=YAW, pitch=PITCH).camera(Frames("map"))
+    np.testing.assert_allclose(camera.eye, [1, 2, 3])
+    np.testing.assert_allclose(np.subtract(camera.target, camera.eye), AWAY * [1, 1, -1])
+
+
+def test_a_new_fps_view_looks_at_the_origin() -> None:
+    camera = FPS().camera(Frames("map"))
+    ahead = np.subtract(camera.target, camera.eye)
+    np.testing.assert_allclose(np.cross(ahead, camera.eye), 0, atol=1e-9)
+
+
+def test_top_down_has_pixels_per_metre_and_turns_by_its_angle() -> None:
+    camera = TopDownOrtho(x=0.5, y=-0.5, scale=70.0, angle=0.3).camera(Frames("map"))
+    np.testing.assert_allclose(camera.target[:2], [0.5, -0.5])
+    assert camera.eye[2] == 500.0
+    assert camera.orthographic_scale == 70.0
+    np.testing.assert_allclose(camera.up, [-sin(0.3), cos(0.3), 0])
+
+
+@pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho])
+def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[View]) -> None:
+    frames = turned_frames()
+    made = view(target_frame="base")
+    before = made.camera(frames)
+    frames.fixed_frame = "nowhere"
+    assert made.camera(frames) == before
+
+
+def test_the_pitch_stays_off_the_poles() -> None:
+    assert Orbit(pitch=7.0)["Pitch"] == pytest.approx(pi / 2 - 0.001)
+
+
+def test_an_unknown_property_of_a_view_names_what_there_is() -> None:
+    with pytest.raises(CourseError, match="Orbit has no property 'dist', but 'Distance'"):
+        Orbit(dist=3.0)
