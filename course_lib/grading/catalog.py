@@ -4,9 +4,11 @@ import difflib
 import runpy
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from course_lib.course.files import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.grading.course_file import CourseFile, Week, read_course_file
 from course_lib.grading.task import Scenario, Task, check_scenarios
@@ -66,6 +68,12 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
         if solutions is not None:
             hidden |= _hidden(solutions / "checks" / f"{week}.py", of_week)
     return Catalog(course, tasks, hidden)
+
+
+@lru_cache(maxsize=1)
+def shipped_catalog() -> Catalog:
+    """The public tasks that come with the installation: what students have."""
+    return load_catalog(exercises_dir())
 
 
 def _tasks(path: Path, week: str) -> dict[str, Task]:

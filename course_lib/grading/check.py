@@ -5,18 +5,19 @@ from collections.abc import Callable
 from typing import Any
 
 from course_lib.course.identity import current_identity
-from course_lib.course.page import show
+from course_lib.course.page import in_notebook, show
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import Catalog
+from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.scenario import run_here
-from course_lib.grading.shipped import shipped_catalog
 from course_lib.grading.table import Table
 from course_lib.grading.task import HINTS, Task
 
 STRICT = "COURSE_STRICT"
+GHOST_HEIGHT = 260  # [px]
 
 _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
@@ -39,9 +40,12 @@ def check(task_id: str, subject: Any) -> None:
         _bind(task_id, subject)
         return
     task = shipped_catalog().task(task_id)
-    result = check_here(shipped_catalog(), task, subject)
+    runs = run_public(task, subject)
+    result = judge_task(task, *shipped_catalog().points(task), runs)
     table = table_of(task, result)
     show(lambda: table, str(table))
+    if in_notebook() and task.ghost and not result.passed:
+        _show_ghost(task, runs[0].evidence)
     if os.environ.get(STRICT) == "1" and not result.passed:
         raise CheckFailedError(str(table))
 
@@ -52,11 +56,10 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
     _bind = bind
 
 
-def check_here(catalog: Catalog, task: Task, subject: Any) -> TaskResult:
-    """Run and judge a task's public scenarios in this process."""
+def run_public(task: Task, subject: Any) -> list[Run]:
+    """Run a task's public scenarios in this process."""
     personal = personal_values(task, current_identity())
-    runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
-    return judge_task(task, *catalog.points(task), runs)
+    return [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
 
 
 def table_of(task: Task, result: TaskResult) -> Table:
@@ -68,3 +71,13 @@ def table_of(task: Task, result: TaskResult) -> Table:
         state.put("hints", task.id, failures)
         hint = f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}"
     return Table(result, hint)
+
+
+def _show_ghost(task: Task, evidence: Evidence) -> None:
+    from IPython.display import display
+
+    from course_lib.grading.ghost import compared
+    from course_lib.viewer.widget import SceneWidget
+
+    view = SceneWidget(compared(task, evidence), GHOST_HEIGHT, "what you drew, and pale: what is expected")
+    display(view)  # type: ignore[no-untyped-call]  # IPython does not annotate it

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError
+from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import table_of
 from course_lib.grading.exercise_run import run_exercise
 from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.shipped import shipped_catalog
 from course_lib.grading.submission import exercise_of, unpack
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -52,14 +52,19 @@ class Evidence:
         """Topic to message type, of what was published."""
         return {sample.topic: sample.type_name for sample in self.samples}
 
-    def messages(self, topic: str) -> Iterator[tuple[float, Any]]:
-        """Yield ([s] since the start, message) of one topic; bytes that are no such message are left out."""
-        for sample in self.samples:
-            if sample.topic == topic and (message := _decoded(sample)) is not None:
-                yield (sample.stamp_ns - START_NS) / 1e9, message
+    def messages(self, topic: str) -> list[tuple[float, Any]]:
+        """([s] since the start, message) of one topic; bytes that are no such message are left out."""
+        if topic not in self._decoded:
+            pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
+            self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
+        return self._decoded[topic]
+
+    @cached_property
+    def _decoded(self) -> dict[str, list[tuple[float, Any]]]:
+        return {}
 
 
-def _decoded(sample: Sample) -> Any:
+def _decode(sample: Sample) -> Any:
     from course_lib.ros.messages import deserialize, message_class
 
     try:

@@ -28,7 +28,7 @@ def my_values(task_id: str) -> Mapping[str, Any]:
         if task_id not in _given:
             raise CourseError(f"there is no task {task_id!r} in this exercise, only {', '.join(_given)}")
         return _given[task_id]
-    from course_lib.grading.shipped import shipped_catalog
+    from course_lib.grading.catalog import shipped_catalog
 
     return personal_values(shipped_catalog().task(task_id), current_identity())
 

@@ -1,20 +1,16 @@
 """One page per student and exercise: the mark, the reasons, and their scenes to turn around."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
 
+from course_lib.grading.ghost import expected
 from course_lib.grading.judge import Run, TaskResult
-from course_lib.grading.message_data import build
 from course_lib.grading.result import Result
 from course_lib.grading.store import write_whole
 from course_lib.grading.table import result_html, rows
-from course_lib.grading.task import Message, Task
+from course_lib.grading.task import Task
 from course_lib.recording import Recording
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Sample
-from course_lib.ros.qos import Qos
 
 MAX_OUTPUT = 20_000  # characters
 MAX_SCENE = 60_000  # characters of a scene: all of them and the one copy of the viewer stay under 1 MB
@@ -85,7 +81,7 @@ def _scenes(task: Task, runs: Sequence[Run]) -> Iterator[str]:
     evidence = runs[0].evidence
     figures = [_figure(evidence.recording, "yours")]
     if task.ghost:
-        figures.append(_figure(_ghost(task.ghost, evidence.personal), "expected"))
+        figures.append(_figure(expected(task, evidence.personal), "expected"))
     yield f'<div class="scenes">{"".join(figures)}</div>'
 
 
@@ -100,16 +96,6 @@ def _figure(recording: Recording, caption: str) -> str:
     if len(view) > MAX_SCENE:
         view = "<p>This scene is too large for the report.</p>"
     return f"<figure>{view}<figcaption>{caption}</figcaption></figure>"
-
-
-def _ghost(messages: Sequence[Message], personal: Mapping[str, Any]) -> Recording:
-    from course_lib.ros.messages import serialize
-
-    return Recording(
-        tuple(
-            Sample(START_NS, m.topic, m.type_name, serialize(build(m, personal)), Qos(), 0) for m in messages
-        )
-    )
 
 
 def _output(result: Result) -> Iterator[str]:

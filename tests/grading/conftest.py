@@ -81,7 +81,10 @@ TASKS = (
             expect_marker(TOPIC, type="CUBE", frame="map", position=(0, 0, 0.5)),
             expect_marker(TOPIC, color=(1, 0, 0)),
         )),),
-        ghost=(Message(TOPIC, "visualization_msgs/msg/Marker", {"type": 1, "scale": {"x": 1}}),),
+        ghost=(Message(TOPIC, "visualization_msgs/msg/Marker", {
+            "type": 1, "header": {"frame_id": "map"}, "scale": {"x": 1, "y": 1, "z": 1},
+            "color": {"r": 1, "a": 1},
+        }),),
     ),
     Task("week01.half", "Half of it", "function", "half", HINTS, scenarios=(
         Scenario("public", calls=(Call(4.0),), checks=(expect_value(2.0, unit="m"),)),)),

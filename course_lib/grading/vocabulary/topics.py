@@ -93,7 +93,7 @@ def _message(
 ) -> list[Problem]:
     from course_lib.ros.messages import to_plain
 
-    came = list(evidence.messages(topic))
+    came = evidence.messages(topic)
     if not came:
         return [nothing_on(evidence, topic)]
     last = to_plain(came[-1][1])

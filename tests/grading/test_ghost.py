@@ -1,0 +1,27 @@
+from collections.abc import Callable
+from typing import Any
+
+from course_lib.grading.catalog import load_catalog
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.ghost import compared, expected
+from course_lib.grading.grade_one import Course
+
+TOPIC = "/visualization_marker"
+
+
+def test_the_ghost_is_drawn_pale_beside_what_the_student_drew(
+    course: Course, evidence: Callable[..., Evidence], cube: Callable[..., Any]
+) -> None:
+    task = load_catalog(course.exercises).task("week01.red_cube")
+    scene = compared(task, evidence((1.0, TOPIC, cube())))
+    drawn = [path for path in scene.objects() if "Marker" in path]
+    assert any("expected" in path for path in drawn)
+    assert any("basic_shapes" in path for path in drawn)
+
+
+def test_a_ghost_alone_is_there_where_the_student_drew_nothing(
+    course: Course, evidence: Callable[..., Evidence]
+) -> None:
+    task = load_catalog(course.exercises).task("week01.red_cube")
+    assert any("expected" in path for path in compared(task, evidence()).objects())
+    assert expected(task, {}).samples[0].topic == TOPIC
