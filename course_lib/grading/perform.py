@@ -107,6 +107,7 @@ def _initialises(make: Any) -> bool:
 def _callable(subject: Any, expected: str) -> Callable[..., Any]:
     if not callable(subject):
         name = type(subject).__name__
-        raise CourseError(f"got an object of {name}, expected {expected}: give {name} itself, without ()")
+        instead = "" if type(subject).__module__ == "builtins" else f": give {name} itself, without ()"
+        raise CourseError(f"got an object of {name}, expected {expected}{instead}")
     made: Callable[..., Any] = subject
     return made

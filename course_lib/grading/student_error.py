@@ -7,6 +7,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 import course_lib
+from course_lib.errors import CourseError
 
 MAX_LENGTH = 500  # characters
 OTHERS = (str(Path(course_lib.__file__).parent), *sysconfig.get_paths().values())
@@ -23,6 +24,8 @@ def _what(error: BaseException) -> str:
         text = error.msg if isinstance(error, SyntaxError) else str(error)
     except Exception:  # str() is the student's own code here, and may raise anything
         text = "(its text can't be made)"
+    if isinstance(error, CourseError):
+        return text
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 

@@ -71,7 +71,7 @@ def test_an_exception_is_shown_with_the_students_line_and_no_traceback(
     assert "Traceback" not in said
 
 
-def test_a_node_object_instead_of_its_class_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_value_instead_of_a_function_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
     check("week01.half", 4.0)
     assert "got an object of float, expected a function" in capsys.readouterr().out
 

@@ -125,3 +125,12 @@ def test_output_is_kept_and_chance_is_seeded() -> None:
 def test_leaving_the_process_is_an_error_of_the_student() -> None:
     evidence = run(lambda: exit(3), "function", calls=(Call(),))
     assert evidence.errors[0].startswith("SystemExit: 3")
+
+
+def test_an_object_instead_of_its_class_is_explained() -> None:
+    class Made:
+        pass
+
+    assert run(Made()).errors == (
+        "got an object of Made, expected a node class: give Made itself, without ()",
+    )

@@ -59,9 +59,9 @@ def off_by(value: float, expected: float, more: str, less: str, unit: str = "m")
 
 def nothing_on(evidence: Evidence, topic: str) -> Problem:
     """Nothing came on a topic; names those on which something did."""
-    heard = ", ".join(sorted(evidence.topics)) or "on no topic at all"
+    others = f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
     return Problem(
-        f"nothing was published on {topic} in {evidence.seconds:g} s (your side published: {heard})",
+        f"nothing was published on {topic} in {evidence.seconds:g} s, {others}",
         "nothing was published on an expected topic",
     )
 
