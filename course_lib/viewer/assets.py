@@ -30,7 +30,7 @@ const MeshCat = ((module, exports, define) => { %(meshcat)s
 return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
 const { THREE } = MeshCat;
 %(ours)s
-return { Link, mountAll, picture, views };
+return { Link, mountAll, picture };
 })();
 """
 

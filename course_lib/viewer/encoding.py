@@ -30,7 +30,6 @@ def snapshot(scene: Scene) -> bytes:
                 batch += commands(scene, "object", node.path)
             if not node.visible:
                 batch += commands(scene, "visible", node.path)
-            batch += commands(scene, "properties", node.path)
             if not np.array_equal(node.matrix, np.eye(4)):
                 moved.append(node)
         batch += commands(scene, "animation", "")
@@ -58,8 +57,6 @@ def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
         return [{"type": "object", "path": path, "object": _described(node.object)}]
     if what == "visible" and node is not None:
         return [{"type": "visible", "path": path, "value": node.visible}]
-    if what == "properties" and node is not None:
-        return [{"type": "property", "path": path, "name": n, "value": v} for n, v in node.properties.items()]
     return []
 
 

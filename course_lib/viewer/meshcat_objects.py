@@ -1,6 +1,6 @@
 """What the meshcat package draws, as our own drawables, for pictures made without its JavaScript."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids
 from course_lib.viewer.mesh_files import parse_mesh
+from course_lib.viewer.scene import MeshcatObject
 
 Json: TypeAlias = Mapping[str, Any]
 
@@ -36,6 +37,16 @@ def drawables_of(json: Json) -> list[tuple[Matrix, Drawable]]:
     ):
         return [(transform_geometry_to_node, _buffer(thing["type"], geometry["data"], material))]
     return []
+
+
+def recolored(thing: MeshcatObject | Mesh, rgba: Sequence[float]) -> MeshcatObject | Mesh:
+    """Return the same thing in one colour, RGBA in 0..1."""
+    if isinstance(thing, Mesh):
+        return Mesh(thing.vertices, thing.faces, rgba, thing.normals, thing.lit)
+    red, green, blue, alpha = (round(255 * part) for part in rgba)
+    paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
+    materials = [{**material, **paint} for material in thing.json.get("materials", ())]
+    return MeshcatObject({**thing.json, "materials": materials})
 
 
 def _part(json: Json, field: str, library: str) -> Json:

@@ -14,9 +14,7 @@ from course_lib.viewer.arrays import Matrix, checked
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable
 
-What: TypeAlias = Literal[
-    "object", "transform", "visible", "properties", "delete", "background", "camera", "animation"
-]
+What: TypeAlias = Literal["object", "transform", "visible", "delete", "background", "camera", "animation"]
 Listener: TypeAlias = Callable[[What, str], None]
 
 _IDENTITY = np.eye(4)
@@ -37,7 +35,7 @@ class MeshcatObject:
 class Node:
     """One place in the tree; it moves and hides whatever is below it."""
 
-    __slots__ = ("children", "matrix", "object", "parent", "path", "properties", "visible")
+    __slots__ = ("children", "matrix", "object", "parent", "path", "visible")
 
     def __init__(self, path: str, parent: "Node | None") -> None:
         self.path = path
@@ -46,7 +44,6 @@ class Node:
         self.object: Drawable | MeshcatObject | None = None
         self.matrix: Matrix = _IDENTITY
         self.visible = True
-        self.properties: dict[str, Any] = {}
 
     def subtree(self) -> Iterator["Node"]:
         """Iterate over this node and all below it, parents first."""
@@ -76,7 +73,6 @@ class Scene:
         with self.lock:
             node = self._made(path)
             node.object = drawable
-            node.properties = {}
             self._tell("object", node.path)
 
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
@@ -98,16 +94,6 @@ class Scene:
             node = self._made(path)
             node.visible = bool(visible)
             self._tell("visible", node.path)
-
-    def set_property(self, path: str, name: str, value: Any) -> None:
-        """Set a property of a three.js object (color, opacity ...), as meshcat's set_property does."""
-        if name == "visible":
-            self.set_visible(path, value)
-            return
-        with self.lock:
-            node = self._made(path)
-            node.properties[name] = value
-            self._tell("properties", node.path)
 
     def set_animation(self, animation: Mapping[str, Any] | None) -> None:
         """Play one of meshcat's animations, in its own JSON."""

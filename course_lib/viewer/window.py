@@ -9,7 +9,8 @@ from PIL import Image
 
 from course_lib.errors import CourseError
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.meshcat_objects import mesh_of
+from course_lib.viewer.drawables import Mesh
+from course_lib.viewer.meshcat_objects import mesh_of, recolored
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import MeshcatObject, Scene
 
@@ -73,8 +74,9 @@ class Window:
         """Do nothing: there is no server to stop."""
 
     def _set_object(self, path: str, command: dict[str, Any]) -> None:
-        json = command["object"]
-        self.scene.set_object(path, mesh_of(json) or MeshcatObject(json))
+        if not path.startswith("Cameras"):
+            json = command["object"]
+            self.scene.set_object(path, mesh_of(json) or MeshcatObject(json))
 
     def _set_transform(self, path: str, command: dict[str, Any]) -> None:
         matrix = np.reshape(command["matrix"], (4, 4)).T
@@ -86,16 +88,24 @@ class Window:
             self.scene.set_transform(path, matrix)
 
     def _set_property(self, path: str, command: dict[str, Any]) -> None:
+        """Set what changes a picture; of three.js's many other properties none does."""
         name, value = command["property"], command["value"]
         if path == "Background" and name == "top_color":
             self.scene.background = tuple(round(255 * part) for part in value)
         elif path.startswith("Cameras/default/") and name == "position":
             x, up, minus_y = value  # meshcat writes the camera's place with y up
-            offset = np.array([x, -minus_y, up])
             target = self.scene.camera.target
-            self.scene.camera = Camera(eye=tuple(np.add(target, offset)), target=target)
-        elif not path.startswith(("Background", "Cameras")):
-            self.scene.set_property(path, name, value)
+            self.scene.camera = Camera(eye=tuple(np.add(target, [x, -minus_y, up])), target=target)
+        elif name == "visible":
+            self.scene.set_visible(path, value)
+        elif name == "position":
+            matrix = self.scene.transform(path).copy()
+            matrix[:3, 3] = value
+            self.scene.set_transform(path, matrix)
+        elif name == "color":
+            for node in self.scene.node(path).subtree():
+                if isinstance(node.object, MeshcatObject | Mesh):
+                    self.scene.set_object(node.path, recolored(node.object, value))
 
     def _set_animation(self, path: str, command: dict[str, Any]) -> None:
         self.scene.set_animation({name: command[name] for name in ("animations", "options")})

@@ -136,14 +136,12 @@ def test_a_snapshot_holds_all_that_was_set() -> None:
     scene.set_object("a/text", Text("hi", 0.5))
     scene.set_transform("a", moved(2.0))
     scene.set_visible("a", False)
-    scene.set_property("a/text", "color", [1, 0, 0, 1])
     scene.background = (1, 2, 3)
     snapshot = decoded(Page(scene).stream.snapshot()[1])
     found = {command["type"]: command for command in snapshot["commands"]}
     assert found["background"]["color"] == [1, 2, 3]
     assert found["camera"]["vertical_fov"] == pytest.approx(np.pi / 4)
     assert found["visible"] == {"type": "visible", "path": "a", "value": False}
-    assert found["property"]["value"] == [1, 0, 0, 1]
     text = found["object"]["object"]
     assert text["mask"].size == text["rows"] * text["columns"]
     assert snapshot["paths"] == ["a"]

@@ -76,6 +76,18 @@ def test_transforms_visibility_and_deletion_act_on_the_scene(scene: Scene, vis: 
     assert scene.objects() == {}
 
 
+def test_a_colour_goes_to_all_below_a_path(scene: Scene, vis: Any) -> None:
+    vis["a"]["b"].set_object(g.Box([1, 1, 1]), g.MeshLambertMaterial(color=ORANGE))
+    vis["a"].set_property("color", [0, 0, 1, 1])
+    vis["a"]["b"].set_property("position", [0, 0, 0.5])
+    expected = Scene()
+    expected.set_object("box", Solids("box", [np.eye(4)], (0, 0, 1, 1)))
+    raised = np.eye(4)
+    raised[2, 3] = 0.5  # [m]
+    expected.set_transform("box", raised)
+    assert np.array_equal(drawn(scene), drawn(expected))
+
+
 def test_the_camera_and_background_are_the_scenes(scene: Scene, vis: Any) -> None:
     vis["/Cameras/default/rotated/<object>"].set_property("position", [1.0, 2.0, -3.0])
     target = np.eye(4)

@@ -21,7 +21,7 @@ function quads(shared, uniforms, attributes) {
     for (const [name, value] of Object.entries(uniforms)) shared.uniforms[name].value = value;
     shared.uniformsNeedUpdate = true;
   };
-  mesh.raycast = (/** @type {any} */ caster, /** @type {any[]} */ hits) => hitQuads(mesh, uniforms, caster, hits);
+  mesh.raycast = (caster, hits) => hitQuads(mesh, uniforms, caster, hits);
   return mesh;
 }
 
@@ -46,10 +46,7 @@ function hitQuads(mesh, uniforms, caster, hits) {
   }
 }
 
-/**
- * @param {ArrayLike<number>} array
- * @param {number} size
- */
+/** @param {ArrayLike<number>} array @param {number} size */
 const perInstance = (array, size) => new THREE.InstancedBufferAttribute(array, size, size === 4);
 
 /** @param {any} lines */
@@ -58,20 +55,17 @@ export function buildLines(lines) {
   const count = points.length / 3;
   const colors = spread(lines.colors, count);
   const step = lines.strip ? 1 : 2;
-  /** @type {number[]} */
-  const starts = [];
-  for (let i = 0; i + 1 < count; i += step) starts.push(i);
-  const last = lines.strip ? count - 1 : -1; // pairs have no neighbours
-  const pick = (/** @type {any} */ from, /** @type {number} */ size, /** @type {(i: number) => number} */ of) => {
+  const starts = Array.from({ length: Math.max(Math.ceil((count - 1) / step), 0) }, (_, k) => k * step);
+  const pick = (from, size, of) => {
     const out = new from.constructor(size * starts.length);
     starts.forEach((i, k) => out.set(from.subarray(size * of(i), size * of(i) + size), size * k));
     return perInstance(out, size);
   };
   return quads(material("strip", seesThrough(colors)), { size: [lines.width, 0] }, {
-    before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)),
+    before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)), // pairs have no neighbours
     start: pick(points, 3, (i) => i),
     end: pick(points, 3, (i) => i + 1),
-    after: pick(points, 3, (i) => (last < 0 ? i + 1 : Math.min(i + 2, last))),
+    after: pick(points, 3, (i) => (lines.strip ? Math.min(i + 2, count - 1) : i + 1)),
     startTint: pick(colors, 4, (i) => i),
     endTint: pick(colors, 4, (i) => i + 1),
   });

@@ -13,10 +13,7 @@ export class Link {
     model.send({ type: "ready", number: this.number });
   }
 
-  /**
-   * @param {{type: string, number: number}} message
-   * @param {DataView[]} buffers
-   */
+  /** @param {{type: string, number: number}} message @param {DataView[]} buffers */
   receive(message, buffers) {
     if (message.type === "reset") {
       this.number = message.number;
@@ -27,10 +24,7 @@ export class Link {
     } else if (message.number > this.number) this.model.send({ type: "resync" }); // one was lost
   }
 
-  /**
-   * @param {HTMLElement} element
-   * @returns {() => void} removes the view
-   */
+  /** @param {HTMLElement} element @returns {() => void} removes the view */
   show(element) {
     const host = document.createElement("div");
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;

@@ -96,7 +96,7 @@ const SQUARE = `
     gl_Position = projectionMatrix * here;
   }`;
 
-/** @type {Map<string, any>} Materials live as long as the page: a marker that is sent anew compiles nothing. */
+/** @type {Map<string, any>} They live as long as the page: a marker that is sent anew compiles nothing. */
 const made = new Map();
 
 /**

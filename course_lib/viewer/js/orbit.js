@@ -11,8 +11,7 @@ export class Orbit {
     this.up = new THREE.Vector3(0, 0, 1);
     this.fov = 45; // [deg] vertical
     this.near = 0.01; // [m]
-    /** @type {number | null} pixels per metre, without perspective */
-    this.scale = null;
+    this.scale = 0; // pixels per metre, without perspective
   }
 
   /** @param {any} camera as Python describes it */
@@ -22,14 +21,10 @@ export class Orbit {
     this.up.fromArray(camera.up);
     this.fov = (camera.vertical_fov * 180) / Math.PI;
     this.near = camera.near;
-    this.scale = camera.orthographic_scale;
+    this.scale = camera.orthographic_scale ?? 0;
   }
 
-  /**
-   * @param {number} width of the picture, in the pixels that `scale` counts
-   * @param {number} height
-   * @returns {any} a three.js camera
-   */
+  /** @param {number} width in the pixels of `scale` @param {number} height @returns {any} for three.js */
   camera(width, height) {
     let camera;
     if (this.scale) {
@@ -39,43 +34,32 @@ export class Orbit {
     camera.up.copy(this.up);
     camera.position.copy(this.eye);
     camera.lookAt(this.target);
+    camera.updateMatrixWorld();
     return camera;
   }
 
-  /**
-   * Turn around the target.
-   * @param {number} left [rad]
-   * @param {number} over [rad]
-   */
+  /** Turn around the target. @param {number} left [rad] @param {number} over [rad] */
   rotate(left, over) {
     const offset = this.eye.clone().sub(this.target);
     const distance = offset.length();
-    const flat = Math.hypot(offset.x, offset.y) < 1e-3 * distance; // seen from above, `up` tells the heading
-    const yaw = (flat ? Math.atan2(-this.up.y, -this.up.x) : Math.atan2(offset.y, offset.x)) - left;
+    const above = Math.hypot(offset.x, offset.y) < 1e-3 * distance; // then `up` tells the heading
+    const yaw = (above ? Math.atan2(-this.up.y, -this.up.x) : Math.atan2(offset.y, offset.x)) - left;
     const pitch = Math.asin(offset.z / distance) + (this.scale ? 0 : over);
     const held = Math.max(-LIMIT, Math.min(LIMIT, pitch));
-    const ahead = new THREE.Vector3(Math.cos(yaw) * Math.cos(held), Math.sin(yaw) * Math.cos(held), Math.sin(held));
-    this.eye.copy(this.target).addScaledVector(ahead, distance);
+    const [flat, up] = [Math.cos(held), Math.sin(held)];
+    this.eye.set(Math.cos(yaw) * flat, Math.sin(yaw) * flat, up).multiplyScalar(distance).add(this.target);
     this.up.set(0, 0, 1);
   }
 
-  /**
-   * Move along the picture.
-   * @param {number} right in heights of the picture
-   * @param {number} down
-   * @param {number} height in pixels
-   */
-  pan(right, down, height) {
-    const camera = this.camera(1, 1);
-    camera.updateMatrixWorld();
-    const span = this.scale
-      ? height / this.scale
-      : 2 * this.eye.distanceTo(this.target) * Math.tan((this.fov * Math.PI) / 360);
-    for (const [column, amount] of [[0, -right], [1, down]]) {
-      const step = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, column).multiplyScalar(amount * span);
-      this.eye.add(step);
-      this.target.add(step);
-    }
+  /** Move along the picture. @param {number} dx in pixels @param {number} dy @param {number} height of it */
+  pan(dx, dy, height) {
+    const { matrixWorld } = this.camera(1, 1);
+    const far = 2 * this.eye.distanceTo(this.target) * Math.tan((this.fov * Math.PI) / 360);
+    const unit = this.scale ? 1 / this.scale : far / height; // [m] per pixel
+    const step = new THREE.Vector3(-dx * unit, dy * unit, 0).transformDirection(matrixWorld);
+    step.multiplyScalar(Math.hypot(dx, dy) * unit);
+    this.eye.add(step);
+    this.target.add(step);
   }
 
   /** @param {number} factor of the distance */

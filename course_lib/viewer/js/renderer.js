@@ -3,7 +3,6 @@ import { pixel } from "./materials.js";
 
 // Browsers keep 16 WebGL contexts at most: all views of a page share one and copy its picture.
 
-/** @type {any} */
 let shared = null;
 /** @type {Set<{invalidate: () => void}>} */
 export const views = new Set();
@@ -36,17 +35,12 @@ export function draw(canvas, mirror, camera) {
   if (size.x !== width || size.y !== height) engine.setSize(width, height, false);
   engine.setClearColor(new THREE.Color(...mirror.background.map((part) => part / 255)));
   pixel.value = metresPerPixel(camera, height);
-  camera.updateMatrixWorld();
   mirror.light.position.setFromMatrixColumn(camera.matrixWorld, 2);
   engine.render(mirror.scene, camera);
   canvas.getContext("2d")?.drawImage(engine.domElement, 0, 0);
 }
 
-/**
- * @param {any} camera
- * @param {number} height in pixels
- * @returns {number} see `pixel`
- */
+/** @param {any} camera @param {number} height in pixels @returns {number} see `pixel` */
 export function metresPerPixel(camera, height) {
   if (camera.isOrthographicCamera) return (camera.top - camera.bottom) / height;
   return (2 * Math.tan((camera.fov * Math.PI) / 360)) / height;

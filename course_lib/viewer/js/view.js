@@ -4,23 +4,21 @@ import { draw, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
-const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], ArrowDown: [0, 16] }; // [px]
 
 /** One picture of a scene on the page, with a camera of its own. */
 export class View {
   /**
    * @param {HTMLElement} host is filled by the view
    * @param {import("./mirror.js").Mirror} mirror
-   * @param {{label: string, alone?: boolean, onClick?: (click: any) => void}} options alone: nothing else
+   * @param {{label: string, alone?: boolean, onClick?: (click: any) => void}} options `alone`: nothing else
    *   on the page wants the wheel
    */
   constructor(host, mirror, options) {
-    this.host = host;
     this.mirror = mirror;
     this.options = options;
     this.orbit = new Orbit();
     if (mirror.camera) this.orbit.look(mirror.camera);
-    this.frames = 0;
     this.request = 0;
     this.seen = true;
     this.canvas = document.createElement("canvas");
@@ -63,16 +61,15 @@ export class View {
     if (!clientWidth || !clientHeight) return;
     const ratio = Math.min(window.devicePixelRatio, 2);
     const [width, height] = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)];
-    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
+    const stale = this.canvas.width !== width || this.canvas.height !== height;
+    if (stale) Object.assign(this.canvas, { width, height });
     const goesOn = this.mirror.tick();
     draw(this.canvas, this.mirror, this.orbit.camera(clientWidth, clientHeight));
-    this.frames++;
     if (goesOn) this.invalidate();
   }
 
   listen() {
-    const on = (/** @type {string} */ name, /** @type {(event: any) => void} */ act) =>
-      this.canvas.addEventListener(name, act, { passive: false });
+    const on = (name, act) => this.canvas.addEventListener(name, act, { passive: false });
     /** @type {{x: number, y: number, far: number, button: number} | null} */
     let drag = null;
     on("pointerdown", (event) => {
@@ -84,7 +81,7 @@ export class View {
     on("pointermove", (event) => {
       if (!drag) return;
       const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
-      Object.assign(drag, { x: event.clientX, y: event.clientY, far: drag.far + Math.hypot(dx, dy) });
+      drag = { ...drag, x: event.clientX, y: event.clientY, far: drag.far + Math.hypot(dx, dy) };
       this.move(drag.button, dx, dy);
     });
     on("pointerup", (event) => {
@@ -95,67 +92,50 @@ export class View {
     on("contextmenu", (event) => event.preventDefault());
     on("wheel", (event) => {
       if (!this.options.alone && !event.ctrlKey && document.activeElement !== this.canvas) return;
-      event.preventDefault();
-      event.stopPropagation();
-      this.orbit.zoom(Math.exp(Math.sign(event.deltaY) * 0.1));
-      this.invalidate();
+      this.move(2, 0, 10 * Math.sign(event.deltaY));
+      claim(event);
     });
-    on("keydown", (event) => this.press(event));
+    on("keydown", (event) => {
+      const [dx, dy] = ARROWS[event.key] ?? [0, 0];
+      if (dx || dy) this.move(event.shiftKey ? 1 : 0, dx, dy);
+      else if (event.key === "+" || event.key === "-") this.move(2, 0, event.key === "-" ? 10 : -10);
+      else return;
+      claim(event);
+    });
   }
 
-  /**
-   * Left turns, middle shifts, right zooms, as in RViz.
-   * @param {number} button
-   * @param {number} dx
-   * @param {number} dy
-   */
+  /** Turn (left), shift (middle) or zoom. @param {number} button @param {number} dx @param {number} dy */
   move(button, dx, dy) {
-    const { clientHeight } = this.canvas;
     if (button === 0) this.orbit.rotate(dx * TURN, dy * TURN);
-    else if (button === 1) this.orbit.pan(dx / clientHeight, dy / clientHeight, clientHeight);
+    else if (button === 1) this.orbit.pan(dx, dy, this.canvas.clientHeight);
     else this.orbit.zoom(Math.exp(dy * 0.01));
     this.invalidate();
   }
 
-  /** @param {KeyboardEvent} event */
-  press(event) {
-    const arrow = KEYS[/** @type {keyof typeof KEYS} */ (event.key)];
-    if (arrow) this.move(event.shiftKey ? 1 : 0, 16 * arrow[0], 16 * arrow[1]);
-    else if (event.key === "+" || event.key === "-") this.move(2, 0, event.key === "-" ? 10 : -10);
-    else return;
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
-  /**
-   * @param {MouseEvent} event
-   * @returns {any} what is under the pointer: path, point, normal and distance, in the scene's frame
-   */
+  /** @param {MouseEvent} event @returns {any} what is under the pointer, and where in the scene's frame */
   pick(event) {
     const box = this.canvas.getBoundingClientRect();
-    const camera = this.orbit.camera(box.width, box.height);
-    camera.updateMatrixWorld();
-    const caster = new THREE.Raycaster();
     const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-    caster.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), camera);
-    const found = { type: "click", button: event.button, path: null, origin: caster.ray.origin.toArray(), direction: caster.ray.direction.toArray() };
-    const hit = caster.intersectObject(this.mirror.scene, true).find(({ object }) => isShown(object));
-    if (!hit) return found;
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), this.orbit.camera(box.width, box.height));
+    const [origin, direction] = [caster.ray.origin.toArray(), caster.ray.direction.toArray()];
+    const click = { type: "click", button: event.button, path: null, origin, direction };
+    const hit = caster.intersectObject(this.mirror.scene, true).find((found) => isShown(found.object));
+    if (!hit) return click;
     const normal = hit.face?.normal.clone().transformDirection(hit.object.matrixWorld).toArray() ?? null;
     const index = hit.instanceId ?? hit.index ?? hit.faceIndex ?? null;
-    return { ...found, path: pathOf(hit.object), point: hit.point.toArray(), normal, distance: hit.distance, index };
+    return { ...click, path: pathOf(hit.object), point: hit.point.toArray(), normal, index };
   }
 }
 
-/** @param {any} object */
-function isShown(object) {
-  for (let part = object; part; part = part.parent) if (!part.visible) return false;
-  return true;
+/** Keep an event from the page around the view. @param {Event} event */
+function claim(event) {
+  event.preventDefault();
+  event.stopPropagation();
 }
 
-/** @param {any} object */
-function pathOf(object) {
-  let part = object;
-  while (part.userData.path === undefined) part = part.parent;
-  return part.userData.path;
-}
+/** @param {any} object @returns {boolean} */
+const isShown = (object) => !object || (object.visible && isShown(object.parent));
+
+/** @param {any} object @returns {string} */
+const pathOf = (object) => object.userData.path ?? pathOf(object.parent);

@@ -17,17 +17,18 @@ async function load(model) {
 
 export default {
   /** Must return at once: anywidget waits two seconds and loses messages. */
-  initialize(/** @type {{model: any}} */ { model }) {
-    /** @type {any[][]} */
+  initialize({ model }) {
     const early = [];
-    /** @type {any} */
     let link = null;
-    const receive = (/** @type {any[]} */ ...message) => (link ? link.receive(...message) : early.push(message));
+    const receive = (...message) => (link ? link.receive(...message) : early.push(message));
     model.on("msg:custom", receive);
-    const pending = (globalThis["__KEY__loading"] ??= load(model));
+    const pending = (globalThis["__KEY__loading"] ??= load(model).catch((error) => {
+      delete globalThis["__KEY__loading"]; // the next widget may have more luck
+      throw error;
+    }));
     links.set(
       model.get("name"),
-      pending.then((/** @type {any} */ viewer) => {
+      pending.then((viewer) => {
         link = new viewer.Link(model);
         for (const message of early) link.receive(...message);
         return link;
@@ -38,7 +39,7 @@ export default {
       link?.close();
     };
   },
-  async render(/** @type {{model: any, el: HTMLElement}} */ { model, el }) {
+  async render({ model, el }) {
     try {
       return (await links.get(model.get("name"))).show(el);
     } catch (error) {

@@ -1,0 +1,3 @@
+// What meshcat's bundle brings; it has no types of its own.
+declare const MeshCat: any;
+declare const THREE: any;
