@@ -31,7 +31,7 @@ def catalog_of(course: Course) -> Catalog:
 def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, Any]:
     """Grade a submission and write evidence, report and result; returns its line of the gradebook."""
     try:
-        result = _graded(submission, catalog_of(course), out)
+        result = _with_report(_graded(submission, catalog_of(course), out), out)
     except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
         result = Result(submission, "grader_error", type(error).__name__, str(error))
     result.write(out)
@@ -50,15 +50,12 @@ def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
     write_whole(evidence_path(out, submission), evidence_bytes(run.runs))
     settings = catalog.course
     late_by = count_days_late(submission.received.time, settings.weeks[week].deadline, settings.late)
-    status, reason = _status(run)
-    result = Result(
-        submission,
-        status,
-        reason,
-        f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks",
-        mark(run.results, late_by, settings.late),
-        run,
-    )
+    message = f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks"
+    marks = mark(run.results, late_by, settings.late)
+    return Result(submission, *_status(run), message, marks, run)
+
+
+def _with_report(result: Result, out: Path) -> Result:
     try:
         write_report(result, out)
     except Exception as error:  # the marks are right without a report, and must not be lost with it
@@ -73,7 +70,7 @@ def evidence_path(out: Path, submission: Submission) -> Path:
 
 def _status(run: ExerciseRun) -> tuple[Status, str]:
     """Whether a person has to look, a limit was met, or all is done; with the limit's name."""
-    stopped = [task.stopped for task in run.results if task.stopped] + ["time"] * bool(run.log.stopped)
+    stopped = [task.stopped for task in run.results if task.stopped] + ["time"] * run.log.timed_out
     reason = stopped[0] if stopped else ""
     if any(task.kind == "written" for task in run.tasks):
         return "needs_marking", reason

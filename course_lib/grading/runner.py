@@ -42,6 +42,7 @@ class CellLog:
     output: str = ""
     errors: list[str] = field(default_factory=list)
     stopped: dict[int, str] = field(default_factory=dict)  # cells that are not run again, and why
+    timed_out: bool = False
 
 
 class Session:
@@ -122,6 +123,7 @@ class Session:
             if current < 0:
                 raise WorkerError(f"a worker can't be started: {worker.take_output() or error}") from error
             why = f"was stopped after {limit:g} s" if worker.timed_out else f"ended the process ({error})"
+            self.log.timed_out |= worker.timed_out
             self.log.stopped[current] = f"cell {current + 1} {why}"
             return False
 

@@ -133,6 +133,8 @@ def test_what_is_no_exercise_is_rejected_and_the_rest_goes_on(
         "week9": ("rejected", "wrong exercise"),
     }
     assert "it looks like a web page" in rows(tmp_path / "out")["broken"]["message"]
+    page = (tmp_path / "out/reports/broken/week01_exercise.html").read_text()
+    assert "Not marked (rejected)" in page
 
 
 def test_a_broken_check_is_never_a_students_zero(
