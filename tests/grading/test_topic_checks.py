@@ -5,7 +5,14 @@ import pytest
 from std_msgs.msg import Float64
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_message, expect_rate, expect_stamps, expect_topic
+from course_lib.grading.vocabulary import (
+    expect_marker,
+    expect_message,
+    expect_moving,
+    expect_rate,
+    expect_stamps,
+    expect_topic,
+)
 from course_lib.ros.clock import START_NS
 
 MakeEvidence = Callable[..., Evidence]
@@ -68,3 +75,10 @@ def test_fields_of_the_last_message_are_compared(evidence: MakeEvidence, cube: M
     assert expect_message("/m", fields).judge(evidence((1, "/m", cube()))).score == 1
     wrong = expect_message("/m", fields, unit="m").judge(evidence((1, "/m", cube(scale__x=1.5))))
     assert wrong.message == "scale.x is 1.50 m, expected 1.00 m: 0.50 m too much"
+
+
+def test_a_type_without_a_header_is_no_fault_of_the_check(evidence: MakeEvidence, cube: MakeCube) -> None:
+    mixed = evidence((1, "/m", Float64(data=1.0)), (2, "/m", cube()))
+    assert expect_stamps("/m").judge(mixed).message == "std_msgs/msg/Float64 on /m has no header"
+    assert expect_moving("/m").judge(mixed).score == 0
+    assert expect_marker("/m", type="CUBE").judge(mixed).score == 1

@@ -6,6 +6,7 @@ from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.wording import Problem, nothing_on
+from course_lib.ros.messages import type_name
 
 TYPES = (  # by the number in Marker.type
     "ARROW", "CUBE", "SPHERE", "CYLINDER", "LINE_STRIP", "LINE_LIST", "CUBE_LIST", "SPHERE_LIST",
@@ -43,8 +44,8 @@ def noun(marker: Any) -> str:
 
 def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
     """Yield (seconds since the start, marker) of every marker published."""
-    if evidence.topics.get(topic) in MARKER_MESSAGES:
-        for seconds, message in evidence.messages(topic):
+    for seconds, message in evidence.messages(topic):
+        if type_name(message) in MARKER_MESSAGES:
             for marker in getattr(message, "markers", [message]):
                 yield seconds, marker
 

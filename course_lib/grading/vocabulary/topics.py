@@ -6,11 +6,12 @@ from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.vocabulary.values import compare
 from course_lib.grading.vocabulary.wording import Problem, check_of, close, nothing_on, number
 from course_lib.ros.clock import START_NS
+from course_lib.ros.messages import to_plain, type_name
 
 
 def expect_topic(topic: str, type: str, *, at_least: int = 1) -> Check:  # noqa: A002 - ROS says type
     """At least so many messages of this type were published on the topic."""
-    expected = {"topic": topic, "type_name": type, "at_least": at_least}
+    expected = {"topic": topic, "wanted": type, "at_least": at_least}
     return check_of(f"publishes {type} on {topic}", expected, _topic)
 
 
@@ -36,12 +37,12 @@ def expect_message(topic: str, fields: dict[str, Any], *, tolerance: float = 1e-
     return check_of(f"the last message on {topic}", expected, _message)
 
 
-def _topic(evidence: Evidence, topic: str, type_name: str, at_least: int) -> list[Problem]:
+def _topic(evidence: Evidence, topic: str, wanted: str, at_least: int) -> list[Problem]:
     came = [sample for sample in evidence.samples if sample.topic == topic]
     if not came:
         return [nothing_on(evidence, topic)]
-    if any(sample.type_name != type_name for sample in came):
-        message = f"{topic} carries {evidence.topics[topic]}, expected {type_name}"
+    if any(sample.type_name != wanted for sample in came):
+        message = f"{topic} carries {evidence.topics[topic]}, expected {wanted}"
         return [Problem(message, "a topic has the wrong message type")]
     if len(came) >= at_least:
         return []
@@ -69,15 +70,18 @@ def _rate(evidence: Evidence, topic: str, hz: float, tolerance: float) -> list[P
 
 
 def _stamps(evidence: Evidence, topic: str, tolerance: float) -> list[Problem]:
-    seen = 0
-    for seconds, message in evidence.messages(topic):
+    came = evidence.messages(topic)
+    for seconds, message in came:
         for stamped in getattr(message, "markers", [message]):
+            if not hasattr(stamped, "header"):
+                return [
+                    Problem(f"{type_name(stamped)} on {topic} has no header", "a topic has the wrong type")
+                ]
             stamp = stamped.header.stamp
             stamp_s = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9  # [s] since the start
-            seen += 1
             if not close(stamp_s, seconds, tolerance):
                 return [_bad_stamp(topic, stamp_s - seconds, stamp.sec == 0)]
-    return [] if seen else [nothing_on(evidence, topic)]
+    return [] if came else [nothing_on(evidence, topic)]
 
 
 def _bad_stamp(topic: str, late: float, unset: bool) -> Problem:
@@ -91,8 +95,6 @@ def _bad_stamp(topic: str, late: float, unset: bool) -> Problem:
 def _message(
     evidence: Evidence, topic: str, fields: dict[str, Any], tolerance: float, unit: str
 ) -> list[Problem]:
-    from course_lib.ros.messages import to_plain
-
     came = evidence.messages(topic)
     if not came:
         return [nothing_on(evidence, topic)]
