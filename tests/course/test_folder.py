@@ -1,0 +1,103 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from course_lib.course import folder as folder_module
+from course_lib.course.exercise_file import notebook_text, read_notebook
+from course_lib.course.files import PACKAGE
+from course_lib.course.folder import prepare, shipped_files
+from course_lib.course.state import State
+from course_lib.errors import CourseError
+
+
+def notebook(text: str, output: str = "") -> str:
+    outputs = [{"output_type": "stream", "name": "stdout", "text": output}] if output else []
+    cell = {"cell_type": "code", "id": "a", "metadata": {}, "source": text, "outputs": outputs}
+    return notebook_text({"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+
+
+@pytest.fixture
+def release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A small release of two files that tests may change."""
+    shipped = tmp_path / "kit"
+    shipped.mkdir()
+    (shipped / "week01_exercise.ipynb").write_text(notebook("first"))
+    (shipped / "map.txt").write_text("map 1")
+    files = {
+        "week01_exercise.ipynb": shipped / "week01_exercise.ipynb",
+        "assets/map.txt": shipped / "map.txt",
+    }
+    monkeypatch.setattr(folder_module, "shipped_files", lambda: files)
+    return shipped
+
+
+def test_the_kit_ships_lessons_and_exercises_but_no_checks_and_no_solutions() -> None:
+    names = set(shipped_files())
+    assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= names
+    assert not [name for name in names if "solution" in name or name.endswith((".py", ".toml"))]
+
+
+def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Path, release: Path) -> None:
+    mine = tmp_path / "new" / "course"
+    assert prepare(mine).added == ("week01_exercise.ipynb", "assets/map.txt")
+    assert prepare(mine).lines() == []
+    (mine / "assets" / "map.txt").unlink()
+    assert prepare(mine).added == ("assets/map.txt",)
+
+
+def test_a_newer_release_replaces_what_was_only_run(tmp_path: Path, release: Path) -> None:
+    prepare(tmp_path / "mine")
+    (tmp_path / "mine" / "week01_exercise.ipynb").write_text(notebook("first", output="ran"))
+    (release / "week01_exercise.ipynb").write_text(notebook("second"))
+    assert prepare(tmp_path / "mine").updated == ("week01_exercise.ipynb",)
+    assert (tmp_path / "mine" / "week01_exercise.ipynb").read_text() == notebook("second")
+
+
+def test_a_newer_release_lands_once_beside_an_edited_file_and_says_so(tmp_path: Path, release: Path) -> None:
+    mine = tmp_path / "mine" / "week01_exercise.ipynb"
+    prepare(mine.parent)
+    mine.write_text(notebook("my answer"))
+    (release / "week01_exercise.ipynb").write_text(notebook("second"))
+    report = prepare(mine.parent)
+    assert report.beside == ("week01_exercise_new.ipynb",)
+    assert "the new version lies beside yours: week01_exercise_new.ipynb" in "\n".join(report.lines())
+    assert mine.read_text() == notebook("my answer")
+    assert (mine.parent / "week01_exercise_new.ipynb").read_text() == notebook("second")
+    assert prepare(mine.parent).lines() == []
+    (release / "week01_exercise.ipynb").write_text(notebook("third"))
+    assert prepare(mine.parent).beside == ("week01_exercise_new2.ipynb",)
+
+
+def test_a_notebook_broken_by_hand_counts_as_edited(tmp_path: Path, release: Path) -> None:
+    mine = tmp_path / "mine" / "week01_exercise.ipynb"
+    prepare(mine.parent)
+    mine.write_text("{ half a notebook")
+    (release / "week01_exercise.ipynb").write_text(notebook("second"))
+    assert prepare(mine.parent).beside == ("week01_exercise_new.ipynb",)
+    assert mine.read_text() == "{ half a notebook"
+
+
+def test_new_exercises_get_the_known_id(tmp_path: Path, release: Path) -> None:
+    (tmp_path / "mine" / ".course").mkdir(parents=True)
+    State(tmp_path / "mine").put("identity", "student", "s1")
+    prepare(tmp_path / "mine")
+    exercise = read_notebook(tmp_path / "mine" / "week01_exercise.ipynb")
+    assert exercise["metadata"]["course"]["student"] == "s1"
+    assert prepare(tmp_path / "mine").lines() == [], "the stamp is no edit"
+
+
+def test_what_is_no_folder_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(CourseError, match="is a file, not a folder"):
+        prepare(tmp_path / "file")
+    with pytest.raises(CourseError, match="is the kit itself"):
+        prepare(PACKAGE.parent)
+    with pytest.raises(CourseError, match="can't write into"):
+        prepare(tmp_path / "file" / "below")
+
+
+def test_what_was_shipped_is_written_down(tmp_path: Path, release: Path) -> None:
+    prepare(tmp_path / "mine")
+    kept = json.loads((tmp_path / "mine" / ".course" / "shipped.json").read_text())
+    assert set(kept) == {"week01_exercise.ipynb", "assets/map.txt"}

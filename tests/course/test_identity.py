@@ -1,0 +1,83 @@
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_lib.course.exercise_file import notebook_text, read_notebook
+from course_lib.course.identity import (
+    ask_identity,
+    current_identity,
+    normalise,
+    personal_number,
+    set_identity,
+)
+from course_lib.errors import CourseError
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / ".course").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("typed", "kept"),
+    [
+        ("  2023 1234 ", "20231234"),
+        ("S-1234", "s-1234"),
+        ("٢٠٢٣١٢٣٤", "20231234"),
+        ("２０２３", "2023"),  # noqa: RUF001  wide digits, as some keyboards type them
+        ("Zoë.M", "zoë.m"),
+    ],
+)
+def test_one_spelling_for_each_id(typed: str, kept: str) -> None:
+    assert normalise(typed) == kept
+
+
+@pytest.mark.parametrize("typed", ["", "   ", "../etc", "a/b", "a\\b", ".hidden", "x" * 65, "a:b", "a\0b"])
+def test_what_cannot_name_a_folder_is_refused_with_an_example(typed: str) -> None:
+    with pytest.raises(CourseError, match="Example: 20231234"):
+        normalise(typed)
+
+
+@given(st.text(max_size=80))
+def test_normalising_twice_changes_nothing(typed: str) -> None:
+    try:
+        once = normalise(typed)
+    except CourseError:
+        return
+    assert normalise(once) == once
+
+
+def test_the_id_is_kept_and_stamped_into_the_exercises(folder: Path) -> None:
+    exercise = folder / "week01_exercise.ipynb"
+    exercise.write_text(notebook_text({"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}))
+    assert "1 exercise" in set_identity(" S1 ")
+    assert current_identity() == "s1"
+    assert read_notebook(exercise)["metadata"]["course"]["student"] == "s1"
+
+
+def test_a_broken_exercise_does_not_keep_the_id_from_being_set(folder: Path) -> None:
+    (folder / "week01_exercise.ipynb").write_text("{")
+    set_identity("s1")
+    assert current_identity() == "s1"
+
+
+def test_without_a_page_the_question_says_how_to_answer(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ask_identity()
+    assert "set_identity('your-id')" in capsys.readouterr().out
+    set_identity("s1")
+    ask_identity()
+    assert "Your ID is s1" in capsys.readouterr().out
+
+
+def test_personal_numbers_depend_on_student_and_key_and_use_every_choice() -> None:
+    numbers = [personal_number(f"s{i}", "height", 5) for i in range(200)]
+    assert set(numbers) == set(range(5))
+    assert numbers == [personal_number(f"s{i}", "height", 5) for i in range(200)]
+    assert numbers != [personal_number(f"s{i}", "width", 5) for i in range(200)]
+    assert personal_number(None, "height", 5) == personal_number("guest", "height", 5)
