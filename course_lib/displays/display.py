@@ -1,6 +1,6 @@
 """What all displays share: messages in, scene out, properties and statuses by RViz's names."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 from urllib.parse import quote
@@ -39,14 +39,14 @@ class Context:
         scene: What they draw into.
         frames: Where frames are.
         now_ns: Robot time, [ns].
-        joined: Called by a display that has subscribed, to get what publishers hold for latecomers.
+        joined: Called with new subscriptions, to get what publishers hold for latecomers.
         touched: Called when somebody has changed a property, to show it at once.
     """
 
     scene: Scene
     frames: Frames
     now_ns: int = 0
-    joined: Callable[["Display"], None] = lambda display: None
+    joined: Callable[[Iterable[Subscription]], None] = lambda subscriptions: None
     touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
 

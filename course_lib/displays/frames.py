@@ -71,12 +71,6 @@ class Frames:
                 self._known[key] = None
         return self._known[key]
 
-    def latest(self, frame: str) -> int:
-        """Return the latest time at which a frame can be placed, [ns]; 0 if it is static or cannot be."""
-        name = frame.removeprefix("/")
-        known = self.buffer.can_transform(self.fixed_frame, name) is None
-        return self.buffer.lookup(self.fixed_frame, name).stamp_ns if known else 0
-
     def problem(self, frame: str, stamp_ns: int = 0) -> str | None:
         """Say in RViz's words why a frame cannot be placed; None if it can."""
         error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)

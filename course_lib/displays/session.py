@@ -1,8 +1,10 @@
 """RViz without a window: its displays, and the order in which messages change the scene."""
 
 from collections.abc import Callable, Iterable, Mapping
+from itertools import chain
 from typing import Any
 
+from course_lib.displays.delivery import reaches, silence
 from course_lib.displays.display import Context, Display, Subscription, node_name
 from course_lib.displays.frames import NS, Frames
 from course_lib.displays.layout import Layout
@@ -11,7 +13,7 @@ from course_lib.displays.statuses import Statuses, StatusRow
 from course_lib.displays.views import VIEWS, Orbit, View
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import deserialize, message_class
-from course_lib.ros.qos import Qos, incompatible
+from course_lib.ros.qos import Qos
 from course_lib.viewer.scene import Scene
 
 TF = "tf2_msgs/msg/TFMessage"
@@ -35,7 +37,7 @@ class Session:
         self, scene: Scene, fixed_frame: str = "map", start_ns: int = 0, match_qos: bool = True
     ) -> None:
         self.frame_rate = 30  # [Hz]
-        self.context = Context(scene, Frames(fixed_frame), start_ns, self._catch_up, self.refresh)
+        self.context = Context(scene, Frames(fixed_frame), start_ns, self.catch_up, self.refresh)
         self.displays: list[Display] = []
         self._view: View = Orbit()
         self.statuses = Statuses()  # Global Status
@@ -46,7 +48,7 @@ class Session:
         self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
         self._last_ns = start_ns  # of the last message
         self._frame_ns = start_ns  # of the last frame
-        self._transforms = [
+        self.transforms = [
             Subscription(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
             for topic, qos in _TF_TOPICS.items()
         ]
@@ -129,8 +131,7 @@ class Session:
             self.update(self._due_ns)
         self.context.now_ns = self._last_ns = sample.stamp_ns
         self._types[sample.topic] = sample.type_name
-        listening = [s for d in self.displays for s in d.subscriptions if s.topic == sample.topic]
-        self._deliver(sample, [s for s in self._transforms if s.topic == sample.topic] + listening)
+        self._deliver(sample, chain(self.transforms, *(display.subscriptions for display in self.displays)))
 
     def tick(self, now_ns: int) -> None:
         """Make a frame if one is due at a robot time, [ns]; things expire without a message."""
@@ -160,56 +161,26 @@ class Session:
         self.statuses.set(level, "Fixed Frame", text)
         rows = self.statuses.rows("Global Status")
         for display in self.displays:
-            rows += [*display.rows(), *self._silence(display)]
+            rows += [*display.rows(), *silence(display, self._types)]
         return rows
 
-    def hear_latched(self) -> None:
-        """Take the transforms that publishers hold for latecomers."""
+    def catch_up(self, subscriptions: Iterable[Subscription]) -> None:
+        """Take what publishers hold for latecomers that ask for it."""
+        wanting = [s for s in subscriptions if s.qos.durability == "transient_local"]
         for sample in self.latched():
-            wanted = [s for s in self._transforms if s.topic == sample.topic and _latecomer(s)]
-            self._deliver(sample, wanted)
+            self._deliver(sample, wanting)
 
-    def _catch_up(self, display: Display) -> None:
-        """Give a display that has just subscribed what publishers hold for it."""
-        for sample in self.latched():
-            wanted = [s for s in display.subscriptions if s.topic == sample.topic and _latecomer(s)]
-            self._deliver(sample, wanted)
-
-    def _deliver(self, sample: Sample, wanted: list[Subscription]) -> None:
+    def _deliver(self, sample: Sample, subscriptions: Iterable[Subscription]) -> None:
         """Deserialise a message once, for all that want it and can have it."""
-        wanted = [subscription for subscription in wanted if self._matches(sample, subscription)]
-        if not wanted:
+        listening = [s for s in subscriptions if s.topic == sample.topic]
+        reached = [s for s in listening if reaches(sample, s, self._match_qos)]
+        if not reached:
             return
         message = deserialize(sample.cdr, message_class(sample.type_name))
-        for subscription in wanted:
+        for subscription in reached:
             subscription.take(message)
         if self._due_ns is None:
             self._due_ns = self.context.now_ns + NS // self.frame_rate
-
-    def _matches(self, sample: Sample, subscription: Subscription) -> bool:
-        """Say whether the message would arrive; RViz is silent if not, so we say why."""
-        topic = sample.topic
-        problem = None
-        if sample.type_name != subscription.type_name:
-            problem = f"{topic} carries {sample.type_name}; this display takes {subscription.type_name}."
-        elif self._match_qos:
-            policy = incompatible(sample.qos, subscription.qos)
-            problem = policy and (
-                f"{topic} is published with another {policy} than this display asks for, so nothing arrives. "
-                "Change the display's policy below Topic, or the publisher's QoS."
-            )
-        subscription.statuses.hint(f"Topic {topic}", *([problem] if problem else []))
-        return problem is None
-
-    def _silence(self, display: Display) -> list[StatusRow]:
-        """Say which topics a display could listen to, if its own ones are silent."""
-        topics = {subscription.topic for subscription in display.subscriptions}
-        types = {subscription.type_name for subscription in display.subscriptions}
-        others = sorted(topic for topic, name in self._types.items() if name in types)
-        if not topics or topics & self._types.keys() or not others:
-            return []
-        text = f"nothing has come on {min(topics)}; messages of its type come on {', '.join(others)}."
-        return [StatusRow(display.name, "Topic", "hint", text)]
 
     def _take_transforms(self, is_static: bool) -> Callable[[Any], None]:
         def take(message: Any) -> None:
@@ -227,7 +198,3 @@ class Session:
         self._due_ns = None
         self.context.now_ns = 0
         self.statuses.hint("Time", "RViz's log: Detected jump back in time. Resetting RViz.")
-
-
-def _latecomer(subscription: Subscription) -> bool:
-    return subscription.qos.durability == "transient_local"

@@ -44,5 +44,6 @@ def table(rows: Iterable[StatusRow]) -> str:
             f'<td style="color: {color}; white-space: nowrap">{icon} {word}</td>'
             f'<td style="text-align: left">{escape(row.text)}</td></tr>'
         )
-    head = "<tr><th>Display</th><th>Status</th><th>Level</th><th>Text</th></tr>"
-    return f'<table style="font-size: 90%"><thead>{head}</thead><tbody>{"".join(body)}</tbody></table>'
+    head = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align: left'>Text</th></tr>"
+    style = "font-size: 90%; line-height: 1.2"
+    return f'<table style="{style}"><thead>{head}</thead><tbody>{"".join(body)}</tbody></table>'

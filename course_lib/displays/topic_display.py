@@ -8,7 +8,6 @@ from course_lib.displays.display import Display, Subscription
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.properties import Property, integer, text, words
 from course_lib.ros.qos import Qos
-from course_lib.ros.tf2_core import CACHE_NS
 
 _HISTORY: Mapping[str, Literal["keep_last", "keep_all"]] = {"Keep All": "keep_all"}
 _RELIABILITY: Mapping[str, Literal["reliable", "best_effort"]] = {"Best Effort": "best_effort"}
@@ -75,7 +74,7 @@ class TopicDisplay(Display):
             return
         self.statuses.set("ok", "Topic", "OK")
         self.subscriptions = self.wanted()
-        self.context.joined(self)
+        self.context.joined(self.subscriptions)
 
     def wanted(self) -> tuple[Subscription, ...]:
         """Return what the display listens to."""
@@ -122,10 +121,6 @@ class FilteredDisplay(TopicDisplay):
         if not message.header.frame_id.removeprefix("/"):
             self._dropped(message, "the frame id of the message is empty")
             return
-        if self._outdated(message):
-            reason = "the timestamp on the message is earlier than all the data in the transform cache"
-            self._dropped(message, reason)
-            return
         self._waiting.append(message)
         self._let_through()
         if len(self._waiting) > self["Topic/Filter size"]:
@@ -152,12 +147,6 @@ class FilteredDisplay(TopicDisplay):
     def _problem(self, message: Any) -> str | None:
         frame = message.header.frame_id.removeprefix("/")
         return self.context.frames.problem(frame, nanoseconds(message.header.stamp))
-
-    def _outdated(self, message: Any) -> bool:
-        """Say whether tf2 has forgotten the time of a message already."""
-        latest_ns = self.context.frames.latest(message.header.frame_id)
-        stamp_ns = nanoseconds(message.header.stamp)
-        return stamp_ns != 0 and latest_ns != 0 and stamp_ns + CACHE_NS < latest_ns
 
     def _dropped(self, message: Any, reason: str) -> None:
         """Repeat what RViz writes to its log only."""

@@ -42,7 +42,7 @@ class Viewer:
         self.session.latched = graph.latched
         self._panel = Panel(self.session)
         self._stops = [graph.tap(self.session.receive), graph.watch_time(self.session.tick)]
-        self.session.hear_latched()
+        self.session.catch_up(self.session.transforms)
         self.add("Grid")
 
     @classmethod

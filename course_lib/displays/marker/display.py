@@ -5,6 +5,7 @@ from typing import Any
 from course_lib.displays.display import Subscription
 from course_lib.displays.marker.store import MarkerStore
 from course_lib.displays.properties import Property, booleans
+from course_lib.displays.statuses import StatusRow
 from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay, topic_properties
 
 MARKER, MARKER_ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray"
@@ -29,6 +30,11 @@ class _Markers(TopicDisplay):
         super().update()
         self.markers.update()
         self._values["Namespaces"] = dict(self.markers.namespaces)
+
+    def rows(self) -> list[StatusRow]:
+        """List the statuses, and what has moved away from its markers."""
+        behind = self.markers.behind() if self.enabled else ()
+        return super().rows() + [StatusRow(self.name, name, "hint", text) for name, text in behind]
 
     def reset(self) -> None:
         """Forget all markers."""

@@ -1,7 +1,7 @@
 """The life of markers: from message to scene, to their end (RViz2's MarkerCommon)."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -16,6 +16,7 @@ from course_lib.displays.statuses import Statuses
 
 ADD, DELETE, DELETEALL = 0, 2, 3
 FOREVER_NS = 100_000  # a lifetime up to this one never ends, [ns]
+_MOVED = 0.01  # [m], and about as much of a turn
 
 Key: TypeAlias = tuple[str, int]  # (namespace, id)
 
@@ -106,6 +107,18 @@ class MarkerStore:
         for key in list(self.live):
             if not self.namespaces.get(key[0], True):
                 self._delete(key)
+
+    def behind(self) -> Iterator[tuple[str, str]]:
+        """Yield name and hint of each marker that stays where its frame was, a while after it came."""
+        for live in self.live.values():
+            frame, then = live.marker.header.frame_id, live.transform_frame_to_fixed
+            now = self._context.frames.transform(frame)
+            fresh = self._context.now_ns < live.received_ns + NS
+            if fresh or live.marker.frame_locked or then is None or now is None:
+                continue
+            if np.abs(now - then).max() > _MOVED:
+                text = "has moved since this marker came; RViz2 places it once. frame_locked = True follows."
+                yield label(live.marker), f"{frame} {text}"
 
     def _process(self, marker: Any, received_ns: int) -> None:
         key = (marker.ns, marker.id)

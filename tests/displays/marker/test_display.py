@@ -71,15 +71,6 @@ def test_a_marker_without_a_frame_is_dropped_with_a_line_in_rviz_log_only() -> N
     ]
 
 
-def test_a_marker_that_tf2_has_forgotten_the_time_of_is_dropped() -> None:
-    bench = Bench()
-    for second in (0.0, 20.0):
-        bench.transform("map", "base", at=second, static=False)
-    bench.hear(TOPIC, stamped(5.0), at=20.0)
-    reason = "earlier than all the data in the transform cache"
-    assert any(reason in hint for hint in bench.hints(bench.marker))
-
-
 @pytest.mark.parametrize("which", ["marker", "array"])
 def test_another_fixed_frame_clears_all_markers(which: str) -> None:
     bench = Bench()

@@ -162,6 +162,18 @@ def test_a_frame_places_its_markers_once() -> None:
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [1, 2, 0], atol=1e-12)
 
 
+def test_a_marker_that_its_frame_has_left_is_hinted_at_after_a_while() -> None:
+    bench = Bench()
+    bench.transform("map", "base")
+    bench.show(marker(frame="base"), marker(number=1, frame="base", frame_locked=True))
+    bench.transform("map", "base", (1.0, 0.0, 0.0), at=0.5)
+    bench.look(0.5)
+    assert bench.hints(bench.array) == []
+    bench.look(1.5)
+    (hint,) = bench.hints(bench.array)
+    assert hint.startswith("base has moved since this marker came")
+
+
 def test_a_locked_marker_follows_its_frame_whatever_its_stamp() -> None:
     bench = Bench()
     locked = marker(frame="base", pose=at(2.0), frame_locked=True)

@@ -1,0 +1,38 @@
+"""Whether a message reaches a display; RViz is silent if not, so we say why."""
+
+from collections.abc import Mapping
+
+from course_lib.displays.display import Display, Subscription
+from course_lib.displays.statuses import StatusRow
+from course_lib.ros.graph import Sample
+from course_lib.ros.qos import incompatible
+
+
+def reaches(sample: Sample, subscription: Subscription, match_qos: bool) -> bool:
+    """Say whether a sample reaches a subscription to its topic, and leave a hint if not."""
+    topic, policy, problem = sample.topic, None, None
+    if sample.type_name != subscription.type_name:
+        problem = f"{topic} carries {sample.type_name}; this display takes {subscription.type_name}."
+    elif match_qos and (policy := incompatible(sample.qos, subscription.qos)):
+        problem = (
+            f"{topic} is published with another {policy} than this display asks for, so nothing arrives. "
+            "Change the display's policy below Topic, or the publisher's QoS."
+        )
+    subscription.statuses.hint(f"Topic {topic}", *([problem] if problem else []))
+    return problem is None
+
+
+def silence(display: Display, types: Mapping[str, str]) -> list[StatusRow]:
+    """Say which topics a display could listen to if its own ones are silent.
+
+    Args:
+        display: The display.
+        types: The type of each topic that was heard.
+    """
+    topics = {subscription.topic for subscription in display.subscriptions}
+    wanted = {subscription.type_name for subscription in display.subscriptions}
+    others = sorted(topic for topic, name in types.items() if name in wanted)
+    if not topics or topics & types.keys() or not others:
+        return []
+    text = f"nothing has come on {min(topics)}; messages of its type come on {', '.join(others)}."
+    return [StatusRow(display.name, "Topic", "hint", text)]
