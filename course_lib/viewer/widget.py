@@ -2,6 +2,7 @@
 
 import asyncio
 import base64
+import os
 import threading
 import uuid
 from collections.abc import Callable
@@ -78,6 +79,9 @@ class SceneWidget(anywidget.AnyWidget):
         if hasattr(self.comm, "_reply_subshell_for"):
             # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or not.
             self.comm._reply_subshell_for = lambda data, default: default
+        if "JPY_SESSION_NAME" in os.environ:
+            # A page is there, but after a restart it is not heard before the running cell ends.
+            self._stream.connect(self._stream.number)
 
     def get_state(self, key: Any = None, drop_defaults: bool = False) -> dict[str, Any]:
         """Return the traits, with the scene as it is now: pages ask for them when they load."""
@@ -88,8 +92,7 @@ class SceneWidget(anywidget.AnyWidget):
 
     def flush(self) -> None:
         """Send what has changed now, not with the next batch."""
-        if self.ready:
-            self._stream.flush()
+        self._stream.flush()
 
     def close(self) -> None:
         """Remove the views from all pages and stop following the scene."""

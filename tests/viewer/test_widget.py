@@ -13,6 +13,11 @@ from course_lib.viewer.widget import SceneWidget
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
 
 
+@pytest.fixture(autouse=True)
+def no_server(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("JPY_SESSION_NAME", raising=False)
+
+
 @pytest.fixture
 def scene() -> Scene:
     scene = Scene()
@@ -54,6 +59,18 @@ def test_no_page_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> N
     scene.set_object("other", RED_BOX)
     widget.flush()
     assert not widget.ready
+
+
+def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("JPY_SESSION_NAME", "lesson.ipynb")
+    widget = SceneWidget(scene)
+    sent: list[dict[str, object]] = []
+    monkeypatch.setattr(widget, "send", lambda content, buffers: sent.append(content))
+    scene.set_object("other", RED_BOX)
+    widget.flush()
+    assert sent == [{"type": "batch", "number": 1}]
 
 
 def test_what_a_page_must_not_say_is_passed_over(scene: Scene) -> None:
