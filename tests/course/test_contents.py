@@ -1,0 +1,18 @@
+from pathlib import Path
+
+from course_lib.course.contents import contents_page, load_weeks, write_contents
+from course_lib.course.state import State
+
+
+def test_every_lesson_is_listed_with_minutes_and_a_link(tmp_path: Path) -> None:
+    page = write_contents(tmp_path).read_text()
+    for week in load_weeks():
+        assert f"[{week.title}]({week.lesson}) | {week.minutes} |" in page
+
+
+def test_progress_counts_the_tasks_that_passed_in_full() -> None:
+    state = State(None)
+    assert "| 0 of 4 tasks |" in contents_page(state)
+    state.put("progress", "week01.red_cube", {"score": 20.0, "of": 20.0})
+    state.put("progress", "week01.traffic_light", {"score": 10.0, "of": 25.0})
+    assert "| 1 of 4 tasks |" in contents_page(state)

@@ -1,0 +1,97 @@
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from course_lib.course import lab as lab_module
+from course_lib.course.lab import can_open_browser, command, free_port, lab
+from course_lib.errors import CourseError
+
+HOME_DIRS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")
+
+
+@pytest.fixture
+def taken() -> Iterator[int]:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        yield listener.getsockname()[1]
+
+
+def test_a_taken_port_gives_the_next_free_one(taken: int) -> None:
+    assert taken < free_port(taken) <= taken + 100
+
+
+@pytest.mark.parametrize("port", [-1, 0, 65536])
+def test_what_is_no_port_is_refused(port: int) -> None:
+    with pytest.raises(CourseError, match="from 1 to 65535"):
+        free_port(port)
+
+
+def test_root_is_allowed_only_where_one_is_root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: 0, raising=False)
+    assert "--allow-root" in command(tmp_path, 8888)
+    monkeypatch.setattr(os, "geteuid", lambda: 1000, raising=False)
+    assert "--allow-root" not in command(tmp_path, 8888)
+
+
+def test_without_a_screen_no_browser_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(variable, raising=False)
+    assert not can_open_browser()
+
+
+def test_a_server_that_does_not_start_is_said_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(lab_module, "command", lambda *_: [sys.executable, "-c", "raise SystemExit(1)"])
+    with pytest.raises(CourseError, match="JupyterLab did not start"):
+        lab(tmp_path / "mine", browser=False)
+
+
+def get(address: str, path: str) -> Any:
+    base, _, token = address.partition("lab/tree")
+    with urllib.request.urlopen(f"{base}{path}?{token.partition('?')[2]}", timeout=20) as answer:
+        return json.loads(answer.read())
+
+
+@pytest.mark.slow
+def test_it_serves_the_students_folder_only_and_leaves_nothing_behind(tmp_path: Path, taken: int) -> None:
+    home = {name: str(tmp_path / "home" / name.lower()) for name in HOME_DIRS}
+    arguments = ["lab", str(tmp_path / "mine"), "--port", str(taken), "--no-browser"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "course_lib", *arguments],
+        env=os.environ | home,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    said = ""
+    for line in process.stdout:
+        said += line
+        if "http://" in line:
+            break
+    address = re.search(r"http://\S+", said)
+    assert address, said
+    assert f"Port {taken} is taken" in said
+    server = psutil.Process(process.pid).children(recursive=True)
+    served = {item["name"] for item in get(address.group(), "api/contents")["content"]}
+    assert {"contents.md", "week00_welcome.ipynb", "week01_exercise.ipynb"} <= served
+    assert ".course" not in served
+    news = get(address.group(), "lab/api/settings/@jupyterlab/apputils-extension:notification")
+    assert news["schema"]["properties"]["fetchNews"]["default"] == "false"
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(20) == 0
+    assert "Your files are kept." in process.stdout.read()
+    assert not [p for p in server if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]

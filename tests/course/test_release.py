@@ -1,0 +1,86 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_lib.course import release as release_module
+from course_lib.course.exercise import BEGIN, END
+from course_lib.course.exercise_file import read_notebook, source
+from course_lib.course.files import checkout_root, solutions_dir
+from course_lib.course.release import release
+from course_lib.errors import CourseError
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("release") / "students"
+    release(place)
+    return place
+
+
+def answers() -> list[str]:
+    """The longer lines of all answers, as instructors wrote them."""
+    lines = []
+    for path in solutions_dir().glob("week*_solution.ipynb"):
+        for cell in read_notebook(path)["cells"]:
+            inside = False
+            for line in source(cell).splitlines():
+                inside = (inside or bool(BEGIN.match(line))) and line.strip() != END
+                lines += [line.strip()] if inside and len(line.strip()) > 60 else []
+    return [line for line in lines if not BEGIN.match(line)]
+
+
+def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
+    names = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    assert {"README.md", "pyproject.toml", "exercises/week01_exercise.ipynb", "course_lib/cli.py"} <= names
+    assert not [
+        name for name in names if name.startswith(("solutions", "tests", ".")) or "__pycache__" in name
+    ]
+    assert not [name for name in names if "HIDDEN = {" in (out / name).read_text(errors="replace")]
+
+
+def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
+    released = "\n".join(path.read_text() for path in (out / "exercises").rglob("*.ipynb"))
+    assert answers()
+    assert not [line for line in answers() if line in released]
+
+
+def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(CourseError, match="not an empty folder"):
+        release(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+    with pytest.raises(CourseError, match="inside what is released"):
+        release(checkout_root() / "exercises" / "out")
+
+
+def test_an_exercise_that_was_stale_stops_the_release(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(release_module, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
+    with pytest.raises(CourseError, match=r"please look and commit.*week01_exercise\.ipynb"):
+        release(tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_a_wheel_of_the_release_prepares_a_students_folder(out: Path, tmp_path: Path) -> None:
+    pytest.importorskip("hatchling")
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*pip, "--target", str(tmp_path / "site"), str(out)], check=True, capture_output=True)
+    code = (
+        "from pathlib import Path; from course_lib.course import files, folder, quiz\n"
+        "print(files.PACKAGE); print(*folder.prepare(Path('mine')).added); quiz.load_quiz('week01')"
+    )
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
+    command = [sys.executable, "-c", code]
+    said = subprocess.run(
+        command, cwd=tmp_path, env=environment, check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    assert said[0] == str(tmp_path / "site" / "course_lib")
+    assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= set(
+        said[1].split()
+    )
+    assert not list((tmp_path / "site").rglob("*solution*"))
