@@ -45,7 +45,7 @@ def read_layout(path: str | Path) -> Layout:
     try:
         background = color(options.get("Background Color", "48; 48; 48"))
         frame_rate = max(int(options.get("Frame Rate", 30)), 1)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise CourseError(f"{path}: a value of Global Options is wrong: {error}.") from None
     fixed_frame = str(options.get("Fixed Frame", "base_link")).removeprefix("/")
     return Layout(document, fixed_frame, background, frame_rate, displays, view)

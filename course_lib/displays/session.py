@@ -60,6 +60,8 @@ class Session:
 
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
+        if frame.removeprefix("/") == self.fixed_frame:
+            return
         self.context.frames.fixed_frame = frame.removeprefix("/")
         for display in self.displays:
             display.reset()

@@ -36,7 +36,7 @@ class Viewer:
     """
 
     def __init__(self, fixed_frame: str = "map") -> None:
-        graph = current_graph()
+        self._graph = graph = current_graph()
         self.scene = Scene()
         self.session = Session(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
@@ -52,8 +52,9 @@ class Viewer:
         Raises:
             CourseError: If it is no such file; with line and column.
         """
+        layout = read_layout(path)
         viewer = cls()
-        viewer.session.apply(read_layout(path))
+        viewer.session.apply(layout)
         return viewer
 
     def add(
@@ -169,7 +170,7 @@ class Viewer:
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""
-        self.session.update(current_graph().now_ns)
+        self.session.update(self._graph.now_ns)
 
     def close(self) -> None:
         """Stop listening, and take the viewer out of all cells."""
