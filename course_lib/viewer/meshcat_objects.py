@@ -1,12 +1,13 @@
-"""What the meshcat package draws, as our own drawables, for pictures made without its JavaScript."""
+"""What the meshcat package describes, as our own drawables: they look alike in pages and in pictures."""
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from course_lib.viewer.arrays import Floats, Matrix
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids
+from course_lib.viewer.arrays import Floats, Matrix, floats
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
 from course_lib.viewer.mesh_files import parse_mesh
 from course_lib.viewer.scene import MeshcatObject
 
@@ -18,84 +19,48 @@ _TRANSFORM_UP_TO_Y = np.array(
 )  # three.js's axis is y
 
 
-def drawables_of(json: Json) -> list[tuple[Matrix, Drawable]]:
-    """Return an object of meshcat as drawables, each with its transform to the object's node.
+def drawable_of(json: Json) -> Drawable | MeshcatObject:
+    """Return an object of meshcat as a drawable; what has no equal stays for the page's three.js to draw.
 
-    Boxes, balls, cylinders, triangles, points and lines are known; anything else is left out.
+    Boxes, balls, cylinders, triangles, points, lines and mesh files have one, unless they carry pictures
+    or are wire frames.
     """
     thing = json["object"]
     geometry, material = _part(json, "geometry", "geometries"), _part(json, "material", "materials")
     transform_geometry_to_node = np.reshape(thing.get("matrix", np.eye(4)), (4, 4)).T  # column by column
-    if geometry.get("type") in _SOLIDS:
-        solid = _SOLIDS[geometry["type"]](geometry, _color(material))
-        return [(transform_geometry_to_node, solid)]
-    if geometry.get("type") == "BufferGeometry" and thing["type"] in (
-        "Mesh",
-        "Points",
-        "Line",
-        "LineSegments",
-    ):
-        return [(transform_geometry_to_node, _buffer(thing["type"], geometry["data"], material))]
-    return []
+    file = thing if thing["type"] == "_meshfile_object" else geometry
+    special = material.get("map") or material.get("wireframe") or file.get("resources")
+    if str(file.get("type", "")).startswith("_meshfile") and not special:
+        return _moved(_from_file(file, material), transform_geometry_to_node)
+    lit = material.get("type") != "MeshBasicMaterial"
+    if thing["type"] == "Mesh" and geometry.get("type") in _SOLIDS and not special:
+        shape, transform_unit_to_geometry = _SOLIDS[geometry["type"]](geometry)
+        placement = transform_geometry_to_node @ transform_unit_to_geometry
+        return Solids(shape, [placement], _color(material), lit)
+    if thing["type"] in _BUFFERS and geometry.get("type") == "BufferGeometry" and not special:
+        attributes = geometry["data"]["attributes"]
+        colors = _colors(attributes, material)
+        drawn = _BUFFERS[thing["type"]](_array(attributes["position"]), colors, geometry["data"], material)
+        return _moved(drawn, transform_geometry_to_node)
+    return MeshcatObject(json)
 
 
-def recolored(thing: MeshcatObject | Mesh, rgba: Sequence[float]) -> MeshcatObject | Mesh:
+def recolored(thing: Drawable | MeshcatObject, rgba: Sequence[float]) -> Drawable | MeshcatObject:
     """Return the same thing in one colour, RGBA in 0..1."""
-    if isinstance(thing, Mesh):
-        return Mesh(thing.vertices, thing.faces, rgba, thing.normals, thing.lit)
-    red, green, blue, alpha = (round(255 * part) for part in rgba)
-    paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
-    materials = [{**material, **paint} for material in thing.json.get("materials", ())]
-    return MeshcatObject({**thing.json, "materials": materials})
+    if isinstance(thing, MeshcatObject):
+        red, green, blue, alpha = (round(255 * part) for part in rgba)
+        paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
+        materials = [{**material, **paint} for material in thing.json.get("materials", ())]
+        return MeshcatObject({**thing.json, "materials": materials})
+    other = copy(thing)
+    setattr(other, "color" if isinstance(other, Text) else "colors", floats("color", rgba, (4,)))
+    return other
 
 
 def _part(json: Json, field: str, library: str) -> Json:
     """Return what the object means by the id in one of its fields."""
     wanted = json["object"].get(field)
     return next((part for part in json.get(library, ()) if part["uuid"] == wanted), {})
-
-
-def _box(geometry: Json, color: Floats) -> Solids:
-    return Solids("box", [np.diag([geometry["width"], geometry["height"], geometry["depth"], 1])], color)
-
-
-def _sphere(geometry: Json, color: Floats) -> Solids:
-    diameter = 2 * geometry["radius"]
-    return Solids("sphere", [np.diag([diameter, diameter, diameter, 1])], color)
-
-
-def _cylinder(geometry: Json, color: Floats) -> Solids:
-    top, bottom = geometry["radiusTop"], geometry["radiusBottom"]
-    shape: Shape = "cone" if top == 0 else "cylinder"
-    scale = np.diag([2 * bottom, 2 * bottom, geometry["height"], 1])
-    return Solids(shape, [_TRANSFORM_UP_TO_Y @ scale], color)
-
-
-_SOLIDS: dict[str, Callable[[Json, Floats], Solids]] = {
-    "BoxGeometry": _box,
-    "SphereGeometry": _sphere,
-    "CylinderGeometry": _cylinder,
-}
-
-
-def mesh_of(json: Json) -> Mesh | None:
-    """Return the mesh file in an object of meshcat, read once, as pages take seconds for it.
-
-    None if there is none, or if it comes with pictures, which the page can draw.
-    """
-    thing, geometry = json["object"], _part(json, "geometry", "geometries")
-    file = thing if thing["type"] == "_meshfile_object" else geometry
-    if not str(file.get("type", "")).startswith("_meshfile") or file.get("resources"):
-        return None
-    material = _part(json, "material", "materials")
-    data = file["data"]
-    data = data.encode() if isinstance(data, str) else bytes(getattr(data, "data", data))
-    mesh = parse_mesh(data, file["format"], tuple(_color(material).tolist()) if material else None)
-    transform_mesh_to_node = np.reshape(thing.get("matrix", np.eye(4)), (4, 4)).T
-    if np.array_equal(transform_mesh_to_node, np.eye(4)):
-        return mesh
-    vertices = mesh.vertices @ transform_mesh_to_node[:3, :3].T + transform_mesh_to_node[:3, 3]
-    return Mesh(vertices, mesh.faces, mesh.colors)
 
 
 def _color(material: Json) -> Floats:
@@ -105,20 +70,65 @@ def _color(material: Json) -> Floats:
     return np.array([*parts, alpha], np.float32)
 
 
-def _buffer(kind: str, data: Json, material: Json) -> Drawable:
-    points = _array(data["attributes"]["position"]).reshape(-1, 3)
-    colors = _color(material)
-    if material.get("vertexColors") and "color" in data["attributes"]:
-        rgb = _array(data["attributes"]["color"]).reshape(-1, 3)
-        colors = np.column_stack([rgb, np.full(len(rgb), colors[3])]).astype(np.float32)
-    if kind == "Points":
-        size = material.get("size", 0.001)  # [m]
-        return Points(points, colors, (size, size))
-    if kind != "Mesh":
-        return Lines(points, colors, strip=kind == "Line")
-    faces = _array(data["index"]).reshape(-1, 3) if "index" in data else None
-    return Mesh(points, faces, colors)
+def _colors(attributes: Json, material: Json) -> Floats:
+    """Return the colours of the vertices if they count, shape (V, 4), else that of the material."""
+    color = _color(material)
+    if not material.get("vertexColors") or "color" not in attributes:
+        return color
+    rgb = _array(attributes["color"])
+    return np.column_stack([rgb, np.full(len(rgb), color[3])]).astype(np.float32)
 
 
 def _array(packed: Json) -> Any:
-    return np.frombuffer(packed["array"].data, _TYPES[packed["array"].type])
+    """Return an array of triples, shape (N, 3)."""
+    return np.frombuffer(packed["array"].data, _TYPES[packed["array"].type]).reshape(-1, 3)
+
+
+def _moved(drawn: Drawable, transform: Matrix) -> Drawable:
+    """Place a mesh, points or lines in their node."""
+    if np.array_equal(transform, np.eye(4)):
+        return drawn
+    other = copy(drawn)
+    field = "vertices" if isinstance(drawn, Mesh) else "points"
+    placed = getattr(drawn, field) @ transform[:3, :3].T + transform[:3, 3]
+    setattr(other, field, floats(field, placed, (None, 3)))
+    if isinstance(other, Mesh):
+        other.normals = None  # they may not fit any more
+    return other
+
+
+def _from_file(file: Json, material: Json) -> Mesh:
+    data = file["data"]
+    content = data.encode() if isinstance(data, str) else bytes(data.data)
+    return parse_mesh(content, file["format"], tuple(_color(material).tolist()) if material else None)
+
+
+def _mesh(points: Floats, colors: Floats, data: Json, material: Json) -> Mesh:
+    lit = material.get("type") != "MeshBasicMaterial"
+    return Mesh(points, _array(data["index"]) if "index" in data else None, colors, lit=lit)
+
+
+def _points(points: Floats, colors: Floats, _: Json, material: Json) -> Points:
+    size = material.get("size", 0.001)  # [m]
+    return Points(points, colors, (size, size))
+
+
+_BUFFERS: dict[str, Callable[[Floats, Floats, Json, Json], Drawable]] = {
+    "Mesh": _mesh,
+    "Points": _points,
+    "Line": lambda points, colors, *_: Lines(points, colors),
+    "LineSegments": lambda points, colors, *_: Lines(points, colors, strip=False),
+}
+
+
+def _cylinder(geometry: Json) -> tuple[Shape, Matrix]:
+    top, bottom = geometry["radiusTop"], geometry["radiusBottom"]
+    scale = np.diag([2 * bottom, 2 * bottom, geometry["height"], 1])
+    return "cylinder" if top else "cone", _TRANSFORM_UP_TO_Y @ scale
+
+
+_SOLIDS: dict[str, Callable[[Json], tuple[Shape, Matrix]]] = {
+    "BoxGeometry": lambda box: ("box", np.diag([box["width"], box["height"], box["depth"], 1])),
+    "SphereGeometry": lambda ball: ("sphere", np.diag([2 * ball["radius"]] * 3 + [1])),
+    "CylinderGeometry": _cylinder,
+}

@@ -10,7 +10,6 @@ import numpy.typing as npt
 from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Solids, Text
-from course_lib.viewer.meshcat_objects import drawables_of
 from course_lib.viewer.scene import MeshcatObject, Scene
 from course_lib.viewer.shapes import unit_shape
 from course_lib.viewer.text import rasterized
@@ -54,15 +53,15 @@ class View:
 
 
 def triangles_of(scene: Scene, height: int) -> Iterator[Triangles]:
-    """Iterate over what is to be seen in a picture of some height in pixels."""
+    """Iterate over what is to be seen in a picture of some height in pixels.
+
+    What only three.js can draw is left out.
+    """
     transform_scene_to_camera = scene.camera.view_matrix()
     for path, thing in scene.objects().items():
-        if not scene.visible(path):
-            continue
-        transform = transform_scene_to_camera @ scene.world_transform(path)
-        parts = drawables_of(thing.json) if isinstance(thing, MeshcatObject) else [(np.eye(4), thing)]
-        for transform_part_to_object, part in parts:
-            yield _SEEN[type(part)](part, View(transform @ transform_part_to_object, scene.camera, height))
+        if scene.visible(path) and not isinstance(thing, MeshcatObject):
+            transform = transform_scene_to_camera @ scene.world_transform(path)
+            yield _SEEN[type(thing)](thing, View(transform, scene.camera, height))
 
 
 def _triangles(points: Floats, colors: Floats, lit_by: Floats | None = None) -> Triangles:

@@ -9,10 +9,9 @@ from PIL import Image
 
 from course_lib.errors import CourseError
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Mesh
-from course_lib.viewer.meshcat_objects import mesh_of, recolored
+from course_lib.viewer.meshcat_objects import drawable_of, recolored
 from course_lib.viewer.picture import screenshot
-from course_lib.viewer.scene import MeshcatObject, Scene
+from course_lib.viewer.scene import Scene
 
 _FURNITURE = ("Lights", "Grid", "Axes")  # of meshcat's own page, which is not there
 
@@ -75,8 +74,7 @@ class Window:
 
     def _set_object(self, path: str, command: dict[str, Any]) -> None:
         if not path.startswith("Cameras"):
-            json = command["object"]
-            self.scene.set_object(path, mesh_of(json) or MeshcatObject(json))
+            self.scene.set_object(path, drawable_of(command["object"]))
 
     def _set_transform(self, path: str, command: dict[str, Any]) -> None:
         matrix = np.reshape(command["matrix"], (4, 4)).T
@@ -104,7 +102,7 @@ class Window:
             self.scene.set_transform(path, matrix)
         elif name == "color":
             for node in self.scene.node(path).subtree():
-                if isinstance(node.object, MeshcatObject | Mesh):
+                if node.object is not None:
                     self.scene.set_object(node.path, recolored(node.object, value))
 
     def _set_animation(self, path: str, command: dict[str, Any]) -> None:
