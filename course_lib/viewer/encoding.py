@@ -6,7 +6,7 @@ import msgpack
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.viewer.arrays import Floats, Matrix
+from course_lib.viewer.arrays import Floats
 from course_lib.viewer.drawables import Drawable, Solids, Text
 from course_lib.viewer.scene import MeshcatObject, Node, Scene, What
 from course_lib.viewer.text import rasterized
@@ -38,8 +38,11 @@ def snapshot(scene: Scene) -> bytes:
 
 def placements(nodes: list[Node]) -> dict[str, Any]:
     """Write where nodes are; a node that is nowhere (not a number) stays where it was."""
-    nodes = [node for node in nodes if np.isfinite(node.matrix).all()]
-    return {"paths": [node.path for node in nodes], "matrices": columns([node.matrix for node in nodes])}
+    matrices = np.array([node.matrix for node in nodes], np.float32).reshape(-1, 4, 4)
+    somewhere = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    if len(somewhere) < len(nodes):
+        nodes, matrices = [nodes[number] for number in somewhere], matrices[somewhere]
+    return {"paths": [node.path for node in nodes], "matrices": columns(matrices)}
 
 
 def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
@@ -60,10 +63,9 @@ def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
     return []
 
 
-def columns(matrices: list[Matrix] | Floats) -> Floats:
+def columns(matrices: Floats) -> Floats:
     """Return the upper three rows of affine matrices, column by column, shape (N, 4, 3)."""
-    stacked = np.asarray(matrices, np.float32).reshape(-1, 4, 4)
-    return np.ascontiguousarray(stacked[:, :3].transpose(0, 2, 1))
+    return np.ascontiguousarray(matrices[:, :3].transpose(0, 2, 1))
 
 
 def _extended(value: Any) -> Any:
