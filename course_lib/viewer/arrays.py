@@ -38,6 +38,14 @@ def floats(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> 
     return array
 
 
+def rgba(value: npt.ArrayLike, count: int | None = None) -> Floats:
+    """Check RGBA, shape (4,), or also (count, 4), and keep it within 0..1; what is no number is 0."""
+    shapes = ((4,),) if count is None else ((count, 4), (4,))
+    checked_rgba: Floats = np.nan_to_num(floats("colors", value, *shapes)).clip(0, 1)
+    checked_rgba.setflags(write=False)
+    return checked_rgba
+
+
 def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
     return len(shape) == len(wanted) and all(w in (None, n) for n, w in zip(shape, wanted, strict=True))
 

@@ -9,18 +9,8 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 
-_MODULES = (
-    "decode",
-    "materials",
-    "surfaces",
-    "billboards",
-    "mirror",
-    "renderer",
-    "orbit",
-    "view",
-    "link",
-    "page",
-)
+# In the order in which they need each other.
+_MODULES = "decode materials surfaces billboards mirror renderer orbit view link page".split()
 _FOLDER = Path(__file__).parent / "js"
 
 # meshcat's bundle finds `module` here, and no RequireJS whatever else the page has loaded.

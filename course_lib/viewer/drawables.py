@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Integers, checked, floats
+from course_lib.viewer.arrays import Integers, checked, floats, rgba
 
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
 
@@ -33,7 +33,7 @@ class Solids:
             )
         self.shape: Shape = shape
         self.placements = floats("placements", placements, (None, 4, 4))
-        self.colors = floats("colors", colors, (len(self.placements), 4), (4,))
+        self.colors = rgba(colors, len(self.placements))
         self.lit = lit
 
 
@@ -59,7 +59,7 @@ class Mesh:
         self.vertices = floats("vertices", vertices, (None, 3))
         count = len(self.vertices)
         self.faces = _faces(faces, count)
-        self.colors = floats("colors", colors, (count, 4), (4,))
+        self.colors = rgba(colors, count)
         self.normals = None if normals is None else floats("normals", normals, (count, 3))
         self.lit = lit
 
@@ -80,7 +80,7 @@ class Lines:
         self.points = floats("points", points, (None, 3))
         if not strip and len(self.points) % 2:
             raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
-        self.colors = floats("colors", colors, (len(self.points), 4), (4,))
+        self.colors = rgba(colors, len(self.points))
         self.width = float(width)
         self.strip = strip
 
@@ -99,7 +99,7 @@ class Points:
         self, points: npt.ArrayLike, colors: npt.ArrayLike, size: tuple[float, float], pixels: bool = False
     ) -> None:
         self.points = floats("points", points, (None, 3))
-        self.colors = floats("colors", colors, (len(self.points), 4), (4,))
+        self.colors = rgba(colors, len(self.points))
         self.size = (float(size[0]), float(size[1]))
         self.pixels = pixels
 
@@ -116,7 +116,7 @@ class Text:
     def __init__(self, text: str, height: float, color: npt.ArrayLike = (1.0, 1.0, 1.0, 1.0)) -> None:
         self.text = text
         self.height = float(height)
-        self.color = floats("color", color, (4,))
+        self.color = rgba(color)
 
 
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text

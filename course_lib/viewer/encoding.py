@@ -92,7 +92,7 @@ def _described(thing: Drawable | MeshcatObject) -> dict[str, Any]:
         return {"kind": "meshcat", "json": thing.json}
     fields = dict(vars(thing))
     for name in {"colors", "color"} & fields.keys():
-        fields[name] = np.rint(np.clip(fields[name], 0, 1) * 255).astype(np.uint8)
+        fields[name] = np.rint(fields[name] * 255).astype(np.uint8)
     if isinstance(thing, Solids):
         fields["placements"] = columns(thing.placements)
     if isinstance(thing, Text):

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from course_lib.viewer.arrays import Floats, Matrix, floats
+from course_lib.viewer.arrays import Floats, Matrix, floats, rgba
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
 from course_lib.viewer.mesh_files import parse_mesh
 from course_lib.viewer.scene import MeshcatObject
@@ -45,15 +45,15 @@ def drawable_of(json: Json) -> Drawable | MeshcatObject:
     return MeshcatObject(json)
 
 
-def recolored(thing: Drawable | MeshcatObject, rgba: Sequence[float]) -> Drawable | MeshcatObject:
+def recolored(thing: Drawable | MeshcatObject, color: Sequence[float]) -> Drawable | MeshcatObject:
     """Return the same thing in one colour, RGBA in 0..1."""
     if isinstance(thing, MeshcatObject):
-        red, green, blue, alpha = (round(255 * part) for part in rgba)
+        red, green, blue, alpha = (round(255 * part) for part in color)
         paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
         materials = [{**material, **paint} for material in thing.json.get("materials", ())]
         return MeshcatObject({**thing.json, "materials": materials})
     other = copy(thing)
-    setattr(other, "color" if isinstance(other, Text) else "colors", floats("color", rgba, (4,)))
+    setattr(other, "color" if isinstance(other, Text) else "colors", rgba(color))
     return other
 
 

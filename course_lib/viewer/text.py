@@ -12,6 +12,8 @@ from PIL import Image, ImageDraw, ImageFont
 _CAPITAL = 46  # [px] height of a capital letter of the font in use
 _MARGIN = 16  # [px] room around the letters, for what hangs below and stands above them
 _LINE = 74  # [px] from one line to the next
+_LARGEST = 4096  # [px] that any graphics card takes
+_LONGEST = 5000  # letters
 
 
 @dataclass(frozen=True)
@@ -29,17 +31,20 @@ class Glyphs:
 
 @lru_cache(maxsize=512)
 def rasterized(text: str) -> Glyphs:
-    """Draw a text, line by line, each in the middle."""
-    font = _font_for(text)
-    lines = text.split("\n")
-    columns = int(max(font.getlength(line) for line in lines)) + 2 * _MARGIN
+    """Draw a text, line by line, each in the middle; a very long one is drawn smaller, or cut."""
+    lines = text[:_LONGEST].split("\n")
+    font = _font_for(text[:_LONGEST])
+    columns = max(font.getlength(line) for line in lines) + 2 * _MARGIN
     rows = _CAPITAL + _LINE * (len(lines) - 1) + 2 * _MARGIN
-    image = Image.new("L", (columns, rows))
+    scale = min(1.0, _LARGEST / max(columns, rows))
+    if scale < 1:
+        font = font.font_variant(size=font.size * scale)
+    image = Image.new("L", (round(columns * scale), round(rows * scale)))
     draw = ImageDraw.Draw(image)
     for row, line in enumerate(lines):
-        baseline = _MARGIN + _CAPITAL + _LINE * row
-        draw.text((columns / 2, baseline), line, fill=255, font=font, anchor="ms")
-    return Glyphs(np.asarray(image), _CAPITAL)
+        baseline = (_MARGIN + _CAPITAL + _LINE * row) * scale
+        draw.text((columns * scale / 2, baseline), line, fill=255, font=font, anchor="ms")
+    return Glyphs(np.asarray(image), _CAPITAL * scale)
 
 
 def _font_for(text: str) -> ImageFont.FreeTypeFont:

@@ -28,6 +28,14 @@ class Fragments:
 
 def draw(scene: Scene, size: tuple[int, int]) -> bytes:
     """Draw a scene and return the PNG; the size is in pixels."""
+    with np.errstate(invalid="ignore", over="ignore"):  # what is no number covers no pixel
+        pixels = _pixels(scene, size)
+    png = BytesIO()
+    Image.fromarray(pixels).save(png, "png")
+    return png.getvalue()
+
+
+def _pixels(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
     width, height = size[0] * _FINER, size[1] * _FINER
     depths = np.full(width * height, np.inf, np.float32)
     background = np.array(scene.background, np.float32) / np.float32(255)
@@ -41,10 +49,8 @@ def draw(scene: Scene, size: tuple[int, int]) -> bytes:
                 _cover(depths, colors, fragments)
     _blend(depths, colors, seen_through)
     fine = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
-    pixels = np.rint(fine.mean(axis=(1, 3)) * 255).clip(0, 255).astype(np.uint8)
-    png = BytesIO()
-    Image.fromarray(pixels).save(png, "png")
-    return png.getvalue()
+    pixels: npt.NDArray[np.uint8] = np.rint(fine.mean(axis=(1, 3)) * 255).astype(np.uint8)
+    return pixels
 
 
 def _cover(depths: Floats, colors: Floats, fragments: Fragments) -> None:

@@ -138,7 +138,7 @@ class Host:
 def chromium() -> Iterator[Browser]:
     """Run the browser that is installed, without a window."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS[1:]))
+        browser = playwright.chromium.launch(executable_path=find_browser(), args=FLAGS[1:])
         try:
             yield browser
         finally:

@@ -28,6 +28,11 @@ def test_colours_must_be_one_or_as_many_as_points() -> None:
         Lines([[0, 0, 0], [1, 0, 0]], [RED] * 3)
 
 
+def test_colours_stay_within_bounds_and_what_is_no_number_is_black() -> None:
+    colors = Lines([[0, 0, 0], [1, 0, 0]], [(2, -1, np.nan, 1), RED]).colors
+    assert colors.tolist() == [[1, 0, 0, 1], [1, 0, 0, 1]]
+
+
 def test_a_face_of_a_missing_vertex_is_refused() -> None:
     with pytest.raises(CourseError, match="names vertex 3, the last one is 2"):
         Mesh(np.zeros((3, 3)), [[0, 1, 3]], RED)

@@ -26,5 +26,12 @@ def test_lines_are_below_each_other() -> None:
     assert two.any(axis=1).sum() == 2 * one.any(axis=1).sum()
 
 
+@pytest.mark.parametrize("text", ["x" * 100_000, "x\n" * 100_000, ("x" * 70 + "\n") * 70])
+def test_a_text_of_any_length_fits_a_graphics_card(text: str) -> None:
+    glyphs = rasterized(text)
+    assert max(glyphs.mask.shape) <= 4096
+    assert glyphs.pixels_per_height > 0
+
+
 def test_no_text_is_drawn_as_nothing() -> None:
     assert not ink("").any()

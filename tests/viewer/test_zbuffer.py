@@ -117,6 +117,18 @@ def test_an_empty_scene_is_all_background() -> None:
     assert (drawn(scene) == [1, 2, 3]).all()
 
 
+@pytest.mark.filterwarnings("error")
+def test_what_is_nowhere_is_not_drawn() -> None:
+    nowhere = np.array([[np.nan, 0, 0], [1, np.inf, 0], [0, 1, 0]])
+    scene = from_above(
+        Lines(nowhere, (1, 1, 1, 1), width=0.1),
+        Points(nowhere[:2], (1, 1, 1, 1), (1, 1)),
+        Mesh(nowhere, None, (1, 1, 1, 1)),
+        Solids("box", np.full((1, 4, 4), np.nan), (1, 1, 1, 1)),
+    )
+    assert not drawn(scene).any()
+
+
 def test_a_flattened_solid_is_drawn_from_its_flat_side() -> None:
     flat = np.diag([2.0, 2.0, 0.0, 1.0])
     assert middle(from_above(Solids("box", [flat], (1, 0, 0, 1)))) == [255, 0, 0]
