@@ -10,7 +10,9 @@ from pathlib import Path
 from course_lib.errors import CourseError
 
 # In the order in which they need each other.
-_MODULES = "decode materials surfaces billboards mirror renderer orbit view link page".split()
+_MODULES = (
+    "decode", "materials", "surfaces", "billboards", "mirror", "renderer", "orbit", "view", "link", "page",
+)  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 
 # meshcat's bundle finds `module` here, and no RequireJS whatever else the page has loaded.

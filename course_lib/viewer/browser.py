@@ -18,11 +18,11 @@ _PLACES = (
 )
 
 # Software GL, as machines without a screen have no other; nothing is fetched and nothing reported.
-FLAGS = (
-    "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
-    "--disable-background-networking --disable-component-update --disable-sync --disable-extensions "
-    "--no-first-run --disable-dev-shm-usage"
-).split()
+FLAGS = [
+    "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-extensions", "--no-first-run", "--disable-dev-shm-usage",
+]  # fmt: skip
 
 
 @cache
