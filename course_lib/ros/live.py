@@ -81,6 +81,7 @@ def run_live(*nodes: "Node") -> LiveRun:
         if pace.wanted() == "fast":
             spin_until(executor, graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9))
             say(f"No page is watching: ran {SECONDS_WITHOUT_A_PAGE:g} s of robot time at full speed.")
+    _stop_where_nodes_left(graph)
     run = LiveRun(graph, nodes)
     _runs_of(graph).append(run)
     running_nodes().extend(nodes)
@@ -97,6 +98,7 @@ async def _keep_running(graph: Graph) -> None:
     last = wall.monotonic()
     while _runs_of(graph):
         await asyncio.sleep(STEP)
+        _stop_where_nodes_left(graph)
         now = wall.monotonic()
         step_ns = round(min(now - last, CATCH_UP) * 1e9)
         last = now
@@ -107,6 +109,13 @@ async def _keep_running(graph: Graph) -> None:
             _stop_with_an_error(graph)
         for run in _runs_of(graph):
             run.show_state()
+
+
+def _stop_where_nodes_left(graph: Graph) -> None:
+    """Stop the runs whose nodes were destroyed, or replaced as their cells were run again."""
+    for run in tuple(_runs_of(graph)):
+        if all(node.handle.has_left for node in run.nodes):
+            run.stop()
 
 
 def _stop_with_an_error(graph: Graph) -> None:

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,22 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Locator, Page
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "google-chrome", "chrome"))), None)
-FLAGS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-    "--disable-dev-shm-usage",
-]
 PATIENCE = 60_000  # [ms]
-KERNEL = "jupyterapp.shell.currentWidget.context.sessionContext.session.kernel"
+KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
 
 
 @contextmanager
@@ -51,17 +38,6 @@ def course_lab(folder: Path, home: Path) -> Iterator[str]:
     finally:
         process.terminate()
         process.wait(20)
-
-
-@contextmanager
-def browser_page() -> Iterator[Page]:
-    """A page of a headless Chromium with software drawing."""
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
-        try:
-            yield browser.new_page(viewport={"width": 1280, "height": 1400})
-        finally:
-            browser.close()
 
 
 class Notebook:
@@ -96,6 +72,25 @@ class Notebook:
         self.page.evaluate("() => jupyterapp.commands.execute('runmenu:run-all')")
         self.wait_idle()
 
+    def run_to(self, text: str) -> Locator:
+        """Run all cells up to and including the first one whose source has `text` in it."""
+        cell = self.cell(text)
+        for command in ("notebook:run-all-above", "notebook:run-cell"):
+            self.page.evaluate("command => jupyterapp.commands.execute(command)", command)
+        self.wait_idle()
+        return cell
+
+    def run_below(self, source: str) -> Locator:
+        """Insert a cell below the active one, and run it."""
+        script = """async source => {
+            await jupyterapp.commands.execute('notebook:insert-cell-below');
+            const cell = jupyterapp.shell.currentWidget.content.activeCell;
+            cell.model.sharedModel.setSource(source);
+            await jupyterapp.commands.execute('notebook:run-cell'); }"""
+        self.page.evaluate(script, source)
+        self.wait_idle()
+        return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
+
     def kernel(self, code: str) -> str:
         """Run code in the notebook's kernel, beside its cells; returns what it prints."""
         script = f"""async code => {{
@@ -117,13 +112,22 @@ class Notebook:
         """List the error outputs."""
         return [f"{o['ename']}: {o['evalue']}" for o in self.outputs() if o["output_type"] == "error"]
 
-    def picture(self, path: Path | None = None) -> NDArray[np.int64]:
-        """Take a screenshot; shape (height, width, 3), values 0..255."""
-        png = self.page.screenshot(path=path)
-        return np.array(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
+    def cell(self, text: str) -> Locator:
+        """Bring the first code cell whose source has `text` in it into view."""
+        script = """text => { const panel = jupyterapp.shell.currentWidget.content;
+            panel.activeCellIndex = panel.widgets.findIndex(
+                w => w.model.type == 'code' && w.model.sharedModel.getSource().includes(text));
+            return panel.scrollToItem(panel.activeCellIndex, 'start') }"""
+        self.page.evaluate(script, text)
+        return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
 
-def red_pixels(picture: NDArray[np.int64]) -> int:
-    """Count the pixels that are clearly red."""
-    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
-    return int(((red > 120) & (green < 80) & (blue < 80)).sum())
+def pixels_of(view: Locator) -> NDArray[np.int64]:
+    """Take a picture of an element; shape (height, width, 3), values 0..255."""
+    return np.array(Image.open(BytesIO(view.screenshot())).convert("RGB")).astype(np.int64)
+
+
+def red_pixels(view: Locator) -> int:
+    """Count the pixels of an element that are clearly red."""
+    pixels = pixels_of(view)
+    return int(((pixels[..., 0] > 90) & (pixels[..., 1] < 60) & (pixels[..., 2] < 60)).sum())

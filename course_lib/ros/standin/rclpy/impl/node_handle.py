@@ -29,6 +29,7 @@ class NodeHandle:
         self.name = name
         self.namespace = namespace
         self.id = self.graph.add_node(name, namespace)
+        self.has_left = False  # the graph: destroyed, replaced, or its context shut down
         self._entities = 0
         self._ready: deque[tuple[int, Entity]] = deque()
 
@@ -44,6 +45,7 @@ class NodeHandle:
 
     def leave(self) -> None:
         """Leave the graph; nothing happens in it any more."""
+        self.has_left = True
         self.graph.remove_node(self.id)
         self._ready.clear()
 

@@ -1,0 +1,97 @@
+"""Lesson 1 as a student meets it: real JupyterLab, real Chromium."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+from playwright.sync_api import Browser, Locator, expect
+
+from tests.browser.jupyterlab import Notebook, course_lab, red_pixels
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+SHOW, LIVE = "viewer.add(", "live = run_live(node)"
+ENOUGH = 800  # [px] of the cube
+NOW = "from course_lib.ros.graph import current_graph; print(current_graph().now_ns)"
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
+
+
+@pytest.fixture(scope="module")
+def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
+    folder = tmp_path_factory.mktemp("student")
+    with course_lab(folder / "my_course", folder / "home") as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 860})
+        yield Notebook(page, address, "week01_first_marker.ipynb")
+        page.close()
+
+
+@pytest.fixture
+def running(lesson: Notebook) -> Notebook:
+    """The lesson, run up to the node that runs live."""
+    lesson.run_to(LIVE)
+    return lesson
+
+
+def view_in(cell: Locator) -> Locator:
+    view = cell.locator("canvas").first
+    expect(view).to_be_visible()
+    return view
+
+
+def wait_for_red(cell: Locator) -> None:
+    """The first cube comes one second after the start."""
+    view = view_in(cell)
+    for _ in range(40):
+        if red_pixels(view) > ENOUGH:
+            return
+        cell.page.wait_for_timeout(250)
+    pytest.fail("no red cube was drawn")
+
+
+def test_the_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_is_free(running: Notebook) -> None:
+    wait_for_red(running.cell(SHOW))
+    if PICTURES:
+        running.page.screenshot(path=Path(PICTURES) / "week01_jupyterlab.png")
+    assert int(running.kernel(NOW)) < int(running.kernel(f"import time; time.sleep(0.3)\n{NOW}"))
+    running.run_to("%ros2 topic list")
+    assert "/visualization_marker\n" in "".join(str(output.get("text")) for output in running.outputs())
+
+
+def test_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
+    running.cell(LIVE)
+    wait_for_red(running.run_below("viewer"))
+
+
+def test_the_scene_survives_a_page_reload(running: Notebook) -> None:
+    wait_for_red(running.cell(SHOW))
+    running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    running.page.wait_for_timeout(1000)
+    running.open()
+    wait_for_red(running.cell(SHOW))
+
+
+def test_the_button_stops_the_live_node(running: Notebook) -> None:
+    cell = running.cell(LIVE)
+    expect(cell.get_by_text("running")).to_be_visible()
+    cell.get_by_role("button", name="Stop").click()
+    expect(cell.get_by_text("stopped")).to_be_visible()
+    stopped_at = running.kernel(NOW)
+    running.page.wait_for_timeout(300)
+    assert running.kernel(NOW) == stopped_at
+
+
+def test_all_cells_run_without_an_error(lesson: Notebook) -> None:
+    lesson.run_all()
+    assert lesson.errors() == []
+
+
+def test_restarting_the_kernel_leaves_no_process_behind(running: Notebook) -> None:
+    kernel = psutil.Process(int(running.kernel("import os; print(os.getpid())")))
+    assert kernel.children(recursive=True) == []
+    server = kernel.parent()
+    running.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+    running.wait_idle()
+    assert not kernel.is_running()
+    assert server is not None
+    assert len(server.children(recursive=True)) == 1
