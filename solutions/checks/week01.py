@@ -10,10 +10,11 @@ from course_lib.grading.vocabulary import (
     expect_circle,
     expect_marker,
     expect_marker_count,
+    expect_message,
     expect_rate,
     expect_stamps,
 )
-from course_lib.grading.vocabulary.marker_state import shown
+from course_lib.grading.vocabulary.marker_state import no_markers, shown
 
 TOPIC = "/visualization_marker"
 LAMPS = (((1.0, 0.0, 0.0, 1.0), 1.8), ((1.0, 1.0, 0.0, 1.0), 1.3), ((0.0, 1.0, 0.0, 1.0), 0.8))  # RGBA, [m]
@@ -28,7 +29,11 @@ def steady(*checks: Check, hz: float, seconds: float, seed: int) -> tuple[Scenar
 
 def closed_square(evidence: Evidence) -> Verdict:
     """The line goes round the square: every piece is one side, and the last point is the first."""
-    for marker in shown(evidence, TOPIC):
+    markers = shown(evidence, TOPIC)
+    if not markers:
+        problem = no_markers(evidence, TOPIC)[0]
+        return failed(problem.message, problem.mistake)
+    for marker in markers:
         corners = [(point.x, point.y, point.z) for point in marker.points]
         if corners and _sides(corners) == [SIDE] * 4 and math.dist(corners[0], corners[-1]) < 0.01:
             return passed("as expected")
@@ -97,6 +102,7 @@ HIDDEN = {
     "week01.square_route": steady(
         Check("the line closes the square", closed_square).worth(2),
         expect_marker(TOPIC, type="LINE_STRIP", frame="map", position=(0.0, 0.0, 0.0)),
+        expect_message(TOPIC, {"scale.x": 0.05, "color.a": 1.0}),
         hz=1.0,
         seconds=10.0,
         seed=19,

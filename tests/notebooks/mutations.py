@@ -1,0 +1,71 @@
+"""Mistakes that a program can make to any right solution; shared by all weeks."""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+Replacement = str | Callable[[re.Match[str]], str]
+
+
+@dataclass(frozen=True)
+class Operator:
+    """One kind of mistake: every place where the pattern matches gives one mutant.
+
+    `names` is what some message or kind of mistake must say of it (a regular expression).
+    """
+
+    name: str
+    pattern: str
+    replacement: Replacement
+    names: str
+
+
+GEOMETRY = "position|size|scale|circle|point|width|height|line|at the end|turn"
+
+OPERATORS = (
+    Operator("sign: sine", r"math\.sin\(", "-math.sin(", "direction|clockwise"),
+    Operator("sign: height", r"(position\.z = )", r"\1-", "position|height"),
+    Operator("frame", r'frame_id = "map"', 'frame_id = "base_link"', "frame"),
+    Operator("unit: centimetres", r"(?<=[=*] )(\d+\.\d+)(?=.*# \[m\])", r"\1 * 100", GEOMETRY),
+    Operator("unit: degrees", r"2 \* math\.pi", "360", "turn|direction|circle"),
+    Operator("stamp: not set", r"marker\.header\.stamp = .*", "pass", "stamp"),
+    Operator(
+        "stamp: late",
+        r"(marker\.header\.stamp) = .*",
+        r'\1 = (self.get_clock().now() - __import__("rclpy").duration.Duration(seconds=1)).to_msg()',
+        "stamp",
+    ),
+    Operator(
+        "constant: length", r"(?<== )(\d+\.\d+)(?= .*# \[m\])", lambda m: f"{float(m[1]) + 0.1:.2f}", GEOMETRY
+    ),
+    Operator(
+        "constant: color",
+        r"(marker\.color\.[^=]*[ba] = .*)(?<=\D)1\.0|(?<=color\.a = )0\.8",
+        r"\g<1>0.5",
+        "color|wide",
+    ),
+    Operator("constant: rate", r"create_timer\((\d\.\d)", r"create_timer(2 * \1", "rate|slow|turn"),
+    Operator("off by one: first item lost", r"enumerate\((\w+)\)", r"enumerate(\1[1:])", "shows 2|count"),
+    Operator("off by one: one number for all", r"id=number", "id=0", "shows 1|count"),
+    Operator("off by one: last point lost", r"\[\*(\w+), \1\[0\]\]", r"\1", "points"),
+    Operator("type", r"Marker\.(CUBE|SPHERE|CYLINDER|LINE_STRIP)", "Marker.POINTS", "type|shows 0|POINTS"),
+    Operator("hard-coded: one student's value", r"my_values\(.*?\)\[.*?\]", "9.9", GEOMETRY),
+    Operator(
+        "hard-coded: as long as the public run",
+        r"(self\.publisher\.publish\(marker\))",
+        r"(self.get_clock().now().nanoseconds < 1_700_000_006_500_000_000) and \1",
+        "silent",
+    ),
+)
+
+
+def mutants(code: str) -> Iterator[tuple[Operator, str]]:
+    """Yield (operator, mutated code) for every place where an operator applies."""
+    for operator in OPERATORS:
+        for match in re.finditer(operator.pattern, code):
+            new = (
+                operator.replacement(match)
+                if callable(operator.replacement)
+                else match.expand(operator.replacement)
+            )
+            yield operator, code[: match.start()] + new + code[match.end() :]

@@ -1,0 +1,152 @@
+"""The checks of every week against right, wrong, empty and mutated answers."""
+
+import re
+from collections.abc import Sequence
+from functools import cache
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.course.exercise import exercise_path
+from course_lib.course.exercise_file import read_notebook, source
+from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.grading.catalog import Catalog, load_catalog
+from course_lib.grading.exercise_run import ExerciseRun, run_exercise
+from course_lib.grading.judge import TaskResult
+from course_lib.grading.personal import give_values, personal_values
+from course_lib.grading.scenario import run_here
+from tests.notebooks.mutations import Operator, mutants
+
+ANSWERS = Path(__file__).parent / "answers"
+WEEKS = ["week01"]
+STUDENT = "s1"
+
+# (week and file, task): what its messages or kinds of mistake say
+WRONG = {
+    ("week01_first_try", "red_cube"): "0.50 m too high: its centre is at z = 1.00 m, expected 0.50 m",
+    ("week01_first_try", "blue_cylinder"): "scale.x is 0.20 m, expected 0.40 m",
+    ("week01_first_try", "traffic_light"): "shows 1 SPHEREs at the end, expected 3",
+    ("week01_first_try", "purple_circle"): "the time of one turn is wrong",
+    ("week01_first_try", "square_route"): "has 4 points, expected 5",
+    ("week01_second_try", "red_cube"): "with a = 0 nobody can see it",
+    ("week01_second_try", "blue_cylinder"): "scale.z is 1.00 m, expected ",
+    ("week01_second_try", "traffic_light"): "1.00 m too low: its centre is at z = 0.80 m, expected 1.80 m",
+    ("week01_second_try", "purple_circle"): "the direction of turning is wrong",
+    ("week01_second_try", "square_route"): "do not go round the square side by side",
+}
+
+
+@cache
+def catalog() -> Catalog:
+    return load_catalog(exercises_dir(), solutions_dir())
+
+
+def cells_of(path: Path) -> list[str]:
+    if path.suffix == ".py":
+        return [path.read_text()]
+    return [source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code"]
+
+
+def solution(week: str) -> Path:
+    return solutions_dir() / f"{week}_solution.ipynb"
+
+
+def marked(cells: Sequence[str], week: str) -> ExerciseRun:
+    return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
+
+
+def said(result: TaskResult, *, hidden: bool | None = None) -> str:
+    """All messages and kinds of mistake of the checks that failed."""
+    failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
+    return "\n".join(f"{check.message}\n{check.mistake}" for check in failed)
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_the_solution_gets_full_marks_and_says_nothing_of_errors(week: str) -> None:
+    run = marked(cells_of(solution(week)), week)
+    assert run.cell_errors == []
+    assert [task.task for task in run.results if task.score != task.points] == []
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_another_right_solution_gets_full_marks(week: str) -> None:
+    run = marked(cells_of(ANSWERS / f"{week}_other_right.py"), week)
+    assert {task.task: said(task) for task in run.results if task.score != task.points} == {}
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_the_stub_gets_0_and_says_what_is_missing(week: str) -> None:
+    run = marked(cells_of(exercise_path(solution(week))), week)
+    assert [task.score for task in run.results] == [0.0] * len(run.results)
+    assert all("NotImplementedError" in "".join(task.errors) for task in run.results)
+
+
+@cache
+def marks_of(name: str) -> dict[str, TaskResult]:
+    run = marked(cells_of(ANSWERS / f"{name}.py"), name[:6])
+    return {result.task: result for result in run.results}
+
+
+@pytest.mark.parametrize(("name", "task"), WRONG)
+def test_a_wrong_answer_loses_points_and_its_mistake_is_named(name: str, task: str) -> None:
+    result = marks_of(name)[f"{name[:6]}.{task}"]
+    assert result.errors == ()
+    assert result.score < result.points
+    assert WRONG[name, task] in said(result)
+    assert said(result, hidden=True), "the hidden checks must not pass it"
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_every_task_has_two_wrong_answers(week: str) -> None:
+    for task in catalog().of_week(week):
+        assert len([1 for name, wrong in WRONG if f"{name[:6]}.{wrong}" == task.id]) >= 2
+
+
+def rounds(week: str) -> list[Any]:
+    """Notebooks in which every task is mutated in one place, until each task has had all its mutants."""
+    cells, tasks = cells_of(solution(week)), catalog().of_week(week)
+    places = [next(i for i, cell in enumerate(cells) if f"class {task.name}(" in cell) for task in tasks]
+    made = []
+    for row in zip_longest(*(mutants(cells[place]) for place in places)):
+        changed, operators = list(cells), dict[str, Operator]()
+        for task, place, mutant in zip(tasks, places, row, strict=True):
+            if mutant:
+                operators[task.id], changed[place] = mutant
+        names = " ".join(f"{task.split('.')[1]}={operator.name}" for task, operator in operators.items())
+        made.append(pytest.param(week, operators, changed, id=f"{week}: {names}"))
+    return made
+
+
+@pytest.mark.parametrize(
+    ("week", "operators", "cells"), [one_round for week in WEEKS for one_round in rounds(week)]
+)
+def test_mutants_of_the_solution_lose_points_and_none_passes_the_hidden_checks(
+    week: str, operators: dict[str, Operator], cells: list[str]
+) -> None:
+    for result in marked(cells, week).results:
+        if result.task in operators:
+            assert result.errors == ()
+            assert result.score < result.points
+            assert said(result, hidden=True)
+            assert re.search(operators[result.task].names, said(result)), said(result)
+        else:
+            assert result.score == result.points
+
+
+@pytest.mark.parametrize("kind", ["solution", "stub", "week01_first_try", "week01_second_try"])
+def test_kernel_and_worker_record_the_same(kind: str) -> None:
+    week = "week01"
+    paths = {"solution": solution(week), "stub": exercise_path(solution(week))}
+    cells = cells_of(paths.get(kind, ANSWERS / f"{kind}.py"))
+    definitions = [cell for cell in cells if "class " in cell or cell.startswith("import ")]
+    tasks = catalog().of_week(week)
+    give_values({task.id: personal_values(task, STUDENT) for task in tasks})
+    namespace: dict[str, Any] = {}
+    for cell in definitions:
+        exec(cell, namespace)
+    for run in marked(cells, week).runs:
+        task = catalog().task(run.evidence.task)
+        here = run_here(task, run.scenario, namespace[task.name], personal_values(task, STUDENT))
+        assert here.recording.digest() == run.evidence.recording.digest(), (task.id, run.scenario.name)
