@@ -52,7 +52,7 @@ class Panel:
     def close(self) -> None:
         """Take the viewer out of all cells."""
         if self._box is not None:
-            pace.pages.remove(self._is_there)
+            pace.pages.discard(self._is_there)
             for widget in (*self._box.children, self._box):
                 widget.close()
             self._box = None
@@ -67,7 +67,7 @@ class Panel:
         except RuntimeError:  # no kernel
             self._loop = None
         self._session.after_frame = self.refresh
-        pace.pages.append(self._is_there)
+        pace.pages.add(self._is_there)
         view = SceneWidget(self._session.context.scene, label=_LABEL)
         return ipywidgets.VBox([view, ipywidgets.HTML()])
 

@@ -105,5 +105,10 @@ class Channel:
             yield chunk
 
     def _set_timeout(self) -> None:
-        left = None if self.deadline is None else max(self.deadline - wall.monotonic(), 1e-3)
+        if self.deadline is None:
+            self._socket.settimeout(None)
+            return
+        left = self.deadline - wall.monotonic()
+        if left <= 0:
+            raise ChannelTimeoutError("The other process did not answer in time.")
         self._socket.settimeout(left)

@@ -12,7 +12,7 @@ from course_lib.ros.graph import Graph
 WAIT_FOR_PAGE = 2.0  # [s] of the wall clock
 SLICE = 0.02  # [s] an interrupt is noticed within
 
-pages: list[Callable[[], bool]] = []  # each viewer that a cell shows adds: is its page there?
+pages: set[Callable[[], bool]] = set()  # each viewer in a cell adds: is its page there? Waited for once
 
 
 def wanted() -> Literal["real", "fast"]:
@@ -35,7 +35,7 @@ def wanted() -> Literal["real", "fast"]:
 @contextmanager
 def kept(graph: Graph) -> Iterator[None]:
     """Keep the wanted pace in a call that waits; first give the page time to show its viewer."""
-    if wanted() == "fast" or graph.pace is not None:
+    if not graph.notebook or wanted() == "fast" or graph.pace is not None:
         yield
         return
     _wait_for_pages()
@@ -63,3 +63,4 @@ def _wait_for_pages() -> None:
     deadline = wall.monotonic() + WAIT_FOR_PAGE
     while not all(is_there() for is_there in tuple(pages)) and wall.monotonic() < deadline:
         wall.sleep(SLICE)
+    pages.clear()

@@ -1,0 +1,53 @@
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.ros import pace, wall
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+
+
+@pytest.mark.parametrize(
+    ("environment", "expected"),
+    [
+        ({}, "fast"),
+        ({"JPY_SESSION_NAME": "/a.ipynb"}, "real"),
+        ({"JPY_SESSION_NAME": "/a.ipynb", "COURSE_PACE": "fast"}, "fast"),
+        ({"COURSE_PACE": "real"}, "real"),
+    ],
+)
+def test_kernels_of_a_jupyter_server_keep_the_walls_pace_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], expected: str
+) -> None:
+    for name in ("JPY_SESSION_NAME", "COURSE_PACE"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert pace.wanted() == expected
+
+
+def test_another_pace_is_refused_with_what_would_be_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_PACE", "slow")
+    with pytest.raises(CourseError, match="COURSE_PACE=real or COURSE_PACE=fast"):
+        pace.wanted()
+
+
+def test_the_walls_pace_holds_events_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    graph = Graph(notebook=True)
+    graph.call_at(START_NS + 50_000_000, lambda: None, node=0, entity=0)
+    start = wall.monotonic()
+    with pace.kept(graph):
+        graph.advance()
+    assert wall.monotonic() - start >= 0.05
+
+
+def test_a_call_that_waits_gives_a_page_two_seconds_to_come_but_only_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    monkeypatch.setattr(pace, "WAIT_FOR_PAGE", 0.1)
+    pace.pages.add(lambda: False)
+    for expected in (True, False):
+        start = wall.monotonic()
+        with pace.kept(Graph(notebook=True)):
+            assert (wall.monotonic() - start >= 0.1) is expected
