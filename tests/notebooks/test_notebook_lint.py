@@ -1,0 +1,142 @@
+"""What can be linted of LESSONS: headings, lengths, times, words, pictures."""
+
+import ast
+import re
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.course.exercise_file import notebook_text, read_notebook, source
+from course_lib.course.files import exercises_dir, lessons_dir, solutions_dir
+
+LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
+ALL = [*LESSONS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
+MAX_CELL = 25  # lines
+AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30  # words
+MINUTES = re.compile(r"^## .*\((\d+) min\)$", re.MULTILINE)
+
+
+def markdown(path: Path) -> str:
+    return "\n\n".join(source(c) for c in read_notebook(path)["cells"] if c["cell_type"] == "markdown")
+
+
+def code_cells(path: Path) -> list[str]:
+    return [source(c) for c in read_notebook(path)["cells"] if c["cell_type"] == "code"]
+
+
+def headings(path: Path) -> list[tuple[int, str]]:
+    return [(len(m[1]), m[2]) for m in re.finditer(r"^(#+) (.+)$", markdown(path), re.MULTILINE)]
+
+
+def each(paths: list[Path]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("path", paths, ids=lambda path: path.stem)
+
+
+@each(ALL)
+def test_it_is_stripped_of_outputs_and_written_in_jupyters_layout(path: Path) -> None:
+    notebook = read_notebook(path)
+    cells = notebook["cells"]
+    assert not [cell["id"] for cell in cells if cell.get("outputs") or cell.get("execution_count")]
+    assert len({cell["id"] for cell in cells}) == len(cells)
+    assert notebook["metadata"]["kernelspec"]["name"] == "python3"
+    assert path.read_text(encoding="utf-8") == notebook_text(notebook)
+
+
+@each(ALL)
+def test_no_cell_is_over_25_lines(path: Path) -> None:
+    assert not [cell for cell in code_cells(path) if len(cell.splitlines()) > MAX_CELL]
+
+
+@each(ALL)
+def test_it_starts_with_the_extension_and_imports_only_what_it_uses(path: Path) -> None:
+    first, *rest = code_cells(path)
+    lines = first.splitlines()
+    assert lines[0] == "%load_ext course_lib"
+    (imported,) = [line for line in lines[1:] if line.startswith("from course_lib import ")]
+    code = "\n".join(rest)
+    unused = [
+        name for name in imported.split("import ")[1].split(", ") if not re.search(rf"\b{name}\b", code)
+    ]
+    assert unused == []
+    for cell in rest:
+        ast.parse(re.sub(r"^%", "# %", cell, flags=re.MULTILINE))
+
+
+@each(ALL)
+def test_headings_are_in_order_below_one_title(path: Path) -> None:
+    levels = [level for level, _ in headings(path)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(b <= a + 1 for a, b in pairwise(levels))
+
+
+@each(ALL)
+def test_pictures_have_a_text_and_links_say_where_they_lead(path: Path) -> None:
+    for bang, text, _ in re.findall(r"(!?)\[([^\]]*)\]\(([^)]+)\)", markdown(path)):
+        assert len(text) > (30 if bang else 3), text
+        assert text.lower() not in {"here", "this", "link", "click here"}
+    assert "<img" not in markdown(path)
+
+
+def sentences(text: str) -> list[list[str]]:
+    """The words of each sentence of the prose: no tables, no code, no pictures."""
+    prose = re.sub(r"^\|[^\n]*$|^```.*?^```|!\[.*?\]\(.*?\)", "", text, flags=re.MULTILINE | re.DOTALL)
+    prose = re.sub(r"^(#+|[-*>]|\d+\.) ", "\n", re.sub(r"`[^`]*`", "x", prose), flags=re.MULTILINE)
+    parts = re.split(r"[.:?!;](?=\s)|\n\n", prose)
+    return [words for part in parts if len(words := re.findall(r"\w+", part)) > 1]
+
+
+@each(ALL)
+def test_sentences_are_short_on_average(path: Path) -> None:
+    found = sentences(markdown(path))
+    assert sum(map(len, found)) / len(found) <= AVERAGE_SENTENCE
+    assert [" ".join(words) for words in found if len(words) > LONGEST_SENTENCE] == []
+
+
+@each(LESSONS)
+def test_a_lesson_has_every_part_that_a_lesson_needs(path: Path) -> None:
+    text, titles = markdown(path), " | ".join(title for _, title in headings(path))
+    assert re.search(r"!\[.+\]\(attachment:.+\)", source(read_notebook(path)["cells"][0])), "a picture on top"
+    for phrase in ("**After this lesson you can**", "**Before you start:**"):
+        assert phrase in text
+    for part in ("When it goes wrong", "Recap", "Quiz", "Your turn"):
+        assert part in titles
+    assert any(cell.startswith("quiz(") for cell in code_cells(path))
+    assert any("predict(" in cell for cell in code_cells(path))
+    assert any("compare(" in cell for cell in code_cells(path))
+
+
+@each([path for path in LESSONS if path.stem != "week00_welcome"])
+def test_a_lesson_leads_to_rviz2_and_to_the_robot(path: Path) -> None:
+    for phrase in ("> **In RViz2**", "> **On the robot**", "Try it", "_exercise.ipynb`"):
+        assert phrase in markdown(path)
+
+
+@each(LESSONS)
+def test_the_minutes_of_the_sections_sum_to_the_total(path: Path) -> None:
+    total = sum(map(int, MINUTES.findall(markdown(path))))
+    assert f"**Time: {total} minutes in total.**" in markdown(path)
+    assert read_notebook(path)["metadata"]["course"]["minutes"] == total
+
+
+@each(LESSONS)
+def test_every_prediction_is_compared_with_a_result(path: Path) -> None:
+    code = "\n".join(code_cells(path))
+    asked = re.findall(r'predict\(\s*"([^"]+)"', code)
+    assert asked == re.findall(r'compare\(\s*"([^"]+)"', code)
+    assert all(key.startswith(path.stem[:6]) for key in asked)
+
+
+COVERAGE = tomllib.loads((lessons_dir() / "coverage.toml").read_text(encoding="utf-8"))["part"]
+
+
+@pytest.mark.parametrize("part", COVERAGE, ids=lambda part: part["topic"])
+def test_every_part_of_the_original_tutorial_has_its_heading(part: dict[str, Any]) -> None:
+    for lesson, wanted in part["taught"].items():
+        titles = {
+            re.sub(r" \(\d+ min\)$", "", title) for _, title in headings(lessons_dir() / f"{lesson}.ipynb")
+        }
+        assert set(wanted) <= titles
