@@ -120,7 +120,7 @@ def _stop_where_nodes_left(graph: Graph) -> None:
 
 def _stop_with_an_error(graph: Graph) -> None:
     """Show a callback's exception under the cell that started the run, and stop all that runs."""
-    from IPython import get_ipython  # type: ignore[attr-defined]  # not in its list of exported names
+    from IPython import get_ipython
 
     kind = sys.exc_info()[0]
     if kind is not KeyboardInterrupt:

@@ -7,7 +7,7 @@ from course_lib.viewer.browser import find_browser
 from tests.browser.fake_host import Host, chromium
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome on this machine")

@@ -125,7 +125,7 @@ def test_a_picture_is_drawn_without_a_page(vis: Any, monkeypatch: pytest.MonkeyP
 
 def test_pinocchio_draws_a_robot_and_moves_it() -> None:
     pinocchio = pytest.importorskip("pinocchio")
-    from example_robot_data import load  # type: ignore[import-untyped]  # it has no types
+    from example_robot_data import load
     from pinocchio.visualize import MeshcatVisualizer
 
     robot, scene = load("ur10"), Scene()

@@ -73,11 +73,11 @@ def test_each_solid_of_a_list_has_the_full_extent_of_the_scale(kind: int, shape:
     np.testing.assert_allclose(part.placements[3], expected, atol=1e-7)
 
 
-def test_the_alpha_of_one_colour_for_all_counts_twice() -> None:
+def test_points_are_drawn_twice_and_the_alpha_of_one_colour_for_all_counts_twice() -> None:
     shape = marker(Marker.CUBE_LIST, points=FOUR, color=ColorRGBA(r=1.0, a=0.5))
-    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 0.25])
+    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 1 - (1 - 0.25) ** 2])
     shape.colors = [ColorRGBA(r=1.0, a=0.5)] * 4
-    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 0.5])
+    np.testing.assert_allclose(only(spots(shape)).colors[0], [1, 0, 0, 1 - (1 - 0.5) ** 2])
 
 
 def test_points_that_are_all_transparent_are_a_warning_but_one_colour_is_not() -> None:
