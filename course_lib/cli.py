@@ -139,11 +139,13 @@ def grade(
     submissions: Annotated[Path, typer.Argument(help="The folder with the submissions.")],
     out: Annotated[Path, typer.Option(help="Where results, gradebook and reports go.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Submissions at a time.")] = None,
+    only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
+    resume: Annotated[bool, typer.Option("--resume", help="Leave out what is graded already.")] = False,
 ) -> None:
     """Grade a folder of submissions: results, gradebook.csv and one report per student."""
     from course_lib.grading.grade import grade as grade_all
 
-    raise typer.Exit(0 if grade_all(submissions, out, jobs=jobs) else NOT_PASSED)
+    raise typer.Exit(0 if grade_all(submissions, out, jobs=jobs, only=only, resume=resume) else NOT_PASSED)
 
 
 def main() -> None:
