@@ -46,10 +46,13 @@ def has_colors(marker: Any) -> bool:
 def _spot_colors(marker: Any) -> Floats:
     """Return a colour for each point, shape (N, 4).
 
-    RViz's shaders multiply the alphas of material and point, so that of a colour for all counts twice.
+    RViz multiplies the alphas of material and point, so that of one colour for all counts twice; and it draws
+    each point twice (point_cloud.cpp: as a part of the cloud, and as an object of its own).
     """
     if has_colors(marker):
-        return colors(marker)
-    color = rgba(marker.color)
-    color[3] *= color[3]
-    return np.tile(color, (len(marker.points), 1))
+        each = colors(marker)
+    else:
+        each = np.tile(rgba(marker.color), (len(marker.points), 1))
+        each[:, 3] **= 2
+    each[:, 3] = 1.0 - (1.0 - each[:, 3]) ** 2
+    return each
