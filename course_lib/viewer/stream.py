@@ -16,7 +16,8 @@ INTERVAL = 1 / 40  # [s] between two batches
 class Stream:
     """Follows a scene and sends what has changed since the last batch, the last value of each thing only.
 
-    While it is not connected it does nothing but remember that a page would need a snapshot.
+    While it is not connected it does nothing but remember that a page would need a snapshot. Then a thread of
+    its own sends: a timer started by whoever changes the scene would live by that one's time, robot time.
 
     Args:
         scene: What to follow.
@@ -33,8 +34,9 @@ class Stream:
         self._changes: dict[tuple[What, str], None] = {}
         self._moved: dict[str, None] = {}
         self._paths: list[str] = []
-        self._timer: threading.Timer | None = None
-        self._sent_at = 0.0
+        self._thread: threading.Thread | None = None
+        self._changed = threading.Event()
+        self._closed = False
         self._stop = scene.listen(self._note)
 
     def snapshot(self) -> tuple[int, bytes]:
@@ -49,13 +51,14 @@ class Stream:
         with self._lock:
             self._refresh()
             self.connected = True
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._send_batches, name="scene", daemon=True)
+                self._thread.start()
             return number == self.number
 
     def flush(self) -> None:
         """Send what has changed, now."""
         with self._lock:
-            self._timer = None
-            self._sent_at = time.monotonic()
             batch = self._batch()
             if batch:
                 self.number += 1
@@ -66,8 +69,8 @@ class Stream:
         self._stop()
         with self._lock:
             self.connected = False
-            if self._timer is not None:
-                self._timer.cancel()
+            self._closed = True
+            self._changed.set()
 
     def _refresh(self) -> None:
         """Make older snapshots known as such, if something has changed since."""
@@ -86,11 +89,16 @@ class Stream:
         self._schedule()
 
     def _schedule(self) -> None:
-        if self._timer is None:
-            wait = max(self._sent_at + INTERVAL - time.monotonic(), INTERVAL / 10)
-            self._timer = threading.Timer(wait, self.flush)
-            self._timer.daemon = True
-            self._timer.start()
+        self._changed.set()
+
+    def _send_batches(self) -> None:
+        while True:
+            self._changed.wait()
+            time.sleep(INTERVAL)  # more changes may come with it
+            self._changed.clear()
+            if self._closed:
+                return
+            self.flush()
 
     def _batch(self) -> dict[str, Any]:
         with self.scene.lock:

@@ -6,6 +6,8 @@ import msgpack
 import numpy as np
 import pytest
 
+from course_lib.ros import virtual_time
+from course_lib.ros.baton import baton
 from course_lib.viewer.drawables import Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.stream import INTERVAL, Stream
@@ -82,6 +84,17 @@ def test_batches_are_sent_by_themselves_and_at_most_40_times_a_second() -> None:
     time.sleep(2 * INTERVAL)
     assert 3 <= len(page.batches) <= 18
     assert page.numbers == list(range(1, len(page.numbers) + 1))
+
+
+def test_a_change_made_in_robot_time_is_sent_while_robot_time_stands_still() -> None:
+    virtual_time.install()
+    scene = Scene()
+    page = Page(scene)
+    with baton.known():
+        scene.set_object("a", RED_BOX)
+    time.sleep(4 * INTERVAL)
+    assert page.batches[-1]["commands"][0]["path"] == "a"
+    page.stream.close()
 
 
 @pytest.mark.usefixtures("by_hand")
