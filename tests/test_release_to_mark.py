@@ -1,0 +1,81 @@
+"""From release to mark, as users go: the students' copy, a fresh environment, an answer, a mark."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOLUTION = ROOT / "solutions" / "week01_solution.ipynb"
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def instructors(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("instructors")
+
+
+@pytest.fixture(scope="module")
+def student(instructors: Path) -> Path:
+    """A student's machine: the released project, installed in an environment of its own."""
+    home = instructors.parent / "student"
+    run(sys.executable, "-m", "course_lib", "release", home / "course", cwd=ROOT)
+    venv.create(home / "venv", with_pip=True)
+    # The dependencies, which take a minute to download, come from this environment; the kit itself does not.
+    packages = next((home / "venv" / "lib").glob("python*/site-packages"))
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    install = ("-m", "pip", "install", "-q", "--no-deps", "-e", "course")
+    run(home / "venv" / "bin" / "python", *install, cwd=home)
+    return home
+
+
+def course(student: Path) -> Path:
+    return student / "venv" / "bin" / "course"
+
+
+@pytest.mark.slow
+def test_the_release_runs_from_its_own_copy_and_holds_no_answers(student: Path) -> None:
+    code = "import course_lib; print(course_lib.__file__)"
+    used = run(student / "venv" / "bin" / "python", "-c", code, cwd=student)
+    assert used.startswith(str(student / "course"))
+    assert not [p for p in (student / "course").rglob("*") if "solution" in p.name]
+
+
+@pytest.mark.slow
+def test_course_lab_opens_the_students_folder(student: Path) -> None:
+    command = [str(course(student)), "lab", "--no-browser"]
+    process = subprocess.Popen(command, cwd=student, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    address = next(filter(None, (re.search(r"http://\S+", line) for line in process.stdout)))
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=30)
+    assert "token=" in address.group()
+    assert (student / "my_course" / "week01_exercise.ipynb").is_file()
+
+
+@pytest.mark.slow
+def test_a_solved_exercise_is_checked_handed_in_and_gets_full_marks(student: Path, instructors: Path) -> None:
+    folder = student / "my_course"
+    (folder / "week01_exercise.ipynb").write_bytes(SOLUTION.read_bytes())
+    assert "all public checks passed" in run(course(student), "check", "week01_exercise.ipynb", cwd=folder)
+    receipt = run(course(student), "submit", "week01_exercise.ipynb", "--out", "handed_in.zip", cwd=folder)
+    assert "handed_in.zip" in receipt
+    (instructors / "inbox" / "ada").mkdir(parents=True)
+    os.rename(folder / "handed_in.zip", instructors / "inbox" / "ada" / "handed_in.zip")
+    run(sys.executable, "-m", "course_lib", "grade", "inbox", "--out", "graded", cwd=instructors)
+    (row,) = csv.DictReader((instructors / "graded" / "gradebook.csv").read_text().splitlines())
+    assert (row["student"], row["score"], row["max_score"]) == ("ada", "110.0", "100.0")
+    report = (instructors / "graded" / "reports" / "ada" / "week01_exercise.html").read_text()
+    assert "110 of 100" in report.replace(".0", "")
