@@ -48,6 +48,7 @@ def command(folder: Path, port: int) -> list[str]:
         f"--ServerApp.port={port}",
         "--ServerApp.answer_yes=True",  # one Ctrl+C ends it
         "--ServerApp.log_level=ERROR",
+        "--LabApp.log_level=ERROR",
         f"--LabApp.default_url=/lab/tree/{CONTENTS_FILE}",
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
     ]
