@@ -1,0 +1,69 @@
+"""Week 0 by clicks: the ID, a prediction, the quiz; and what they leave in the student's folder."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from course_lib.course.exercise_file import read_notebook
+from course_lib.course.state import State
+from tests.browser.jupyterlab import Notebook, course_lab, pixels_of
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+ENOUGH = 300  # [px] of the yellow path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("student") / "my_course"
+
+
+@pytest.fixture(scope="module")
+def lesson(browser: Browser, folder: Path) -> Iterator[Notebook]:
+    with course_lab(folder, folder.parent / "home") as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        notebook = Notebook(page, address, "week00_welcome.ipynb")
+        notebook.run_all()
+        yield notebook
+        page.close()
+
+
+def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) -> None:
+    view = lesson.cell('compare("week00.shape"').locator("canvas").first
+    expect(view).to_be_visible()
+    for _ in range(40):
+        pixels = pixels_of(view)
+        if ((pixels[..., 0] > 180) & (pixels[..., 1] > 180) & (pixels[..., 2] < 80)).sum() > ENOUGH:
+            break
+        lesson.page.wait_for_timeout(250)
+    else:
+        pytest.fail("no yellow path was drawn")
+    assert lesson.errors() == []
+
+
+def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook, folder: Path) -> None:
+    cell = lesson.cell("ask_identity()")
+    cell.get_by_role("textbox").last.fill(" 2023 77 ")
+    cell.get_by_role("button", name="Keep").click()
+    expect(cell.get_by_text("Your ID is 202377")).to_be_visible()
+    assert json.loads((folder / ".course" / "identity.json").read_text()) == {"student": "202377"}
+    assert read_notebook(folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
+
+
+def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook, folder: Path) -> None:
+    cell = lesson.cell('"week00.shape",')
+    cell.get_by_text("a circle", exact=True).click()
+    expect(cell.get_by_text("Kept.")).to_be_visible()
+    assert State(folder).section("predictions") == {"week00.shape": "a circle"}
+    result = lesson.run_to('compare("week00.shape"')
+    expect(result.get_by_text("You predicted: a circle")).to_be_visible()
+
+
+def test_the_quiz_answers_each_click_with_a_reason(lesson: Notebook) -> None:
+    cell = lesson.cell("quiz(")
+    cell.get_by_text("2D Goal Pose", exact=True).click()
+    expect(cell.get_by_text("✘ Not this one. That sends it somewhere")).to_be_visible()
+    cell.get_by_text("2D Pose Estimate", exact=True).click()
+    expect(cell.get_by_text("✔ Right. It publishes a pose estimate")).to_be_visible()
