@@ -15,10 +15,12 @@ def load(shell: "InteractiveShell") -> None:
     standin_path.install()
     virtual_time.install()
     from course_lib.tools.magic import register  # it imports rclpy, the stand-in's
+    from course_lib.tools.tracebacks import shorten
 
     current_graph().notebook = True
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
+    shorten(shell)
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:

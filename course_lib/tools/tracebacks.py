@@ -1,0 +1,36 @@
+"""Tracebacks that show the student's own lines, not the kit's."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+KIT = str(Path(__file__).resolve().parent.parent)
+
+
+def shorten(shell: "InteractiveShell") -> None:
+    """Leave the kit's frames out of what cells show; `%debug` still sees them."""
+    shell.set_custom_exc((Exception,), _show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
+
+def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
+    """Copy a traceback without the kit's frames; one that has no others stays whole."""
+    frames = []
+    step = trace
+    while step is not None:
+        frames.append(step)
+        step = step.tb_next
+    own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(KIT)]
+    shortened: TracebackType | None = None
+    for frame in reversed(own):
+        shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
+    return shortened if len(own) > 1 else trace  # the first is IPython's own
+
+
+def _show(
+    shell: Any, kind: type[Exception], error: Exception, trace: TracebackType, tb_offset: int | None = None
+) -> list[str]:
+    shell.showtraceback((kind, error, without_the_kit(trace)), tb_offset=tb_offset)
+    return []

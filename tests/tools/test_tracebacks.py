@@ -1,0 +1,50 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+CELLS = """
+%load_ext course_lib
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Float64
+---
+class Stub(Node):
+    def __init__(self):
+        super().__init__("stub")
+        self.create_timer(1.0, self.tick)
+    def tick(self):
+        raise NotImplementedError("nothing is published yet")
+from course_lib import spin_for
+rclpy.init()
+spin_for(2.0, Stub())
+"""
+
+
+def run(cells: str, folder: Path) -> str:
+    notebook = folder / "cells.ipynb"
+    sources = [{"cell_type": "code", "source": source.strip()} for source in cells.split("---")]
+    notebook.write_text(json.dumps({"nbformat": 4, "cells": sources}))
+    command = [sys.executable, "-m", "course_lib", "run", str(notebook)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    return done.stdout + done.stderr
+
+
+def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(tmp_path: Path) -> None:
+    shown = run(CELLS, tmp_path)
+    assert "NotImplementedError: nothing is published yet" in shown
+    assert 'raise NotImplementedError("nothing is published yet")' in shown
+    assert "spin_for(2.0, Stub())" in shown
+    assert "executors.py" not in shown
+
+
+def test_a_wrong_field_shows_ross_text_below_the_students_line(tmp_path: Path) -> None:
+    shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1", tmp_path)
+    assert "Float64().data = 1" in shown
+    assert shown.strip().endswith("AssertionError: The 'data' field must be of type 'float'")
+    assert "messages" not in shown
+
+
+def test_a_syntax_error_keeps_its_caret(tmp_path: Path) -> None:
+    assert "^" in run(CELLS.partition("---")[0] + "---\ndef f(:", tmp_path)
