@@ -59,7 +59,11 @@ def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]",
     """A running JupyterLab and its address; it and its kernels are gone when the block ends."""
     token = secrets.token_hex(24)
     settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
-    environment = {"JUPYTER_TOKEN": token, "JUPYTER_CONFIG_PATH": os.pathsep.join(settings)}
+    environment = {
+        "JUPYTER_TOKEN": token,
+        "JUPYTER_CONFIG_PATH": os.pathsep.join(settings),
+        "PYTHONHASHSEED": "0",  # for the kernels: sets keep their order from run to run, as when grading
+    }
     process = subprocess.Popen(
         command(folder, port), env=os.environ | environment, cwd=folder, stdin=subprocess.DEVNULL
     )
