@@ -1,0 +1,55 @@
+"""1,000 timers and 100,000 messages in one robot minute: `python tests/benchmarks/bench_events.py`.
+
+Printed for a tenth, a half and all of the load, as ratios: the cost per message must not grow with their number.
+"""
+
+import time
+
+from course_lib.ros import standin_path
+from course_lib.ros.baton import baton
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, use_graph
+
+SECONDS = 60  # [s] of robot time
+PERIOD = 0.6  # [s] of each timer: 100 messages a minute
+
+
+def run(timers: int) -> tuple[float, int]:
+    """Run so many timers, each publishing to one listener; returns wall time [s] and messages heard."""
+    import rclpy
+    from rclpy.node import Node
+    from std_msgs.msg import Int32
+
+    heard = 0
+
+    def hear(_: Int32) -> None:
+        nonlocal heard
+        heard += 1
+
+    start = time.perf_counter()
+    with use_graph(Graph(end_ns=START_NS + SECONDS * 10**9)), baton.known():
+        rclpy.init()
+        node = Node("bench")
+        publisher = node.create_publisher(Int32, "numbers", 10)
+        node.create_subscription(Int32, "numbers", hear, timers)
+        for number in range(timers):
+            node.create_timer(PERIOD, lambda number=number: publisher.publish(Int32(data=number)))
+        rclpy.spin(node)
+    return time.perf_counter() - start, heard
+
+
+def main() -> None:
+    """Print one line per load."""
+    standin_path.install()
+    peer = None
+    for timers in (100, 500, 1_000):
+        wall, heard = run(timers)
+        cost = wall / heard * 1e6  # [us]
+        peer = peer or cost
+        print(
+            f"{timers:5} timers  {heard:6} messages  {wall:6.2f} s  {cost:5.1f} us each  {cost / peer:.2f} x"
+        )
+
+
+if __name__ == "__main__":
+    main()
