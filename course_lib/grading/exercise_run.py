@@ -1,13 +1,13 @@
 """Runs and judges all tasks of one notebook: `course check` and `course grade` alike."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.personal import personal_values
-from course_lib.grading.runner import CellLog, Planned, Session
+from course_lib.grading.runner import CellLog, Session
 from course_lib.grading.task import Task
 
 
@@ -17,8 +17,8 @@ class ExerciseRun:
 
     tasks: tuple[Task, ...]
     runs: tuple[Run, ...]
-    results: tuple[TaskResult, ...]
     log: CellLog
+    results: tuple[TaskResult, ...] = ()
 
     @property
     def cell_errors(self) -> list[str]:
@@ -40,14 +40,30 @@ def run_exercise(
     cells: Sequence[str], tasks: Sequence[Task], catalog: Catalog, student: str | None, *, hidden: bool
 ) -> ExerciseRun:
     """Run every scenario of every task, public first, and judge what came out."""
-    plan = [Planned(task, scenario) for task in tasks for scenario in task.scenarios]
+    return judge_exercise(run_scenarios(cells, tasks, catalog, student, hidden=hidden), catalog)
+
+
+def run_scenarios(
+    cells: Sequence[str], tasks: Sequence[Task], catalog: Catalog, student: str | None, *, hidden: bool
+) -> ExerciseRun:
+    """Run every scenario of every task, public first; nothing is judged yet."""
+    plan = [(task, scenario, False) for task in tasks for scenario in task.scenarios]
     if hidden:
-        plan += [Planned(task, s, hidden=True) for task in tasks for s in catalog.hidden.get(task.id, ())]
+        plan += [(task, scenario, True) for task in tasks for scenario in catalog.hidden.get(task.id, ())]
     personal = {task.id: personal_values(task, student) for task in tasks}
     with Session(cells, personal, catalog.course.limits) as session:
-        runs = [session.run(planned) for planned in plan]
+        runs = [Run(scenario, session.run(task, scenario), is_hidden) for task, scenario, is_hidden in plan]
+    return ExerciseRun(tuple(tasks), tuple(runs), session.log)
+
+
+def judge_exercise(run: ExerciseRun, catalog: Catalog) -> ExerciseRun:
+    """The same run with the results of its tasks.
+
+    Raises:
+        BrokenCheckError: A check raised an exception.
+    """
     results = [
-        judge_task(task, *catalog.points(task), [run for run in runs if run.evidence.task == task.id])
-        for task in tasks
+        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
+        for task in run.tasks
     ]
-    return ExerciseRun(tuple(tasks), tuple(runs), tuple(results), session.log)
+    return replace(run, results=tuple(results))

@@ -2,20 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.course_file import Limits
-from course_lib.grading.judge import Run
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.perform import MAX_ERRORS, Outcome
 from course_lib.grading.plain import is_plain
-from course_lib.grading.scenario import Stage
+from course_lib.grading.scenario import Stage, still_running
 from course_lib.grading.student_error import MAX_LENGTH
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
-from course_lib.ros.channel import ChannelClosedError, ChannelError
+from course_lib.ros.channel import Channel, ChannelClosedError, ChannelError, ChannelTimeoutError
 from course_lib.ros.graph_server import GraphServer, RecordingLimitError
 
 START_SECONDS = 60.0  # [s] for a worker's imports on a busy machine
@@ -26,23 +25,15 @@ class WorkerError(CourseError):
     """A worker does not even start: the kit's or the machine's fault, never the student's."""
 
 
-@dataclass(frozen=True)
-class Planned:
-    """A scenario to be run."""
-
-    task: Task
-    scenario: Scenario
-    hidden: bool = False
-
-
 @dataclass
 class CellLog:
-    """What the cells brought out when they were run, once, before all scenarios."""
+    """What the cells brought out when they were run first, before all scenarios."""
 
     output: str = ""
     errors: list[str] = field(default_factory=list)
     stopped: dict[int, str] = field(default_factory=dict)  # cells that are not run again, and why
     timed_out: bool = False
+    complete: bool = False  # nothing is added then: cells that run again may know hidden inputs
 
 
 class Session:
@@ -63,23 +54,29 @@ class Session:
         self._cells, self._personal, self._limits = list(cells), personal, limits
         self._deadline = wall.monotonic() + limits.total_seconds
         self._worker: WorkerProcess | None = None
+        self._hung: set[str] = set()  # tasks
 
-    def run(self, planned: Planned) -> Run:
+    def run(self, task: Task, scenario: Scenario) -> Evidence:
         """Run one scenario; whatever happens, what was done by then is evidence.
 
         Raises:
             WorkerError: No worker can be started.
         """
-        stage = Stage(planned.task, planned.scenario, self._personal[planned.task.id])
-        outcome, stopped, output = Outcome(), "time", ""
+        stage = Stage(task, scenario, self._personal[task.id])
+        if task.id in self._hung:
+            why = f"not run: {task.name} did not come to an end before, and was stopped"
+            return stage.evidence(Outcome(errors=[why]), stopped="time")
         worker = self._ready_worker()
         if worker is None:
-            outcome.errors = [f"not run: all cells together took {self._limits.total_seconds:g} s"]
-        else:
-            stopped = self._serve(worker, stage, planned, outcome)
-            output = worker.take_output()
-        evidence = stage.evidence(outcome, output=output, stopped=stopped)
-        return Run(planned.scenario, evidence, planned.hidden)
+            why = f"not run: all cells together took {self._limits.total_seconds:g} s"
+            return stage.evidence(Outcome(errors=[why]), stopped="time")
+        outcome, stopped = self._serve(worker, stage, task)
+        if stopped == "time":
+            self._hung.add(task.id)
+        output = worker.take_output()
+        if self._worker is None:
+            worker.close()
+        return stage.evidence(outcome, output=output, stopped=stopped)
 
     def close(self) -> None:
         """Kill the worker that is there."""
@@ -92,8 +89,6 @@ class Session:
 
     def _ready_worker(self) -> WorkerProcess | None:
         """The worker, with all cells run; None when the time is over."""
-        if self._worker is not None and self._worker.broken:
-            self.close()
         while self._worker is None and self._left() > 0:
             self._worker = WorkerProcess(round(self._limits.output_kilobytes * 1000))
             if not self._run_cells(self._worker):
@@ -103,80 +98,74 @@ class Session:
     def _run_cells(self, worker: WorkerProcess) -> bool:
         """Whether all cells were run; if not, the one to blame has been noted."""
         values = {task: dict(values) for task, values in self._personal.items()}
-        current, limit = -1, START_SECONDS
+        current, limit, log = -1, START_SECONDS, self.log
         try:
-            skip = sorted(self.log.stopped)
-            worker.channel.send(["cells", self._cells, values, skip, worker.new_token()])
+            worker.channel.send(["cells", self._cells, values, sorted(log.stopped)])
             while True:
-                with worker.limited(min(limit, self._left())):
-                    frame = worker.channel.receive()
+                worker.allow(min(limit, self._left()))
                 limit = self._limits.cell_seconds
-                match frame:
+                match worker.channel.receive():
                     case ["cell", int(index)] if current < index < len(self._cells):
                         current = index
                     case ["ran", list(errors)]:
-                        self.log.output, self.log.errors = worker.take_output(), _sentences(errors)
+                        output = worker.take_output()
+                        if not log.complete:
+                            log.output, log.errors, log.complete = output, _sentences(errors), True
                         return True
                     case _:
                         raise ChannelError("what came is not the next cell")
         except ChannelError as error:
             if current < 0:
                 raise WorkerError(f"a worker can't be started: {worker.take_output() or error}") from error
-            why = f"was stopped after {limit:g} s" if worker.timed_out else f"ended the process ({error})"
-            self.log.timed_out |= worker.timed_out
-            self.log.stopped[current] = f"cell {current + 1} {why}"
+            timed_out = isinstance(error, ChannelTimeoutError)
+            log.timed_out |= timed_out
+            why = f"was stopped after {limit:g} s" if timed_out else f"ended the process ({error})"
+            log.stopped[current] = f"cell {current + 1} {why}"
             return False
 
-    def _serve(self, worker: WorkerProcess, stage: Stage, planned: Planned, outcome: Outcome) -> str:
-        """Let the worker run a scenario on the stage; says which limit ended it, if one did."""
-        seconds = min(self._limits.scenario_seconds, self._left())
-        task, part = planned.task, stage.part
+    def _serve(self, worker: WorkerProcess, stage: Stage, task: Task) -> tuple[Outcome, str]:
+        """Let the worker run a scenario on the stage; also says which limit ended it, if one did."""
+        seconds, part = min(self._limits.scenario_seconds, self._left()), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
+        worker.allow(seconds)
         try:
-            with worker.limited(seconds):
-                worker.channel.send(["scenario", *order, worker.new_token()])
-                _drive(worker, stage, outcome)
-        except RecordingLimitError as error:
-            worker.broken, outcome.errors = True, [str(error)]
-            return "size"
+            worker.channel.send(["scenario", *order])
+            return _drive(worker.channel, stage), ""
         except ChannelError as error:
-            worker.broken, outcome.errors = True, [str(error)]
-            if isinstance(error, ChannelClosedError):
-                outcome.errors = [ENDED_EARLY]
-            if worker.timed_out:
-                outcome.errors = [f"still running after {seconds:.0f} s: an endless loop? It was stopped."]
-                return "time"
-        return ""
+            self._worker = None  # what it says can't be followed any more
+            match error:
+                case ChannelTimeoutError():
+                    return Outcome(errors=[still_running(seconds)]), "time"
+                case ChannelClosedError():
+                    return Outcome(errors=[ENDED_EARLY]), ""
+            return Outcome(errors=[str(error)]), "size" if isinstance(error, RecordingLimitError) else ""
 
     def __enter__(self) -> "Session":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
-def _drive(worker: WorkerProcess, stage: Stage, outcome: Outcome) -> None:
+def _drive(channel: Channel, stage: Stage) -> Outcome:
     """Run the stage's clock in lock-step with the worker's child, to the child's end.
 
     Raises:
         ChannelError: What came is not what it has to be.
     """
-    server = GraphServer(stage.graph, worker.channel)
+    server = GraphServer(stage.graph, channel)
     server.serve()
     while server.last_frame is None and stage.graph.advance():
         pass
     server.end()
     match server.last_frame:
         case ["result", list(returns), list(errors)] if is_plain(returns):
-            outcome.returns, outcome.errors = returns, _sentences(errors)
-            if worker.channel.receive()[:1] != ["exit"]:
+            if channel.receive()[:1] != ["exit"]:
                 raise ChannelError("something came after the result")
+            return Outcome(returns, _sentences(errors))
         case ["exit", int()]:
-            outcome.errors = [ENDED_EARLY]
-        case _:
-            raise ChannelError("what came is not a result")
+            return Outcome(errors=[ENDED_EARLY])
+    raise ChannelError("what came is not a result")
 
 
 def _sentences(texts: list[Any]) -> list[str]:

@@ -3,16 +3,18 @@
 import io
 from collections.abc import Mapping
 from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.message_data import build
 from course_lib.grading.perform import Outcome, Part, perform
 from course_lib.grading.plain import plain
-from course_lib.grading.task import Message, Scenario, Task, resolve
+from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.grading.watchdog import watchdog
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
 
 INPUT_NODE = "scenario"
@@ -36,7 +38,11 @@ class Stage:
         self._samples: list[Sample] = []
         self.graph.tap(self._record)
         for message in scenario.inputs:
-            self._schedule(message)
+            cdr = serialize(build(message, personal))
+            endpoint = self.graph.add_publisher(self._ours, message.topic, message.type_name, Qos())
+            publish = partial(self.graph.publish, endpoint, cdr)
+            due_ns = START_NS + round(message.at * 1e9)
+            self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
         self.part = Part(task.kind, scenario.seed, calls)
 
@@ -58,18 +64,6 @@ class Stage:
         if sample.node != self._ours and sample.topic not in NOT_EVIDENCE:
             self._samples.append(sample)
 
-    def _schedule(self, message: Message) -> None:
-        from course_lib.ros.messages import serialize
-
-        cdr = serialize(build(message, self._personal))
-        endpoint = self.graph.add_publisher(self._ours, message.topic, message.type_name, Qos())
-        due_ns = START_NS + round(message.at * 1e9)
-
-        def publish() -> None:
-            self.graph.publish(endpoint, cdr)
-
-        self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
-
 
 def run_here(
     task: Task,
@@ -89,5 +83,10 @@ def run_here(
             if not dog.barked:
                 raise
             stopped = "time"
-            outcome.errors.append(f"still running after {wall_limit:g} s: an endless loop? It was stopped.")
+            outcome.errors.append(still_running(wall_limit))
     return stage.evidence(outcome, output=output.getvalue(), stopped=stopped)
+
+
+def still_running(seconds: float) -> str:
+    """What is said of code that does not come to an end."""
+    return f"still running after {seconds:.3g} s: an endless loop? It was stopped."

@@ -8,7 +8,7 @@ import os
 import socket
 import sys
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
@@ -21,12 +21,9 @@ from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
-
-if TYPE_CHECKING:
-    from IPython.core.interactiveshell import InteractiveShell
+from course_lib.ros.shell import make_shell
 
 CELLS_SEED = 0
-STDOUT = 1
 
 
 class Worker:
@@ -39,6 +36,7 @@ class Worker:
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
         self._shell = make_shell()
+        self._shell.InteractiveTB.set_mode("Minimal")
         self._bound: dict[str, Any] = {}
         bind_only(self._bound.__setitem__)
 
@@ -52,9 +50,7 @@ class Worker:
                 return
             handlers[name](*arguments)
 
-    def run_cells(
-        self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int], token: bytes
-    ) -> None:
+    def run_cells(self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int]) -> None:
         """Run all cells in order, but those to skip; an error in one does not stop the rest."""
         give_values(values)
         errors = []
@@ -63,16 +59,15 @@ class Worker:
                 if index not in skip:
                     self._channel.send(["cell", index])
                     errors += self._run_cell(index, cell)
-        self._finish("ran", errors, token)
+        _flush()
+        self._channel.send(["ran", errors])
 
-    def run_scenario(
-        self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int, token: bytes
-    ) -> None:
+    def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario in a fork, so that it leaves nothing behind for the next."""
         child = os.fork()
         if child == 0:
             self._run_in_child(task, name, Part(kind, seed, calls), end_ns)
-        self._finish("exit", os.waitpid(child, 0)[1], token)
+        self._channel.send(["exit", os.waitpid(child, 0)[1]])
 
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
@@ -100,28 +95,6 @@ class Worker:
         if name not in self._shell.user_ns:
             raise CourseError(f"{name} is not in the notebook: no cell that ran to its end makes it")
         return self._shell.user_ns[name]
-
-    def _finish(self, name: str, value: Any, token: bytes) -> None:
-        """Mark the end of the output that belongs to this step, and answer."""
-        _flush()
-        os.write(STDOUT, token)
-        self._channel.send([name, value])
-
-
-def make_shell() -> "InteractiveShell":
-    """An IPython shell without history, colours or a page."""
-    from IPython.core.interactiveshell import InteractiveShell
-    from traitlets.config import Config
-
-    class Shell(InteractiveShell):
-        def enable_gui(self, gui: Any = None) -> None:
-            """There is no window to be had; `%matplotlib inline` is no mistake."""
-
-    config = Config()
-    config.HistoryManager.enabled = False
-    config.InteractiveShell.colors = "nocolor"
-    config.InteractiveShell.xmode = "Minimal"  # the line is in the error's own sentence
-    return Shell.instance(config=config)
 
 
 def _flush() -> None:

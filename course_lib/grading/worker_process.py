@@ -1,7 +1,6 @@
-"""The grader's end of a worker: starts it, limits it, reads what it prints."""
+"""The grader's end of a worker: starts it, talks to it, reads what it prints."""
 
 import os
-import secrets
 import shutil
 import signal
 import site
@@ -10,17 +9,16 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
+from select import select
 from typing import IO
 
 from course_lib.errors import CourseError
+from course_lib.ros import wall
 from course_lib.ros.channel import Channel
 
-TOKEN_BYTES = 16
-OUTPUT_WAIT = 2.0  # [s] for the last of the output, once a step is over
+PIPE_HOLDS = 2**20  # [B] at least as much as a pipe does
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -52,7 +50,7 @@ def start_worker(channel: socket.socket, scratch: Path) -> "subprocess.Popen[byt
 
 
 class WorkerProcess:
-    """A worker as the grader has it; a context manager that leaves no process behind.
+    """A worker as the grader has it, until it is closed.
 
     Args:
         output_limit: How much of the output of a step is kept, [B].
@@ -64,8 +62,6 @@ class WorkerProcess:
     def __init__(self, output_limit: int) -> None:
         if not hasattr(os, "fork"):
             raise CourseError("grading needs Linux, macOS or WSL2: this system can't fork a process")
-        self.timed_out = False
-        self.broken = False  # what it says can't be followed any more
         self._scratch = Path(tempfile.mkdtemp(prefix="course_worker_"))
         ours, theirs = socket.socketpair()
         with theirs:
@@ -74,88 +70,63 @@ class WorkerProcess:
         assert self._process.stdout is not None  # it was asked for as a pipe
         self._output = Output(self._process.stdout, output_limit)
 
-    def new_token(self) -> bytes:
-        """What the worker is to print when the next step is over."""
-        return self._output.new_token()
+    def allow(self, seconds: float) -> None:
+        """What it says must come within so many [s] of the wall clock, or the channel's timeout is raised."""
+        self.channel.deadline = wall.monotonic() + seconds
 
     def take_output(self) -> str:
         """What was printed since the last call."""
         return self._output.take()
 
-    @contextmanager
-    def limited(self, seconds: float) -> Iterator[None]:
-        """Kill the worker if the block lasts longer than `seconds` of the wall clock."""
-        timer = threading.Timer(max(seconds, 0.0), self._time_is_over)
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
     def close(self) -> None:
         """Kill the worker with all that it has started, and remove its scratch folder."""
-        self._kill()
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         self.channel.close()
         self._output.close()
         shutil.rmtree(self._scratch, ignore_errors=True)
 
-    def _time_is_over(self) -> None:
-        self.timed_out = True
-        self._kill()
-
-    def _kill(self) -> None:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, signal.SIGKILL)
-
-    def __enter__(self) -> "WorkerProcess":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
-        self.close()
-
 
 class Output:
-    """Reads a pipe to its end, so that a flood can't block, and keeps the beginning of each step."""
+    """Reads a pipe all the time, so that a flood can't block, and keeps the beginning of each step."""
 
     def __init__(self, pipe: IO[bytes], limit: int) -> None:
         self._pipe, self._limit = pipe, limit
-        self._kept, self._tail, self._cut, self._ended = bytearray(), b"", False, False
-        self._token = b""
-        self._changed = threading.Condition()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def new_token(self) -> bytes:
-        """Make the mark of the end of the next step: the student's code can't guess it."""
-        self._token = secrets.token_bytes(TOKEN_BYTES)
-        return self._token
+        self._kept, self._cut, self._over = bytearray(), False, False
+        self._lock = threading.Lock()
+        os.set_blocking(pipe.fileno(), False)
+        self._reader = threading.Thread(target=self._read_on, daemon=True)
+        self._reader.start()
 
     def take(self) -> str:
-        """The output of the step that has just ended."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._ended or self._tail == self._token, OUTPUT_WAIT)
-            text = bytes(self._kept).removesuffix(self._token).decode("utf-8", "replace")
+        """The output of the step that has just ended: what it printed is in the pipe, if not yet here."""
+        with self._lock:
+            self._read()
+            text = bytes(self._kept).decode("utf-8", "replace")
             text += f"\n… cut after {self._limit} bytes" if self._cut else ""
             self._kept, self._cut = bytearray(), False
         return text
 
     def close(self) -> None:
         """Stop reading; the process is dead."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._ended, OUTPUT_WAIT)
+        self._over = True
+        self._reader.join()
         self._pipe.close()
 
-    def _read(self) -> None:
-        with suppress(OSError, ValueError):
-            while chunk := os.read(self._pipe.fileno(), 2**16):
-                with self._changed:
-                    room = self._limit - len(self._kept)
-                    self._kept += chunk[: max(room, 0)]
-                    self._tail = (self._tail + chunk)[-TOKEN_BYTES:]
-                    self._cut = self._cut or len(chunk) - TOKEN_BYTES > room
-                    self._changed.notify_all()
-        with self._changed:
-            self._ended = True
-            self._changed.notify_all()
+    def _read_on(self) -> None:
+        while not self._over:
+            if select([self._pipe], [], [], 0.1)[0]:
+                with self._lock:
+                    self._over = self._read() == 0 or self._over
+
+    def _read(self) -> int | None:
+        """How many bytes there were; 0 at the end of the pipe, None if there is nothing now."""
+        try:
+            chunk = os.read(self._pipe.fileno(), PIPE_HOLDS)
+        except BlockingIOError:
+            return None
+        room = max(self._limit - len(self._kept), 0)
+        self._kept += chunk[:room]
+        self._cut = self._cut or len(chunk) > room
+        return len(chunk)

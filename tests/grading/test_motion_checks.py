@@ -1,5 +1,6 @@
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -71,3 +72,21 @@ def test_moving_means_getting_away_from_the_start(going_round: MakeRound) -> Non
 def test_another_marker_does_not_count(going_round: MakeRound) -> None:
     verdict = expect_moving(TOPIC, type="SPHERE").judge(going_round())
     assert verdict.message == "no marker with type 'SPHERE' was added on /ball"
+
+
+def test_a_piece_of_the_circle_at_the_end_is_not_going_round(going_round: MakeRound) -> None:
+    evidence = going_round(seconds=4.0)
+    piece = replace(evidence, samples=evidence.samples[-5:])
+    assert CIRCLE.judge(piece).message == "the marker was seen to move for 0.40 s of 4 s"
+
+
+def test_a_circle_without_a_height_is_level_and_a_place(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check = expect_circle(TOPIC, radius=1.0)
+
+    def at(tick: int, height: float) -> tuple[float, str, Any]:
+        x, y = math.cos(tick), math.sin(tick)
+        return tick, TOPIC, cube(pose__position__x=x, pose__position__y=y, pose__position__z=height)
+
+    assert check.judge(evidence(*(at(tick, 2.0) for tick in range(5)))).score == 1
+    assert "too high" in check.judge(evidence(*(at(tick, float(tick)) for tick in range(5)))).message
+    assert check.judge(evidence(*(at(tick, math.nan) for tick in range(5)))).score == 0

@@ -1,14 +1,15 @@
 import os
 import subprocess
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from course_lib.grading.course_file import Limits
-from course_lib.grading.judge import Run
-from course_lib.grading.runner import Planned, Session, WorkerError
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.runner import Session, WorkerError
 from course_lib.grading.task import Call, Scenario, Task
 
 HINTS = ("one", "two", "three")
@@ -21,26 +22,26 @@ pipe = [fd for fd, link in links.items() if os.path.exists(link) and "socket" in
 """
 
 
-def run(*cells: str, task: Task = ANSWER, limits: Limits | None = None) -> tuple[Run, Session]:
+def run(*cells: str, task: Task = ANSWER, limits: Limits | None = None) -> tuple[Evidence, Session]:
     with Session(cells, {task.id: {}}, limits or Limits(cell_seconds=2, scenario_seconds=2)) as session:
-        return session.run(Planned(task, task.scenarios[0])), session
+        return session.run(task, task.scenarios[0]), session
 
 
 def test_cells_run_in_order_and_an_error_does_not_stop_the_rest() -> None:
     came, session = run("x = 1", "1 / 0", "answer = x + 1")
-    assert came.evidence.returns == (2,)
+    assert came.returns == (2,)
     assert session.log.errors == ["ZeroDivisionError: division by zero (cell In[2], line 1: 1 / 0)"]
 
 
 def test_a_missing_object_is_named() -> None:
     came, _ = run("x = 1")
-    assert came.evidence.errors == ("answer is not in the notebook: no cell that ran to its end makes it",)
+    assert came.errors == ("answer is not in the notebook: no cell that ran to its end makes it",)
 
 
 def test_scenarios_do_not_touch_each_other() -> None:
     cells = ["seen = []", "def called():\n    seen.append(1)\n    return len(seen)"]
     with Session(cells, {CALLED.id: {}}, Limits()) as session:
-        assert [session.run(Planned(CALLED, CALLED.scenarios[0])).evidence.returns for _ in range(2)] == [
+        assert [session.run(CALLED, CALLED.scenarios[0]).returns for _ in range(2)] == [
             (1,),
             (1,),
         ]
@@ -56,7 +57,7 @@ def test_what_a_notebook_usually_does_works() -> None:
         "answer = 5",
     )
     assert session.log.errors == []
-    assert came.evidence.returns == (5,)
+    assert came.returns == (5,)
 
 
 def test_there_is_no_keyboard() -> None:
@@ -66,10 +67,10 @@ def test_there_is_no_keyboard() -> None:
 
 def test_a_process_that_ends_itself_costs_only_what_it_did() -> None:
     came, session = run("answer = 1", "import os\nos._exit(0)", "answer += 1")
-    assert came.evidence.returns == (2,)
+    assert came.returns == (2,)
     assert "cell 2 ended the process" in session.log.stopped[1]
     came, _ = run("import os\ndef called():\n    os._exit(0)", task=CALLED)
-    assert "the process ended before the program did" in came.evidence.errors[0]
+    assert "the process ended before the program did" in came.errors[0]
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="looks for the pipe in /proc")
@@ -77,11 +78,11 @@ def test_a_process_that_ends_itself_costs_only_what_it_did() -> None:
 def test_garbage_in_the_pipe_is_no_evidence(garbage: str) -> None:
     write = f"os.write(pipe[0], {garbage})\n"
     came, session = run(FIND_PIPE, "answer = 1", write)
-    assert came.evidence.returns == (1,)
+    assert came.returns == (1,)
     assert list(session.log.stopped) == [2]
     came, _ = run(FIND_PIPE, f"def called():\n    {write}", task=CALLED)
-    assert came.evidence.returns == ()
-    assert came.evidence.errors
+    assert came.returns == ()
+    assert came.errors
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="looks for the pipe in /proc")
@@ -89,21 +90,21 @@ def test_a_result_that_is_no_plain_data_is_not_taken() -> None:
     forge = "import msgpack, struct\nbody = msgpack.packb(['result', [b'bytes'], []])\n"
     forge += "frame = struct.pack('!I', len(body)) + body"
     came, _ = run(FIND_PIPE + forge, "def called():\n    os.write(pipe[0], frame)", task=CALLED)
-    assert came.evidence.returns == ()
-    assert came.evidence.errors == ("what came is not a result",)
+    assert came.returns == ()
+    assert came.errors == ("what came is not a result",)
 
 
 def test_the_total_time_bounds_everything() -> None:
     limits = Limits(cell_seconds=60, scenario_seconds=60, total_seconds=3)
     came, _ = run("while True: pass", limits=limits)
-    assert came.evidence.stopped == "time"
-    assert came.evidence.errors == ("not run: all cells together took 3 s",)
+    assert came.stopped == "time"
+    assert came.errors == ("not run: all cells together took 3 s",)
 
 
 def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     came, _ = run("import subprocess, os", "answer = [os.getpid(), subprocess.Popen(['sleep', '60']).pid]")
-    for pid in came.evidence.returns[0]:
+    for pid in came.returns[0]:
         with pytest.raises(ProcessLookupError):
             _signal(pid)
     assert list(tmp_path.iterdir()) == []
@@ -119,7 +120,7 @@ def _signal(pid: int) -> None:
 def test_the_worker_gets_nothing_of_the_graders_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GRADER_TOKEN", "secret")
     came, _ = run("import os, sys\nanswer = [dict(os.environ), sys.argv[1:], os.getcwd()]")
-    environment, arguments, folder = came.evidence.returns[0]
+    environment, arguments, folder = came.returns[0]
     assert "GRADER_TOKEN" not in environment
     assert arguments == []
     assert folder == environment["HOME"] != os.path.expanduser("~")
@@ -134,3 +135,28 @@ def test_a_worker_that_cannot_start_is_our_fault(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("course_lib.grading.worker_process.start_worker", fails)
     with pytest.raises(WorkerError, match="no python"):
         run("answer = 1")
+
+
+def test_a_task_that_hangs_costs_its_time_once() -> None:
+    tasks = [replace(CALLED, id=f"week01.{name}", name=name) for name in ("hangs", "called")]
+    cells = ["def called():\n    return 1", "def hangs():\n    while True: pass"]
+    limits = Limits(scenario_seconds=1)
+    with Session(cells, {task.id: {} for task in tasks}, limits) as session:
+        hung, again, other = (session.run(task, task.scenarios[0]) for task in (tasks[0], *tasks))
+    assert hung.errors == ("still running after 1 s: an endless loop? It was stopped.",)
+    assert again.errors == ("not run: hangs did not come to an end before, and was stopped",)
+    assert (hung.stopped, again.stopped, other.returns) == ("time", "time", (1,))
+
+
+def test_cells_that_run_again_add_nothing_to_the_log(tmp_path: Path) -> None:
+    """What a scenario left behind, a hidden one's inputs too, must not come out through the cells."""
+    note = tmp_path / "note"
+    cells = [
+        f"import os\nprint(open({str(note)!r}).read() if os.path.exists({str(note)!r}) else 'nothing')",
+        f"def called():\n    open({str(note)!r}, 'w').write('secret')\n    os._exit(0)",
+    ]
+    with Session(cells, {CALLED.id: {}}, Limits()) as session:
+        for _ in range(2):
+            session.run(CALLED, CALLED.scenarios[0])
+    assert note.read_text() == "secret"
+    assert session.log.output == "nothing\n"

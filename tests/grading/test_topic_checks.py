@@ -43,8 +43,11 @@ def test_a_topic_of_the_right_type_passes(evidence: MakeEvidence) -> None:
         ((1, 1, 2, 2, 3, 3), "as expected"),
         ((0.5, 1, 1.5, 2, 2.5, 3), "/tick is too fast: 2.00 Hz, expected 1.00 Hz"),
         ((0, 2), "/tick is too slow: 0.50 Hz, expected 1.00 Hz"),
+        ((2.5, 3.0, 3.5), "/tick is too fast: 2.00 Hz, expected 1.00 Hz"),
+        ((2.05, 3.0), "/tick is silent from 0.00 s to 2.05 s"),
+        ((0.1, 0.2, 0.3, 2.9), "/tick is silent from 0.30 s to 2.90 s"),
         ((1,), "/tick was published once in 3 s, expected 1.00 Hz"),
-        ((0, 0.98), "/tick falls silent after 0.98 s of 3 s"),
+        ((0, 0.98), "/tick is silent from 0.98 s to 3.00 s"),
         ((), "nothing was published on /tick in 3 s, nor on any other topic"),
     ],
 )
@@ -82,3 +85,19 @@ def test_a_type_without_a_header_is_no_fault_of_the_check(evidence: MakeEvidence
     assert expect_stamps("/m").judge(mixed).message == "std_msgs/msg/Float64 on /m has no header"
     assert expect_moving("/m").judge(mixed).score == 0
     assert expect_marker("/m", type="CUBE").judge(mixed).score == 1
+
+
+def test_an_array_without_markers_has_no_stamps(evidence: MakeEvidence) -> None:
+    from visualization_msgs.msg import MarkerArray
+
+    assert expect_stamps("/m").judge(evidence((1, "/m", MarkerArray()))).score == 0
+
+
+def test_bytes_that_are_no_message_keep_no_rate(evidence: MakeEvidence) -> None:
+    from dataclasses import replace
+
+    came = evidence(*ticks(1, 2, 3))
+    broken = replace(came, samples=tuple(replace(sample, cdr=b"") for sample in came.samples))
+    for check in (expect_rate("/tick", 1.0), expect_topic("/tick", KIND)):
+        assert check.judge(came).score == 1
+        assert check.judge(broken).score == 0

@@ -6,7 +6,7 @@ import pytest
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.plain import is_plain, plain
-from course_lib.grading.vocabulary import expect_no_error, expect_text, expect_value
+from course_lib.grading.vocabulary import expect_text, expect_value
 
 MakeEvidence = Callable[..., Evidence]
 
@@ -70,12 +70,6 @@ def test_a_text_may_say_it_in_its_own_way(evidence: MakeEvidence, text: str) -> 
 @pytest.mark.parametrize("text", ["", "the fixed frames", None, 3])
 def test_a_text_that_does_not_say_it_fails(evidence: MakeEvidence, text: Any) -> None:
     assert expect_text("fixed frame").judge(evidence(returns=(text,))).score == 0
-
-
-def test_an_error_is_reported_but_weighs_nothing(evidence: MakeEvidence) -> None:
-    check = expect_no_error()
-    assert check.weight == 0
-    assert check.judge(evidence(errors=("ValueError: no",))).message == "ValueError: no"
 
 
 def test_plain_data_bounds_what_a_student_can_return() -> None:

@@ -1,7 +1,6 @@
 """What a marker topic shows: Marker and MarkerArray alike."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
@@ -16,30 +15,15 @@ MARKER_MESSAGES = ("visualization_msgs/msg/Marker", "visualization_msgs/msg/Mark
 ADD, DELETE, DELETE_ALL = 0, 2, 3
 
 
-@dataclass(frozen=True)
-class Which:
-    """Selects markers by type name, namespace and id; None means any."""
-
-    type: str | None = None
-    ns: str | None = None
-    id: int | None = None
-
-    def fits(self, marker: Any) -> bool:
-        """Whether a marker is meant."""
-        wanted = {"ns": self.ns, "id": self.id}
-        return self.type in (None, type_of(marker)) and all(
-            value in (None, getattr(marker, name)) for name, value in wanted.items()
-        )
-
-
 def type_of(marker: Any) -> str:
     """The name of a marker's type, "CUBE"."""
     return TYPES[marker.type] if 0 <= marker.type < len(TYPES) else f"unknown type {marker.type}"
 
 
-def noun(marker: Any) -> str:
-    """What a marker is called in a sentence: "the cube"."""
-    return f"the {type_of(marker).lower().replace('_', ' ')}"
+def fits(marker: Any, *wanted: Any) -> bool:
+    """Whether a marker has this type's name, namespace and id; None means any."""
+    came = (type_of(marker), marker.ns, marker.id)
+    return all(value in (None, own) for value, own in zip(wanted, came, strict=True))
 
 
 def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:

@@ -1,33 +1,31 @@
 """Expectations on the markers that a topic shows at the end."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.vocabulary.marker_state import TYPES, Which, no_markers, noun, shown, type_of
-from course_lib.grading.vocabulary.wording import (
-    Problem,
-    check_of,
-    close,
-    listed,
-    nothing_on,
-    number,
-    numbers,
-    off_by,
-)
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary.marker_state import fits, no_markers, shown, type_of
+from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
 
-DRAWN_TYPES = tuple(name for name in TYPES if name not in ("MESH_RESOURCE", "ARROW_STRIP"))
 COLOR_TOLERANCE = 0.02  # of 0..1
 YAW_TOLERANCE = 0.02  # [rad]
+DIRECTIONS = {
+    "x": ("too far towards +x", "too far towards -x"),
+    "y": ("too far towards +y", "too far towards -y"),
+    "z": ("too high", "too low"),
+}
 COLORS = {
     "black": (0, 0, 0), "white": (1, 1, 1), "grey": (0.5, 0.5, 0.5), "red": (1, 0, 0), "green": (0, 1, 0),
     "blue": (0, 0, 1), "yellow": (1, 1, 0), "cyan": (0, 1, 1), "magenta": (1, 0, 1), "orange": (1, 0.5, 0),
     "purple": (0.5, 0, 0.5),
 }  # fmt: skip
+Points = Sequence[Sequence[float]]
 
 
+@word("the marker on {topic}: {given}")
 def expect_marker(
+    evidence: Evidence,
     topic: str,
     *,
     type: str | None = None,  # noqa: A002 - the field's name in ROS
@@ -39,155 +37,90 @@ def expect_marker(
     scale: Sequence[float] | None = None,
     color: Sequence[float] | None = None,
     text: str | None = None,
-    points: Sequence[Sequence[float]] | None = None,
+    points: Points | None = None,
     tolerance: float = 0.01,
-) -> Check:
-    """At the end the topic shows a marker with these properties; `ns` and `id` select it, else the best fits.
+) -> Iterable[Problem]:
+    """At the end the topic (Marker or MarkerArray) shows a marker with these properties.
 
-    Args:
-        topic: Carries Marker or MarkerArray.
-        type: Name of the type, "CUBE".
-        ns: Its namespace.
-        id: Its id.
-        frame: Its frame.
-        position: Of its centre, [m].
-        yaw: Turn about z, [rad].
-        scale: [m].
-        color: RGB or RGBA, 0 to 1.
-        text: What it says.
-        points: Shape (N, 3), in any order, [m].
-        tolerance: Of all lengths, [m].
+    `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale, points
+    (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; color RGB or RGBA from 0 to 1.
     """
-    given = {
-        "type": type, "frame": frame, "position": position, "yaw": yaw, "scale": scale, "color": color,
-        "text": text, "points": points,
-    }  # fmt: skip
-    wanted = {name: value for name, value in given.items() if value is not None}
-    title = f"the marker on {topic}: {listed(list(wanted)) or 'is there'}"
-    selection = {"ns": ns, "id": id}
-    expected = {"topic": topic, "selection": selection, "wanted": wanted, "tolerance": tolerance}
-    return check_of(title, expected, _marker)
-
-
-def expect_marker_count(topic: str, count: int, *, type: str | None = None) -> Check:  # noqa: A002 - as above
-    """At the end the topic shows exactly so many markers (of one type)."""
-    expected = {"topic": topic, "count": count, "type_name": type}
-    return check_of(f"{count} {type or 'marker'}s on {topic}", expected, _count)
-
-
-def expect_all_marker_types(topic: str, *types: str) -> Check:
-    """At the end the topic shows at least one marker of each type; by default of all that need no mesh."""
-    expected = {"topic": topic, "types": types or DRAWN_TYPES}
-    return check_of(f"every marker type on {topic}", expected, _all_types)
-
-
-def _marker(
-    evidence: Evidence, topic: str, selection: dict[str, Any], wanted: dict[str, Any], tolerance: float
-) -> list[Problem]:
     markers = shown(evidence, topic)
     if not markers:
         return no_markers(evidence, topic)
-    selected = [marker for marker in markers if Which(**selection).fits(marker)]
+    selected = [marker for marker in markers if fits(marker, None, ns, id)]
     if not selected:
         there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])
-        asked = f"ns {selection['ns']!r}, id {selection['id']}"
-        return [
-            Problem(f"no marker with {asked} on {topic}, there is: {there}", "ns or id of a marker is wrong")
-        ]
-    found = [
-        [p for name, value in wanted.items() for p in PROPERTIES[name](marker, value, tolerance)]
-        for marker in selected
-    ]
-    return min(found, key=lambda problems: (any(p.mistake == WRONG_TYPE for p in problems), len(problems)))
+        message = f"no marker with ns {ns!r}, id {id} on {topic}, there is: {there}"
+        return [Problem(message, "ns or id of a marker is wrong")]
+    wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw}
+    wanted |= {"scale": scale, "color": color, "text": text, "points": points}
+    found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
+    return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
 
 
-def _count(evidence: Evidence, topic: str, count: int, type_name: str | None) -> list[Problem]:
+@word("{count} markers on {topic}")
+def expect_marker_count(
+    evidence: Evidence,
+    topic: str,
+    count: int,
+    *,
+    type: str | None = None,  # noqa: A002 - the field's name in ROS
+) -> Iterable[Problem]:
+    """At the end the topic shows exactly so many markers (of one type)."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
-    there = sum(Which(type_name).fits(marker) for marker in shown(evidence, topic))
-    if there == count:
-        return []
-    which = type_name or "marker"
-    return [Problem(f"{topic} shows {there} {which}s at the end, expected {count}", "the count is wrong")]
+    there = sum(fits(marker, type, None, None) for marker in shown(evidence, topic))
+    message = f"{topic} shows {there} {type or 'marker'}s at the end, expected {count}"
+    return [] if there == count else [Problem(message, "the count is wrong")]
 
 
-def _all_types(evidence: Evidence, topic: str, types: tuple[str, ...]) -> list[Problem]:
-    there = {type_of(marker) for marker in shown(evidence, topic)}
-    if not there:
-        return no_markers(evidence, topic)
-    missing = [name for name in types if name not in there]
-    if not missing:
-        return []
-    return [Problem(f"these types are missing at the end: {listed(missing)}", "a marker type is missing")]
+def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
+    noun = f"the {type_of(marker).lower().replace('_', ' ')}"
+    for name, expected in wanted.items():
+        if expected is not None:
+            mistake, find = PROPERTIES[name]
+            yield from (Problem(f"{noun}{says}", mistake) for says in find(marker, expected, tolerance))
 
 
-WRONG_TYPE = "the type of a marker is wrong"
+def _type(marker: Any, expected: str, _: float) -> Iterator[str]:
+    if type_of(marker) != expected:
+        yield f" is of type {type_of(marker)}, expected {expected}"
 
 
-def _type(marker: Any, expected: str, _: float) -> list[Problem]:
-    if type_of(marker) == expected:
-        return []
-    return [Problem(f"the marker is {type_of(marker)}, expected {expected}", WRONG_TYPE)]
+def _frame(marker: Any, expected: str, _: float) -> Iterator[str]:
+    if marker.header.frame_id != expected:
+        yield f" is in frame {marker.header.frame_id!r}, expected {expected!r}"
 
 
-def _frame(marker: Any, expected: str, _: float) -> list[Problem]:
-    came = marker.header.frame_id
-    if came == expected:
-        return []
-    message = f"{noun(marker)} is in frame {came!r}, expected {expected!r}"
-    return [Problem(message, "the frame of a marker is wrong")]
-
-
-AXES = (
-    ("x", "far towards +x", "far towards -x"),
-    ("y", "far towards +y", "far towards -y"),
-    ("z", "high", "low"),
-)
-
-
-def _position(marker: Any, expected: Sequence[float], tolerance: float) -> list[Problem]:
-    problems = []
-    for (axis, more, less), target in zip(AXES, expected, strict=True):
+def _position(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:
+    for (axis, directions), target in zip(DIRECTIONS.items(), expected, strict=True):
         value = getattr(marker.pose.position, axis)
         if not close(value, target, tolerance):
             where = f"its centre is at {axis} = {number(value, 'm')}, expected {number(target, 'm')}"
-            direction = off_by(value, target, f"too {more}", f"too {less}")
-            problems.append(
-                Problem(f"{noun(marker)} is {direction}: {where}", "the position of a marker is wrong")
-            )
-    return problems
+            yield f" is {off_by(value, target, *directions)}: {where}"
 
 
-def _scale(marker: Any, expected: Sequence[float], tolerance: float) -> list[Problem]:
-    problems = []
+def _scale(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:
     for axis, target in zip("xyz", expected, strict=True):
         value = getattr(marker.scale, axis)
         if not close(value, target, tolerance):
-            message = f"{noun(marker)}: scale.{axis} is {number(value, 'm')}, expected {number(target, 'm')}"
-            problems.append(Problem(message, "the size of a marker is wrong"))
-    return problems
+            yield f": scale.{axis} is {number(value, 'm')}, expected {number(target, 'm')}"
 
 
-def _yaw(marker: Any, expected: float, _: float) -> list[Problem]:
+def _yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
     value = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-    if close(math.remainder(value - expected, math.tau), 0.0, YAW_TOLERANCE):
-        return []
-    message = (
-        f"{noun(marker)} is turned by {number(value, 'rad')} about z, expected {number(expected, 'rad')}"
-    )
-    return [Problem(message, "the orientation of a marker is wrong")]
+    if not close(math.remainder(value - expected, math.tau), 0.0, YAW_TOLERANCE):
+        yield f" is turned by {number(value, 'rad')} about z, expected {number(expected, 'rad')}"
 
 
-def _color(marker: Any, expected: Sequence[float], _: float) -> list[Problem]:
+def _color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
     channels = "rgba"[: len(expected)]
     value = [getattr(marker.color, channel) for channel in channels]
-    if all(close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
-        return []
-    message = f"{noun(marker)}'s color {channels} is {_named(value)}, expected {_named(expected)}"
-    if marker.color.a == 0:
-        message += " (with a = 0 nobody can see it)"
-    return [Problem(message, "the color of a marker is wrong")]
+    if not all(close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
+        unseen = " (with a = 0 nobody can see it)" if marker.color.a == 0 else ""
+        yield f"'s color {channels} is {_named(value)}, expected {_named(expected)}{unseen}"
 
 
 def _named(color: Sequence[float]) -> str:
@@ -195,25 +128,33 @@ def _named(color: Sequence[float]) -> str:
     return f"{numbers(color)} ({name})"
 
 
-def _text(marker: Any, expected: str, _: float) -> list[Problem]:
-    if marker.text.strip() == expected:
-        return []
-    message = f"{noun(marker)} says {marker.text!r}, expected {expected!r}"
-    return [Problem(message, "the text of a marker is wrong")]
+def _text(marker: Any, expected: str, _: float) -> Iterator[str]:
+    if marker.text.strip() != expected:
+        yield f" says {marker.text!r}, expected {expected!r}"
 
 
-def _points(marker: Any, expected: Sequence[Sequence[float]], tolerance: float) -> list[Problem]:
+def _points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     came = [(p.x, p.y, p.z) for p in marker.points]
     if len(came) != len(expected):
-        message = f"{noun(marker)} has {len(came)} points, expected {len(expected)}"
-        return [Problem(message, "the number of points of a marker is wrong")]
-    lost = [e for e in expected if not any(close(math.dist(e, c), 0.0, tolerance) for c in came)]
-    if not lost:
-        return []
-    return [Problem(f"{noun(marker)} has no point at {numbers(lost[0])} m", "a point of a marker is wrong")]
+        yield f" has {len(came)} points, expected {len(expected)}"
+    elif lost := _without_partner(expected, came, tolerance):
+        yield f" has no point at {numbers(lost[0])} m"
+    elif strange := _without_partner(came, expected, tolerance):  # a loop may start at any of its corners
+        yield f" has a point at {numbers(strange[0])} m, where none belongs"
 
 
-PROPERTIES: dict[str, Callable[[Any, Any, float], list[Problem]]] = {
-    "type": _type, "frame": _frame, "position": _position, "yaw": _yaw, "scale": _scale, "color": _color,
-    "text": _text, "points": _points,
-}  # fmt: skip
+def _without_partner(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:
+    return [p for p in points if not any(close(math.dist(p, other), 0.0, tolerance) for other in others)]
+
+
+WRONG_TYPE = "the type of a marker is wrong"
+PROPERTIES: dict[str, tuple[str, Callable[[Any, Any, float], Iterator[str]]]] = {
+    "type": (WRONG_TYPE, _type),
+    "frame": ("the frame of a marker is wrong", _frame),
+    "position": ("the position of a marker is wrong", _position),
+    "yaw": ("the orientation of a marker is wrong", _yaw),
+    "scale": ("the size of a marker is wrong", _scale),
+    "color": ("the color of a marker is wrong", _color),
+    "text": ("the text of a marker is wrong", _text),
+    "points": ("the points of a marker are wrong", _points),
+}

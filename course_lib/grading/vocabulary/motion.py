@@ -1,13 +1,12 @@
 """Expectations on how a marker moves during the scenario."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Any
 
-from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.vocabulary.marker_state import ADD, Which, each, no_markers
-from course_lib.grading.vocabulary.wording import Problem, check_of, close, number, off_by
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary.marker_state import ADD, each, fits, no_markers
+from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 
 PERIOD_TOLERANCE = 0.05  # fraction
 LEAST_TURN = math.pi  # [rad] seen of a circle before it counts as one
@@ -16,20 +15,29 @@ NOT_MOVING = "a marker does not move as expected"
 Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
 
 
+@word("moves on {topic}")
 def expect_moving(
+    evidence: Evidence,
     topic: str,
     *,
     at_least: float = 0.1,
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     ns: str | None = None,
     id: int | None = None,  # noqa: A002 - the field's name in ROS
-) -> Check:
+) -> Iterable[Problem]:
     """A marker gets at least so far, [m], from where it was first."""
-    expected = {"topic": topic, "at_least": at_least, "selection": {"type": type, "ns": ns, "id": id}}
-    return check_of(f"moves on {topic}", expected, _moving)
+    path = _path(evidence, topic, type, ns, id)
+    if not path:
+        return _no_path(evidence, topic, type, ns, id)
+    distances = [math.dist(place, path[0][1]) for _, place in path]  # [m]
+    far = max(distances) if all(map(math.isfinite, distances)) else math.nan
+    message = f"the marker moved {number(far, 'm')}, expected at least {number(at_least, 'm')}"
+    return [] if far >= at_least else [Problem(message, NOT_MOVING)]
 
 
+@word("goes round a circle on {topic}")
 def expect_circle(
+    evidence: Evidence,
     topic: str,
     *,
     radius: float,
@@ -41,69 +49,41 @@ def expect_circle(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     ns: str | None = None,
     id: int | None = None,  # noqa: A002 - the field's name in ROS
-) -> Check:
-    """A marker goes round a horizontal circle.
+) -> Iterable[Problem]:
+    """A marker goes round a horizontal circle, for most of the scenario.
 
-    Args:
-        topic: Carries Marker or MarkerArray.
-        radius: [m].
-        center: (x, y) in the marker's frame, [m].
-        height: Of the circle's plane, [m].
-        period: Of one turn, [s].
-        counter_clockwise: As seen from above.
-        tolerance: Of radius and height, [m].
-        type: Name of the marker's type.
-        ns: Its namespace.
-        id: Its id.
+    Radius, center (x, y), height (default: the first marker's) and the tolerance of radius and height in [m],
+    in the marker's frame; the period of one turn in [s]; counter-clockwise as seen from above.
     """
-    shape = {"radius": radius, "center": tuple(center), "height": height, "tolerance": tolerance}
-    turning = {"period": period, "counter_clockwise": counter_clockwise}
-    expected = {"topic": topic, "shape": shape, "turning": turning}
-    expected["selection"] = {"type": type, "ns": ns, "id": id}
-    return check_of(f"goes round a circle on {topic}", expected, _circle)
+    path = _path(evidence, topic, type, ns, id)
+    if not path:
+        return _no_path(evidence, topic, type, ns, id)
+    plane = path[0][1][2] if height is None else height  # [m]
+    seen = path[-1][0] - path[0][0]  # [s]
+    if seen < evidence.seconds / 2:
+        message = f"the marker was seen to move for {number(seen, 's')} of {evidence.seconds:g} s"
+        return [Problem(message, NOT_MOVING)]
+    return _off_circle(path, radius, center, plane, tolerance) or _turning(
+        path, center, period, counter_clockwise
+    )
 
 
-def path_of(evidence: Evidence, topic: str, selection: dict[str, Any]) -> Path:
+def _path(evidence: Evidence, topic: str, *which: str | int | None) -> Path:
     """Where the selected markers were placed, in time."""
-    which = Which(**selection)
-    placed = [(s, m) for s, m in each(evidence, topic) if m.action == ADD and which.fits(m)]
+    placed = [(s, m) for s, m in each(evidence, topic) if m.action == ADD and fits(m, *which)]
     return [(s, (m.pose.position.x, m.pose.position.y, m.pose.position.z)) for s, m in placed]
 
 
-def _no_path(evidence: Evidence, topic: str, selection: dict[str, Any]) -> list[Problem]:
+def _no_path(evidence: Evidence, topic: str, *which: str | int | None) -> list[Problem]:
     if not any(True for _ in each(evidence, topic)):
         return no_markers(evidence, topic)
-    which = ", ".join(f"{name} {value!r}" for name, value in selection.items() if value is not None)
-    return [Problem(f"no marker with {which} was added on {topic}", "type, ns or id of a marker is wrong")]
-
-
-def _moving(evidence: Evidence, topic: str, at_least: float, selection: dict[str, Any]) -> list[Problem]:
-    path = path_of(evidence, topic, selection)
-    if not path:
-        return _no_path(evidence, topic, selection)
-    distances = [math.dist(place, path[0][1]) for _, place in path]  # [m]
-    far = max(distances) if all(map(math.isfinite, distances)) else math.nan
-    if far >= at_least:
-        return []
-    message = f"the marker moved {number(far, 'm')}, expected at least {number(at_least, 'm')}"
-    return [Problem(message, NOT_MOVING)]
-
-
-def _circle(
-    evidence: Evidence,
-    topic: str,
-    shape: dict[str, Any],
-    turning: dict[str, Any],
-    selection: dict[str, Any],
-) -> list[Problem]:
-    path = path_of(evidence, topic, selection)
-    if not path:
-        return _no_path(evidence, topic, selection)
-    return _off_circle(path, **shape) or _turning(path, shape["center"], **turning)
+    given = zip(("type", "ns", "id"), which, strict=True)
+    asked = ", ".join(f"{name} {value!r}" for name, value in given if value is not None)
+    return [Problem(f"no marker with {asked} was added on {topic}", "type, ns or id of a marker is wrong")]
 
 
 def _off_circle(
-    path: Path, radius: float, center: Sequence[float], height: float | None, tolerance: float
+    path: Path, radius: float, center: Sequence[float], height: float, tolerance: float
 ) -> list[Problem]:
     for seconds, (x, y, z) in path:
         distance = math.dist((x, y), center)
@@ -112,7 +92,7 @@ def _off_circle(
             where = f"{number(distance, 'm')} from the centre, expected {number(radius, 'm')}"
             message = f"after {number(seconds, 's')} the marker is {gap}: {where}"
             return [Problem(message, "the path leaves the circle: wrong radius or centre")]
-        if height is not None and not close(z, height, tolerance):
+        if not close(z, height, tolerance):
             gap = off_by(z, height, "too high", "too low")
             message = f"the marker is {gap}: z = {number(z, 'm')}, expected {number(height, 'm')}"
             return [Problem(message, "the path is at the wrong height")]
@@ -133,11 +113,9 @@ def _turning(
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
         came = seconds * math.tau / abs(turned) if turned else math.inf  # [s]
-        if not close(came, period, PERIOD_TOLERANCE * period):
-            gap = off_by(came, period, "too slow", "too fast", "s")
-            message = f"one turn takes {number(came, 's')}, expected {number(period, 's')}: {gap}"
-            return [Problem(message, "the time of one turn is wrong")]
-    elif not abs(turned) >= LEAST_TURN:
-        degrees = math.degrees(abs(turned))
-        return [Problem(f"the marker turned only {degrees:.0f}°", "too little of the circle was driven")]
-    return []
+        gap = off_by(came, period, "too slow", "too fast", "s")
+        message = f"one turn takes {number(came, 's')}, expected {number(period, 's')}: {gap}"
+        right = close(came, period, PERIOD_TOLERANCE * period)
+        return [] if right else [Problem(message, "the time of one turn is wrong")]
+    message = f"the marker turned only {math.degrees(abs(turned)):.0f}°"
+    return [] if abs(turned) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]

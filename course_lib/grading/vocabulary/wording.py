@@ -1,14 +1,17 @@
-"""How checks compare and how they say it: what came in, what was expected, in which direction."""
+"""How a word of the vocabulary is made, and how it compares and says it."""
 
+import inspect
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import wraps
+from typing import Concatenate, ParamSpec
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, passed
 from course_lib.grading.task import resolve
 
 MOST_SHOWN = 3  # problems in one message
+Given = ParamSpec("Given")
 
 
 @dataclass(frozen=True)
@@ -19,19 +22,42 @@ class Problem:
     mistake: str
 
 
-def check_of(title: str, expected: dict[str, Any], find: Callable[..., list[Problem]]) -> Check:
-    """A check that passes when `find(evidence, **expected)` finds no problem; `my(...)` is resolved."""
+Find = Callable[Concatenate[Evidence, Given], Iterable[Problem]]
 
-    def judge(evidence: Evidence) -> Verdict:
-        problems = find(evidence, **resolve(expected, evidence.personal))
-        if not problems:
-            return passed("as expected")
-        message = "; ".join(problem.message for problem in problems[:MOST_SHOWN])
-        if len(problems) > MOST_SHOWN:
-            message += f"; and {len(problems) - MOST_SHOWN} more"
-        return Verdict(0.0, message, "; ".join(dict.fromkeys(problem.mistake for problem in problems)))
 
-    return Check(title, judge)
+def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
+    """Make a word for check files of a function that finds problems in evidence.
+
+    The word takes the function's arguments without the evidence, and gives a check that passes where no
+    problem is found. `my(...)` among the arguments becomes the student's own value.
+
+    Args:
+        title: Of the check; arguments' names in braces, {given} for those that were given by keyword.
+    """
+
+    def word_of(find: Find[Given]) -> Callable[Given, Check]:
+        @wraps(find)
+        def expect(*args: Given.args, **kwargs: Given.kwargs) -> Check:
+            def judge(evidence: Evidence) -> Verdict:
+                own_args, own_kwargs = resolve((args, kwargs), evidence.personal)
+                return _verdict(list(find(evidence, *own_args, **own_kwargs)))
+
+            values = inspect.signature(find).bind(None, *args, **kwargs)
+            values.apply_defaults()
+            return Check(title.format(**values.arguments, given=listed(list(kwargs)) or "is there"), judge)
+
+        return expect
+
+    return word_of
+
+
+def _verdict(problems: Sequence[Problem]) -> Verdict:
+    if not problems:
+        return passed("as expected")
+    message = "; ".join(problem.message for problem in problems[:MOST_SHOWN])
+    if len(problems) > MOST_SHOWN:
+        message += f"; and {len(problems) - MOST_SHOWN} more"
+    return Verdict(0.0, message, "; ".join(dict.fromkeys(problem.mistake for problem in problems)))
 
 
 def close(value: float, expected: float, tolerance: float) -> bool:
@@ -60,10 +86,8 @@ def off_by(value: float, expected: float, more: str, less: str, unit: str = "m")
 def nothing_on(evidence: Evidence, topic: str) -> Problem:
     """Nothing came on a topic; names those on which something did."""
     others = f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
-    return Problem(
-        f"nothing was published on {topic} in {evidence.seconds:g} s, {others}",
-        "nothing was published on an expected topic",
-    )
+    message = f"nothing was published on {topic} in {evidence.seconds:g} s, {others}"
+    return Problem(message, "nothing was published on an expected topic")
 
 
 def listed(items: Sequence[str]) -> str:
