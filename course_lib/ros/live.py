@@ -124,7 +124,7 @@ def _stop_with_an_error(graph: Graph) -> None:
 
     kind = sys.exc_info()[0]
     if kind is not KeyboardInterrupt:
-        get_ipython().showtraceback(sys.exc_info())
+        get_ipython().CustomTB(*sys.exc_info(), tb_offset=0)  # what loading the extension has set
     for run in tuple(_runs_of(graph)):
         run.stop()
 

@@ -4,6 +4,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from course_lib.errors import CourseError
+
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
@@ -11,8 +13,8 @@ KIT = str(Path(__file__).resolve().parent.parent)
 
 
 def shorten(shell: "InteractiveShell") -> None:
-    """Leave the kit's frames out of what cells show; `%debug` still sees them."""
-    shell.set_custom_exc((Exception,), _show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    """Leave the kit's frames out of what cells show, and say in one line what needs no traceback."""
+    shell.set_custom_exc((Exception, KeyboardInterrupt), _show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
 
 
 def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
@@ -26,11 +28,19 @@ def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
     shortened: TracebackType | None = None
     for frame in reversed(own):
         shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
-    return shortened if len(own) > 1 else trace  # the first is IPython's own
+    return shortened or trace
 
 
 def _show(
-    shell: Any, kind: type[Exception], error: Exception, trace: TracebackType, tb_offset: int | None = None
+    shell: Any,
+    kind: type[BaseException],
+    error: BaseException,
+    trace: TracebackType,
+    tb_offset: int | None = None,
 ) -> list[str]:
-    shell.showtraceback((kind, error, without_the_kit(trace)), tb_offset=tb_offset)
+    if isinstance(error, CourseError | KeyboardInterrupt):
+        said = str(error) or "the cell was stopped."
+        shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
+    else:
+        shell.showtraceback((kind, error, without_the_kit(trace)), tb_offset=tb_offset)
     return []
