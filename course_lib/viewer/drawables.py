@@ -9,6 +9,7 @@ from course_lib.errors import CourseError
 from course_lib.viewer.arrays import Integers, checked, floats, rgba
 
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
+Spot: TypeAlias = Literal["square", "sphere", "box"]
 
 OPAQUE_FROM = 0.9998  # below this alpha RViz blends, and writes no depth
 
@@ -86,22 +87,29 @@ class Lines:
 
 
 class Points:
-    """Squares that face the camera.
+    """Spots as RViz's point clouds have them: flat and turned to the camera, or boxes along the node's axes.
 
     Args:
         points: Shape (P, 3).
         colors: Shape (P, 4), or (4,) for all of them.
-        size: Width and height, in [m], or in pixels.
+        size: Width and height, for boxes also depth, in [m], or in pixels.
         pixels: Whether the size is in pixels.
+        spot: What is drawn at each point; RViz's spheres are discs, darker at the rim.
     """
 
     def __init__(
-        self, points: npt.ArrayLike, colors: npt.ArrayLike, size: tuple[float, float], pixels: bool = False
+        self,
+        points: npt.ArrayLike,
+        colors: npt.ArrayLike,
+        size: tuple[float, ...],
+        pixels: bool = False,
+        spot: Spot = "square",
     ) -> None:
         self.points = floats("points", points, (None, 3))
         self.colors = rgba(colors, len(self.points))
-        self.size = (float(size[0]), float(size[1]))
+        self.size = (*map(float, size), 0.0)[:3]
         self.pixels = pixels
+        self.spot = spot
 
 
 class Text:

@@ -1,17 +1,31 @@
 """Unit shapes as triangles, for pictures that are made without a graphics library."""
 
 from functools import cache
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from course_lib.viewer.arrays import Floats
-from course_lib.viewer.drawables import Shape
+from course_lib.viewer.arrays import Floats, Matrix
+from course_lib.viewer.drawables import Shape, Spot
+
+_ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
+
+# (radius, height) from the bottom to the top, to be turned around z.
+_PROFILES: dict[Shape, Matrix] = {
+    "box": np.array([(0, -0.5), (0.5**0.5, -0.5), (0.5**0.5, 0.5), (0, 0.5)]),
+    "sphere": np.column_stack([np.cos(_ARC), np.sin(_ARC)]) / 2,
+    "cylinder": np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)]),
+    "cone": np.array([(0, -0.5), (0.5, -0.5), (0, 0.5)]),
+}
+
+_CORNERS = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
+SQUARE = np.array(_CORNERS, np.float32)[[[0, 1, 2], [0, 2, 3]]]  # two triangles, shape (2, 3, 3)
+_BOX_SHADES = np.array([(0.6, 0.6), (0.4, 1.0), (0.9, 0.5)], np.float32)  # of the sides +x -x, +y -y, +z -z
+_DISC_SHADES = np.array([[1.0], [0.8], [0.8]], np.float32)  # of its middle and its rim
 
 
 class Surface(NamedTuple):
-    """Triangles that share nothing: corners and unit normals, both of shape (T, 3, 3)."""
+    """Triangles that share nothing: corners and normals, both of shape (T, 3, 3)."""
 
     corners: Floats
     normals: Floats
@@ -19,55 +33,44 @@ class Surface(NamedTuple):
 
 @cache
 def unit_shape(shape: Shape, steps: int) -> Surface:
-    """Return a shape as `Solids` describes it, with that many corners around its axis."""
-    return _box() if shape == "box" else _revolved(*_PROFILES[shape](steps // 2), steps)
+    """Return a shape as `Solids` describes it, with that many corners around its axis; a box has four."""
+    profile, steps = _PROFILES[shape], 4 if shape == "box" else steps
+    angles = (np.arange(steps + 1) + 0.5) * 2 * np.pi / steps
+    corners = _quads(_turned(profile[:-1], angles), _turned(profile[1:], angles))
+    if shape == "sphere":
+        return Surface(corners, corners)
+    if shape == "box":
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return Surface(corners, flat[:, None].repeat(3, axis=1))
+    outward = _turned(np.diff(profile, axis=0)[:, ::-1] * [1, -1], angles)
+    return Surface(corners, _quads(outward, outward))
 
 
-def _box() -> Surface:
-    """Return the cube: two triangles on each side of each axis."""
-    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) / 2
-    corners, normals = np.zeros((6, 6, 3)), np.zeros((6, 6, 3))
-    for side, (axis, sign) in enumerate(product(range(3), (-1, 1))):
-        corners[side, :, [(axis + 1) % 3, (axis + 2) % 3]] = square.T * [[sign], [1]]
-        corners[side, :, axis] = sign / 2
-        normals[side, :, axis] = sign
-    return _surface(corners, normals)
+@cache
+def unit_spot(spot: Spot) -> tuple[Floats, Floats]:
+    """Return triangles, shape (T, 3, 3), and how bright RViz makes their corners, shape (T, 3, 1).
+
+    The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
+    """
+    if spot == "square":
+        return SQUARE, np.ones((2, 3, 1), np.float32)
+    if spot == "sphere":
+        angles = np.linspace(0, 2 * np.pi, 25, dtype=np.float32)
+        rim = np.column_stack([np.cos(angles) / 2, np.sin(angles) / 2, 0 * angles]).astype(np.float32)
+        return np.stack([0 * rim[1:], rim[:-1], rim[1:]], axis=1), np.tile(_DISC_SHADES, (24, 1, 1))
+    corners, normals = unit_shape("box", 4)
+    negative = (normals.sum(axis=-1) < 0).astype(int)
+    return corners, _BOX_SHADES[np.abs(normals).argmax(axis=-1), negative][..., None]
 
 
-def _revolved(profile: Floats, normals: Floats, steps: int) -> Surface:
-    """Turn a profile around z; both arrays are (S, 2, 2): segments, their two ends, radius and height."""
-    angles = np.linspace(0, 2 * np.pi, steps + 1)
-    turned = [
-        np.stack(
-            [part[..., 0] * np.cos(angles)[:, None, None], part[..., 0] * np.sin(angles)[:, None, None],
-             np.broadcast_to(part[..., 1], (steps + 1, *part.shape[:2]))], axis=-1)
-        for part in (profile, normals)
-    ]  # fmt: skip
-    here, there = slice(None, -1), slice(1, None)
-    quads = [(here, 0), (there, 0), (there, 1), (here, 0), (there, 1), (here, 1)]
-    corners, directions = (np.stack([ring[turn, :, end] for turn, end in quads], axis=2) for ring in turned)
-    return _surface(corners, directions)
+def _turned(profile: Matrix, angles: Matrix) -> Floats:
+    """Turn points (radius, height), shape (S, 2), around z; returns shape (A, S, 3)."""
+    radius, height = profile.T
+    x, y = np.outer(np.cos(angles), radius), np.outer(np.sin(angles), radius)
+    return np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1).astype(np.float32)
 
 
-def _surface(corners: np.ndarray, normals: np.ndarray) -> Surface:
-    return Surface(corners.reshape(-1, 3, 3).astype(np.float32), normals.reshape(-1, 3, 3).astype(np.float32))
-
-
-def _sphere(rings: int) -> tuple[np.ndarray, np.ndarray]:
-    angles = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
-    points = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    normals = np.stack([points[:-1], points[1:]], axis=1)
-    return normals / 2, normals
-
-
-def _cylinder(_: int) -> tuple[np.ndarray, np.ndarray]:
-    profile = np.array([[[0, -1], [1, -1]], [[1, -1], [1, 1]], [[1, 1], [0, 1]]]) / 2
-    return profile, np.repeat(np.array([[[0, -1]], [[1, 0]], [[0, 1]]]), 2, axis=1)
-
-
-def _cone(_: int) -> tuple[np.ndarray, np.ndarray]:
-    profile = np.array([[[0, -1], [1, -1]], [[1, -1], [0, 1]]]) / 2
-    return profile, np.repeat(np.array([[[0, -1]], [[2, 1] / np.sqrt(5)]]), 2, axis=1)
-
-
-_PROFILES = {"sphere": _sphere, "cylinder": _cylinder, "cone": _cone}
+def _quads(low: Floats, high: Floats) -> Floats:
+    """Join what was turned, at the lower and upper ends of segments, to triangles, shape (T, 3, 3)."""
+    corners = [low[:-1], low[1:], high[1:], low[:-1], high[1:], high[:-1]]
+    return np.stack(corners, axis=2).reshape(-1, 3, 3)

@@ -11,10 +11,8 @@ from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Solids, Text
 from course_lib.viewer.scene import MeshcatObject, Scene
-from course_lib.viewer.shapes import unit_shape
+from course_lib.viewer.shapes import SQUARE, unit_shape, unit_spot
 from course_lib.viewer.text import rasterized
-
-_SQUARE = np.array([[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) / 2
 
 
 @dataclass(frozen=True)
@@ -94,9 +92,15 @@ def _solids(solids: Solids, view: View) -> Triangles:
     normals = _turned(unit.normals, placements).reshape(-1, 3, 3)
     each = np.broadcast_to(solids.colors, (len(points), 4))
     colors = np.repeat(each, len(unit.corners), axis=0)[:, None]
-    towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
-    front = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
+    front = _front(corners, view)
     return _triangles(corners[front], colors[front], normals[front] if solids.lit else None)
+
+
+def _front(corners: Floats, view: View) -> npt.NDArray[np.bool_]:
+    """Say which triangles turn their front to the camera."""
+    towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
+    front: npt.NDArray[np.bool_] = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
+    return front
 
 
 def _mesh(mesh: Mesh, view: View) -> Triangles:
@@ -130,18 +134,35 @@ def _lines(lines: Lines, view: View) -> Triangles:
 
 def _points(points: Points, view: View) -> Triangles:
     centres = view.points(points.points)
-    size = np.array(points.size) * (view.pixel(centres) if points.pixels else 1)
-    corners = np.repeat(centres[:, None], 6, axis=1)
-    corners[..., :2] += _SQUARE * np.broadcast_to(size, (len(centres), 2))[:, None]
-    colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None].repeat(6, axis=1)
-    return _triangles(corners.reshape(-1, 3, 3), colors.reshape(-1, 3, 4))
+    unit, shade = unit_spot(points.spot)
+    size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
+    offsets = np.einsum("nij,tcj,nj->ntci", _spot_axes(points, centres, view), unit, size)
+    corners = (centres[:, None, None] + offsets).reshape(-1, 3, 3).astype(np.float32)
+    colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None, None].repeat(len(unit), axis=1)
+    colors = (colors * np.concatenate([shade, shade, shade, shade**0], axis=-1)).reshape(-1, 3, 4)
+    front = _front(corners, view)
+    return _triangles(corners[front], colors[front])
+
+
+def _spot_axes(points: Points, centres: Floats, view: View) -> Matrix:
+    """Return right, up and ahead of each spot as columns, shape (N, 3, 3); see RViz's nogp/billboard.vert."""
+    rotation = view.transform_object_to_camera[:3, :3]
+    if points.pixels or points.spot == "box":
+        return np.broadcast_to(np.eye(3) if points.pixels else rotation, (len(centres), 3, 3))
+    towards = np.broadcast_to([0.0, 0.0, 1.0], centres.shape) if view.camera.orthographic_scale else -centres
+    towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+    right = np.cross(rotation[:, 1], towards)
+    right /= np.maximum(np.linalg.norm(right, axis=1, keepdims=True), 1e-9)
+    return np.stack([right, np.cross(towards, right), towards], axis=-1)
 
 
 def _text(text: Text, view: View) -> Triangles:
     glyphs = rasterized(text.text)
-    size = np.array(glyphs.mask.shape[::-1]) * text.height / glyphs.pixels_per_height
-    square = _points(Points([[0, 0, 0]], text.color, (size[0], size[1])), view).corners
-    square[..., 7:] = (_SQUARE + 0.5).reshape(2, 3, 2)
+    rows, columns = glyphs.mask.shape
+    size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
+    corners = view.points(np.zeros(3, np.float32)) + SQUARE * size
+    square = _triangles(corners, text.color).corners
+    square[..., 7:] = SQUARE[..., :2] + np.float32(0.5)
     return Triangles(square, True, glyphs.mask)
 
 

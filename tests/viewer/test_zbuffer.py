@@ -132,3 +132,22 @@ def test_what_is_nowhere_is_not_drawn() -> None:
 def test_a_flattened_solid_is_drawn_from_its_flat_side() -> None:
     flat = np.diag([2.0, 2.0, 0.0, 1.0])
     assert middle(from_above(Solids("box", [flat], (1, 0, 0, 1)))) == [255, 0, 0]
+
+
+def test_flat_spots_keep_their_upper_side_along_the_nodes_y() -> None:
+    scene = from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4.0, 1.0)))
+    scene.set_transform("0", [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])  # a quarter turn
+    rows, columns = np.nonzero(drawn(scene).max(axis=2))
+    assert np.ptp(rows) > 3 * np.ptp(columns)
+
+
+def test_the_sides_of_boxes_of_a_list_have_rvizs_shades() -> None:
+    cube = Points([[0, 0, 0]], (1, 1, 1, 1), (2.0, 2.0, 2.0), spot="box")
+    assert middle(from_above(cube)) == [round(0.9 * 255)] * 3
+
+
+def test_an_oblong_sphere_of_a_list_is_an_ellipse_with_a_darker_rim() -> None:
+    picture = drawn(from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (4.0, 2.0, 1.0), spot="sphere")))[..., 0]
+    rows, columns = np.nonzero(picture)
+    assert (np.ptp(columns), np.ptp(rows)) == pytest.approx((79, 39), abs=2)
+    assert picture[80, 100] > picture[80, 70] > 0.75 * 255

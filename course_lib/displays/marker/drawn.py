@@ -39,6 +39,11 @@ def rgba(color: Any) -> Floats:
     return values
 
 
+def scale_of(marker: Any) -> Floats:
+    """Return the scale of a marker, shape (3,)."""
+    return np.array([marker.scale.x, marker.scale.y, marker.scale.z])
+
+
 def points(marker: Any) -> Floats:
     """Return the points of a marker, shape (N, 3), [m]."""
     return np.array([(p.x, p.y, p.z) for p in marker.points]).reshape(-1, 3)

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, rgba
+from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, rgba, scale_of
 from course_lib.displays.statuses import Level
-from course_lib.viewer.drawables import Lines, Points, Shape, Solids
+from course_lib.viewer.drawables import Lines, Points, Spot
 
 LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS = 4, 5, 6, 7, 8
-_SHAPES: dict[int, Shape] = {CUBE_LIST: "box", SPHERE_LIST: "sphere"}
+_SPOTS: dict[int, Spot] = {CUBE_LIST: "box", SPHERE_LIST: "sphere", POINTS: "square"}
 
 
 def lines(marker: Any) -> Drawn:
@@ -24,18 +24,17 @@ def lines(marker: Any) -> Drawn:
 
 
 def spots(marker: Any) -> Drawn:
-    """Draw squares that face the viewer, boxes or spheres, one at each point."""
+    """Draw a square, a box or a sphere at each point, as RViz's point clouds do.
+
+    Their spheres are discs: an oblong one is an ellipse, x by y of the scale, that faces the viewer.
+    """
     if not marker.points:
         return Drawn()
     each = _spot_colors(marker)
     status: tuple[Level, str] = ("warn", "All points have a zero alpha value.")
     said = status if has_colors(marker) and not each[:, 3].any() else None
-    if marker.type == POINTS:
-        size = (abs(marker.scale.x), abs(marker.scale.y))
-        return Drawn({"points": Points(points(marker), each, size)} if all(size) else {}, said)
-    placements = np.tile(np.diag([marker.scale.x, marker.scale.y, marker.scale.z, 1.0]), (len(each), 1, 1))
-    placements[:, :3, 3] = points(marker)
-    return Drawn({"solids": Solids(_SHAPES[marker.type], placements, each)}, said)
+    size = tuple(abs(scale_of(marker)))
+    return Drawn({"spots": Points(points(marker), each, size, spot=_SPOTS[marker.type])}, said)
 
 
 def has_colors(marker: Any) -> bool:

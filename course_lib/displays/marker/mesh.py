@@ -2,19 +2,13 @@
 
 import os
 import sys
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlparse
 
-import numpy as np
-import numpy.typing as npt
-
-from course_lib.displays.marker.drawn import Drawn, Floats, label, refused, rgba
+from course_lib.displays.marker.drawn import Drawn, Floats, label, refused, rgba, scale_of
 from course_lib.viewer.drawables import Mesh
-
-_OWN_COLOR = np.array([0.9, 0.9, 0.9, 1.0])  # of a mesh that brings its materials
-Triangles = tuple[Floats, npt.NDArray[np.int64]]
+from course_lib.viewer.mesh_files import MeshFileError, load_mesh
 
 
 def mesh(marker: Any) -> Drawn:
@@ -23,15 +17,13 @@ def mesh(marker: Any) -> Drawn:
     if not uri:
         return Drawn()
     try:
-        path = resolved(uri)
-        vertices, faces = _loaded(path, path.stat().st_mtime_ns)
-    except (OSError, ValueError, ImportError):
+        own = load_mesh(resolved(uri))
+    except (OSError, ValueError, MeshFileError):
         return refused(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
-    color = rgba(marker.color)
-    if marker.mesh_use_embedded_materials:
-        color = _tinted(color)
-    scale = np.array([marker.scale.x, marker.scale.y, marker.scale.z])
-    return Drawn({"mesh": Mesh(vertices * scale, faces, color)})
+    color, scale = rgba(marker.color), scale_of(marker)
+    colors = _tinted(own.colors.astype(float), color) if marker.mesh_use_embedded_materials else color
+    normals = own.normals if scale.min() == scale.max() > 0 else None  # what is stretched gets new ones
+    return Drawn({"mesh": Mesh(own.vertices * scale, own.faces, colors, normals)})
 
 
 def resolved(uri: str) -> Path:
@@ -57,20 +49,10 @@ def resolved(uri: str) -> Path:
     return found
 
 
-@lru_cache(maxsize=64)
-def _loaded(path: Path, _changed_ns: int) -> Triangles:
-    """Return vertices (V, 3), [m], and corners of the faces (F, 3) of an STL, OBJ or DAE file."""
-    import coal  # type: ignore[import-untyped]  # here: heavy, and absent on Windows
-
-    model = coal.MeshLoader().load(str(path), np.ones(3))
-    faces = [model.tri_indices(i) for i in range(model.num_tris)]
-    return np.array(model.vertices()), np.array([(face[0], face[1], face[2]) for face in faces])
-
-
-def _tinted(color: Floats) -> Floats:
-    """Return the mesh's own colour, half way to a tint if one is given."""
+def _tinted(own: Floats, color: Floats) -> Floats:
+    """Return the mesh's own colours, half way to a tint if one is given."""
     if not color.any():
-        return _OWN_COLOR
-    tinted: Floats = _OWN_COLOR + (color - _OWN_COLOR) * min(color[3], 0.5)
-    tinted[3] = color[3]
+        return own
+    tinted: Floats = own + (color - own) * min(color[3], 0.5)
+    tinted[..., 3] = color[3]
     return tinted

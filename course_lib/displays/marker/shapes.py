@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.displays.marker.drawn import Drawn, Floats, label, points, refused, rgba
+from course_lib.displays.marker.drawn import Drawn, Floats, label, points, refused, rgba, scale_of
 from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Shape, Solids, Text
 
@@ -15,7 +15,7 @@ _FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
 
 def solid(marker: Any) -> Drawn:
     """Draw a cube, a sphere or a cylinder: the scale is its full extent."""
-    scale = _scale(marker)
+    scale = scale_of(marker)
     placement = np.diag([*scale, 1.0])
     body = Solids(_SHAPES[marker.type], [placement], rgba(marker.color))
     return Drawn({"body": body}, None if scale.all() else _FLAT)
@@ -27,7 +27,7 @@ def arrow(marker: Any) -> Drawn:
         return refused(f"Arrow marker [{label(marker)}] only specified one point of a point to point arrow.")
     if len(marker.points) == 2:
         return _arrow_between(marker)
-    length, width, height = scale = _scale(marker)
+    length, width, height = scale = scale_of(marker)
     along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # z of the solids is x here
     shaft = _placed(along, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
     head_center = ((SHAFT + HEAD / 2) * length, 0.0, 0.0)
@@ -47,7 +47,7 @@ def _arrow_between(marker: Any) -> Drawn:
     """Draw an arrow of two points: scale x is the shaft's diameter, y the head's, z the head's length."""
     start, end = points(marker)
     distance = float(np.linalg.norm(end - start))
-    shaft_diameter, head_diameter, head_length = _scale(marker)
+    shaft_diameter, head_diameter, head_length = scale_of(marker)
     status: tuple[Level, str] = ("warn", "Scale of 0 in both x and y")
     said = status if shaft_diameter + head_diameter == 0 else None
     if not distance:
@@ -65,10 +65,6 @@ def _arrow_between(marker: Any) -> Drawn:
 def _arrow(marker: Any, shaft: Floats, head: Floats, status: tuple[Level, str] | None) -> Drawn:
     color = rgba(marker.color)
     return Drawn({"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status)
-
-
-def _scale(marker: Any) -> Floats:
-    return np.array([marker.scale.x, marker.scale.y, marker.scale.z])
 
 
 def _turned_to(direction: Floats) -> Floats:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, refused, rgba
+from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, refused, rgba, scale_of
 from course_lib.displays.marker.lists import has_colors
 from course_lib.viewer.drawables import OPAQUE_FROM, Mesh
 
@@ -18,7 +18,7 @@ def triangles(marker: Any) -> Drawn:
         return refused(
             f"TriMesh marker [{label(marker)}] has a point count which is not divisible by 3 [{count}]"
         )
-    scale = np.array([marker.scale.x, marker.scale.y, marker.scale.z])
+    scale = scale_of(marker)
     each = _colors(marker)
     lit = each is None
     mesh = Mesh(points(marker) * scale, None, rgba(marker.color) if each is None else each, lit=lit)

@@ -2,18 +2,26 @@
 import { material, pixel } from "./materials.js";
 import { seesThrough, spread } from "./surfaces.js";
 
-const CORNERS = new Float32Array([-0.5, -0.5, 0, 0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, 0.5, 0]);
+const BOX_SHADES = [0.6, 0.6, 0.4, 1, 0.9, 0.5]; // of the sides +x -x +y -y +z -z, as in RViz's nogp/box.frag
+const square = () => new THREE.PlaneGeometry(1, 1);
+
+/** What is drawn at a point, and how bright each of its vertices is. @type {Record<string, any>} */
+const SPOTS = {
+  square: { define: "FACING", shape: square, shade: () => 1 },
+  sphere: { define: "FACING", shape: () => new THREE.CircleGeometry(0.5, 32), shade: (i) => (i ? 0.8 : 1) },
+  box: { define: "BOX", shape: () => new THREE.BoxGeometry(1, 1, 1), shade: (i) => BOX_SHADES[i >> 2] },
+};
 
 /**
- * Draw one quad per instance, turned to the camera by its shader.
+ * Draw one flat shape, or box, per instance; its shader places it.
  * @param {any} shared material
+ * @param {any} shape three.js geometry
  * @param {Record<string, any>} uniforms values of this object
  * @param {Record<string, any>} attributes of each instance
  */
-function quads(shared, uniforms, attributes) {
-  const geometry = new THREE.InstancedBufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(CORNERS.slice(), 3));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
+function instances(shared, shape, uniforms, attributes) {
+  const geometry = new THREE.InstancedBufferGeometry().copy(shape);
+  geometry.instanceCount = Infinity; // the attributes know; `copy` takes the shape to be instanced too
   for (const [name, value] of Object.entries(attributes)) geometry.setAttribute(name, value);
   const mesh = new THREE.Mesh(geometry, shared);
   mesh.frustumCulled = false;
@@ -21,7 +29,7 @@ function quads(shared, uniforms, attributes) {
     for (const [name, value] of Object.entries(uniforms)) shared.uniforms[name].value = value;
     shared.uniformsNeedUpdate = true;
   };
-  mesh.raycast = (caster, hits) => hitQuads(mesh, uniforms, caster, hits);
+  mesh.raycast = (caster, hits) => hit(mesh, uniforms, caster, hits);
   return mesh;
 }
 
@@ -32,7 +40,7 @@ function quads(shared, uniforms, attributes) {
  * @param {any} caster
  * @param {any[]} hits
  */
-function hitQuads(mesh, uniforms, caster, hits) {
+function hit(mesh, uniforms, caster, hits) {
   const { start, end } = mesh.geometry.attributes;
   const [a, b, onRay, onLine] = [0, 0, 0, 0].map(() => new THREE.Vector3());
   const half = uniforms.inPixels ? 0 : Math.max(...uniforms.size) / 2;
@@ -61,7 +69,7 @@ export function buildLines(lines) {
     starts.forEach((i, k) => out.set(from.subarray(size * of(i), size * of(i) + size), size * k));
     return perInstance(out, size);
   };
-  return quads(material("strip", seesThrough(colors)), { size: [lines.width, 0] }, {
+  return instances(material("strip", seesThrough(colors)), square(), { size: [lines.width, 0, 0] }, {
     before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)), // pairs have no neighbours
     start: pick(points, 3, (i) => i),
     end: pick(points, 3, (i) => i + 1),
@@ -72,11 +80,16 @@ export function buildLines(lines) {
 }
 
 /** @param {any} points */
-export function buildPoints(points) {
-  const colors = spread(points.colors, points.points.length / 3);
-  return quads(material("square", seesThrough(colors)), { size: points.size, inPixels: points.pixels }, {
-    start: perInstance(points.points, 3),
-    startTint: perInstance(colors, 4),
+export function buildPoints({ points, colors, size, pixels, spot }) {
+  const { define, shape, shade } = SPOTS[spot];
+  const geometry = shape();
+  const shades = Float32Array.from({ length: geometry.attributes.position.count }, (_, i) => shade(i));
+  geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
+  const tints = spread(colors, points.length / 3);
+  const paint = material("spot", seesThrough(tints), pixels ? "" : define, false);
+  return instances(paint, geometry, { size, inPixels: pixels }, {
+    start: perInstance(points, 3),
+    startTint: perInstance(tints, 4),
   });
 }
 
@@ -89,8 +102,8 @@ export function buildText(text) {
   mask.minFilter = THREE.LinearMipmapLinearFilter;
   mask.generateMipmaps = true;
   mask.needsUpdate = true;
-  const size = [text.columns * text.pixel, text.rows * text.pixel];
-  const mesh = quads(material("square", true, "TEXTURED"), { size, inPixels: false, mask }, {
+  const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
+  const mesh = instances(material("spot", true, "TEXTURED"), square(), { size, inPixels: false, mask }, {
     start: perInstance(new Float32Array(3), 3),
     startTint: perInstance(text.color, 4),
   });

@@ -66,7 +66,7 @@ const STRIP = `
   attribute vec4 startTint;
   attribute vec4 endTint;
   uniform float pixel;
-  uniform vec2 size;
+  uniform vec3 size;
   varying vec4 vColor;
   void main() {
     bool first = position.x < 0.0;
@@ -79,20 +79,36 @@ const STRIP = `
     gl_Position = projectionMatrix * here;
   }`;
 
-const SQUARE = `
+// RViz's nogp/billboard.vert: what faces the eye keeps its upper side along the node's y; boxes keep the
+// node's axes, and text and pixels those of the picture.
+const SPOT = `
+  attribute float shade;
   attribute vec3 start;
   attribute vec4 startTint;
   uniform float pixel;
-  uniform vec2 size;
+  uniform vec3 size;
   uniform bool inPixels;
   varying vec4 vColor;
   varying vec2 vUv;
   void main() {
     vec4 here = modelViewMatrix * vec4(start, 1.0);
-    float unit = inPixels ? pixel * (isOrthographic ? 1.0 : -here.z) : 1.0;
-    here.xy += position.xy * size * unit;
+    mat3 axes = mat3(1.0);
     vColor = startTint;
-    vUv = position.xy + 0.5;
+    #if defined(FACING)
+      vec3 towards = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(-here.xyz);
+      vec3 right = cross(modelViewMatrix[1].xyz, towards);
+      right /= max(length(right), 1e-9);
+      axes = mat3(right, cross(towards, right), towards);
+    #elif defined(BOX)
+      axes = mat3(modelViewMatrix);
+    #endif
+    #ifdef TEXTURED
+      vUv = uv;
+    #else
+      vColor.rgb *= shade;
+    #endif
+    float unit = inPixels ? pixel * (isOrthographic ? 1.0 : -here.z) : 1.0;
+    here.xyz += axes * (position * size * unit);
     gl_Position = projectionMatrix * here;
   }`;
 
@@ -100,9 +116,9 @@ const SQUARE = `
 const made = new Map();
 
 /**
- * @param {"surface" | "strip" | "square"} kind
+ * @param {"surface" | "strip" | "spot"} kind
  * @param {boolean} transparent RViz blends without writing depth
- * @param {"SMOOTH" | "FLAT" | "TEXTURED" | ""} [define] how the surface is shaded
+ * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided]
  * @returns {any} a THREE.ShaderMaterial that others use too
  */
@@ -111,10 +127,10 @@ export function material(kind, transparent, define = "", doubleSided = true) {
   let found = made.get(key);
   if (!found) {
     found = new THREE.ShaderMaterial({
-      vertexShader: { surface: SURFACE, strip: STRIP, square: SQUARE }[kind],
+      vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
-      uniforms: { pixel, size: { value: [0, 0] }, inPixels: { value: false }, mask: { value: null } },
+      uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, mask: { value: null } },
       side: doubleSided ? THREE.DoubleSide : THREE.FrontSide,
       transparent,
       depthWrite: !transparent,

@@ -6,7 +6,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.displays.marker.drawn import Drawn
 from course_lib.displays.marker.lists import lines, spots
-from course_lib.viewer.drawables import Lines, Points, Solids
+from course_lib.viewer.drawables import Lines, Points
 from tests.displays.bench import marker, points
 
 FOUR = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 2.0))
@@ -14,9 +14,9 @@ BLUE = ColorRGBA(b=1.0, a=1.0)
 THIN = Vector3(x=0.1)
 
 
-def only(drawn: Drawn) -> Lines | Points | Solids:
+def only(drawn: Drawn) -> Lines | Points:
     (part,) = drawn.parts.values()
-    assert isinstance(part, Lines | Points | Solids)
+    assert isinstance(part, Lines | Points)
     return part
 
 
@@ -56,21 +56,15 @@ def test_one_colour_for_each_point_is_used(kind: int) -> None:
     np.testing.assert_array_equal(part.colors, [[0, 0, 1, 1]] * 4)
 
 
-def test_points_are_squares_of_x_by_y() -> None:
-    part = only(spots(marker(Marker.POINTS, points=FOUR, scale=Vector3(x=0.2, y=0.1))))
-    assert isinstance(part, Points)
-    assert part.size == pytest.approx((0.2, 0.1))
-    assert not part.pixels
-
-
-@pytest.mark.parametrize(("kind", "shape"), [(Marker.CUBE_LIST, "box"), (Marker.SPHERE_LIST, "sphere")])
-def test_each_solid_of_a_list_has_the_full_extent_of_the_scale(kind: int, shape: str) -> None:
+@pytest.mark.parametrize(
+    ("kind", "spot"), [(Marker.POINTS, "square"), (Marker.CUBE_LIST, "box"), (Marker.SPHERE_LIST, "sphere")]
+)
+def test_each_spot_of_a_list_has_the_full_extent_of_the_scale(kind: int, spot: str) -> None:
     part = only(spots(marker(kind, points=FOUR, scale=Vector3(x=0.4, y=0.3, z=0.2))))
-    assert isinstance(part, Solids)
-    assert part.shape == shape
-    expected = np.diag([0.4, 0.3, 0.2, 1.0])
-    expected[:3, 3] = [0, 1, 2]
-    np.testing.assert_allclose(part.placements[3], expected, atol=1e-7)
+    assert isinstance(part, Points)
+    assert (part.spot, part.pixels) == (spot, False)
+    assert part.size == pytest.approx((0.4, 0.3, 0.2))
+    np.testing.assert_array_equal(part.points[3], [0, 1, 2])
 
 
 def test_points_are_drawn_twice_and_the_alpha_of_one_colour_for_all_counts_twice() -> None:
@@ -86,8 +80,7 @@ def test_points_that_are_all_transparent_are_a_warning_but_one_colour_is_not() -
     assert spots(marker(Marker.POINTS, points=FOUR, color=ColorRGBA(r=1.0))).status is None
 
 
-def test_points_of_no_size_or_number_draw_nothing_and_say_nothing() -> None:
-    assert spots(marker(Marker.POINTS, points=FOUR, scale=Vector3(x=0.1))) == Drawn()
+def test_no_points_draw_nothing_and_say_nothing() -> None:
     assert spots(marker(Marker.SPHERE_LIST)) == Drawn()
 
 
