@@ -1,17 +1,17 @@
 """The viewer's place in a cell: the scene, and below it the statuses."""
 
 import asyncio
+import weakref
 from typing import TYPE_CHECKING, Any
 
 from course_lib.displays.session import Session
-from course_lib.displays.status_table import StatusTable
+from course_lib.displays.statuses import StatusTable
 from course_lib.ros import pace, wall
 
 if TYPE_CHECKING:
     import ipywidgets
 
 _PERIOD = 0.5  # [s] of the wall clock between two changes of the table
-_LABEL = "RViz view"
 
 
 class Panel:
@@ -28,16 +28,21 @@ class Panel:
         self._waiting = False
         self._loop: asyncio.AbstractEventLoop | None = None
 
-    def shown(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return what a cell displays; pages that run no scripts get a picture and the table."""
+    def shown(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return what a cell displays; pages that run no scripts get a picture and the table.
+
+        Args:
+            viewer: Whose panel this is; it lives as long as a page shows it.
+            kwargs: IPython's.
+        """
         if self._box is None:
-            self._box = self._made()
+            self._box = self._made(viewer)
+        view = self._box.children[0]
+        view.keeps = viewer
         self._write()
-        picture, metadata = self._box.children[0]._repr_mimebundle_(**kwargs)
-        data: dict[str, Any] = self._box._repr_mimebundle_(**kwargs)
-        return picture | data | {
-            "text/plain": f"{picture['text/plain']}\n{StatusTable(self._session.rows())}"
-        }, metadata
+        picture, metadata = view._repr_mimebundle_(**kwargs)
+        words = f"{picture['text/plain']}\n{StatusTable(self._session.rows())}"
+        return picture | self._box._repr_mimebundle_(**kwargs) | {"text/plain": words}, metadata
 
     def refresh(self) -> None:
         """Change the table, now or a little later; called after every frame, from any thread."""
@@ -57,7 +62,7 @@ class Panel:
                 widget.close()
             self._box = None
 
-    def _made(self) -> "ipywidgets.VBox":
+    def _made(self, viewer: object) -> "ipywidgets.VBox":
         import ipywidgets
 
         from course_lib.viewer.widget import SceneWidget
@@ -68,7 +73,16 @@ class Panel:
             self._loop = None
         self._session.after_frame = self.refresh
         pace.pages.add(self._is_there)
-        view = SceneWidget(self._session.context.scene, label=_LABEL)
+        view = SceneWidget(self._session.context.scene, label="RViz view")
+        known = weakref.ref(viewer)
+
+        def on_views(count: int) -> None:
+            view.keeps = owner = known()
+            if not count and owner is not None:
+                view.keeps = None
+                _forget(owner)
+
+        view.on_views = on_views
         return ipywidgets.VBox([view, ipywidgets.HTML()])
 
     def _is_there(self) -> bool:
@@ -81,3 +95,18 @@ class Panel:
             return
         self._written = wall.monotonic()
         self._box.children[1].value = StatusTable(self._session.rows())._repr_html_()
+
+
+def _forget(result: object) -> None:
+    """Take a cell's result out of IPython's history, which would hold it for ever: Out, _, __, _7 ..."""
+    from IPython.core.getipython import get_ipython
+
+    shell = get_ipython()
+    if shell is None:
+        return
+    for holder in (shell.user_ns, shell.user_ns.get("_oh", {}), vars(shell.displayhook)):
+        for name in [name for name, held in holder.items() if held is result]:
+            if isinstance(name, int) or name.strip("_").isdigit():
+                del holder[name]
+            elif not name.strip("_"):
+                holder[name] = ""  # as if nothing had been shown yet

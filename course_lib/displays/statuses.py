@@ -1,8 +1,19 @@
 """Statuses of a display, as RViz shows them, and our hints where RViz says nothing."""
 
+from collections.abc import Mapping
+from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
 Level: TypeAlias = Literal["ok", "warn", "error", "hint"]
+
+# Icon and word tell the level without colour; the colours are RViz's, hints are ours.
+_LEVELS: Mapping[Level, tuple[str, str, str]] = {
+    "ok": ("✔", "Ok", "inherit"),
+    "warn": ("⚠", "Warn", "rgb(192, 128, 0)"),
+    "error": ("✖", "Error", "rgb(192, 32, 32)"),
+    "hint": ("➤", "hint", "rgb(32, 96, 160)"),
+}
+_HEAD = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align: left'>Text</th></tr>"
 
 
 class StatusRow(NamedTuple):
@@ -27,10 +38,7 @@ class Statuses:
 
     def hint(self, name: str, *texts: str) -> None:
         """Say what RViz does not, in place of earlier hints of that name; no text takes them back."""
-        if texts:
-            self._hints[name] = texts
-        else:
-            self._hints.pop(name, None)
+        self._hints[name] = texts
 
     def delete(self, name: str) -> None:
         """Forget all that was said under a name."""
@@ -44,8 +52,31 @@ class Statuses:
 
     def rows(self, display: str) -> list[StatusRow]:
         """List everything, hints last."""
-        said = [StatusRow(display, name, level, text) for name, (level, text) in self._said.items()]
-        hints = [
-            StatusRow(display, name, "hint", text) for name, texts in self._hints.items() for text in texts
-        ]
-        return said + hints
+        said = [StatusRow(display, name, *status) for name, status in self._said.items()]
+        hints = ((name, text) for name, texts in self._hints.items() for text in texts)
+        return said + [StatusRow(display, name, "hint", text) for name, text in hints]
+
+
+class StatusTable(list[StatusRow]):
+    """What RViz's Displays panel says, row by row, for cells, pages and terminals."""
+
+    def __str__(self) -> str:
+        rows = [(row.display, row.name, " ".join(_LEVELS[row.level][:2]), row.text) for row in self]
+        widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
+        return "\n".join("  ".join([*map(str.ljust, row, widths), row[3]]) for row in rows)
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        return f'<table style="font-size: 90%; line-height: 1.2">{_HEAD}{"".join(map(_row, self))}</table>'
+
+
+def _row(row: StatusRow) -> str:
+    """Return one row in HTML; that of a hint says that RViz2 is silent there."""
+    icon, word, color = _LEVELS[row.level]
+    title = ' title="from this viewer; RViz2 says nothing here"' if row.level == "hint" else ""
+    return (
+        f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
+        f'<td style="color: {color}; white-space: nowrap">{icon} {word}</td>'
+        f'<td style="text-align: left">{escape(row.text)}</td></tr>'
+    )

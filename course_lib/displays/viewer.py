@@ -1,5 +1,7 @@
 """RViz in a cell: what lessons import."""
 
+import weakref
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -12,7 +14,7 @@ from course_lib.displays.panel import Panel
 from course_lib.displays.properties import Color, color
 from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import Session
-from course_lib.displays.status_table import StatusTable
+from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import View
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
@@ -41,7 +43,9 @@ class Viewer:
         self.session = Session(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
         self._panel = Panel(self.session)
-        self._stops = [graph.tap(self.session.receive), graph.watch_time(self.session.tick)]
+        stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick))
+        self._end = weakref.finalize(self, _end, stops, self._panel)  # once no name or page holds it
+        self._end.atexit = False
         self.session.catch_up(self.session.transforms)
         self.add("Grid")
 
@@ -174,10 +178,14 @@ class Viewer:
 
     def close(self) -> None:
         """Stop listening, and take the viewer out of all cells."""
-        while self._stops:
-            self._stops.pop()()
-        self._panel.close()
+        self._end()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
-        return self._panel.shown(**kwargs)
+        return self._panel.shown(self, **kwargs)
+
+
+def _end(stops: Iterable[Callable[[], None]], panel: Panel) -> None:
+    for stop in stops:
+        stop()
+    panel.close()

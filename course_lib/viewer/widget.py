@@ -13,6 +13,7 @@ import anywidget
 import traitlets
 
 from course_lib.viewer import assets, zbuffer
+from course_lib.viewer.camera import Vector
 from course_lib.viewer.drawables import Mesh, Points, Solids
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.stream import Stream
@@ -28,27 +29,27 @@ class _Code(anywidget.AnyWidget):
     code = traitlets.Bytes().tag(sync=True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Click:
-    """A click into a view.
+    """A click into a view; points are in the scene's frame, in [m].
 
     Args:
         path: What was hit, or None.
-        point: Where, in the scene's frame, in [m].
+        point: Where.
         normal: Which way the surface looks there, if it has one.
         index: Which instance, segment, point or triangle of the object was hit.
         button: 0 left, 1 middle, 2 right.
-        origin: Start of the ray from the camera, in the scene's frame, in [m].
+        origin: Start of the ray from the camera.
         direction: Its unit direction.
     """
 
-    path: str | None
-    point: tuple[float, ...] | None
-    normal: tuple[float, ...] | None
-    index: int | None
-    button: int
-    origin: tuple[float, ...]
-    direction: tuple[float, ...]
+    path: str | None = None
+    point: Vector | None = None
+    normal: Vector | None = None
+    index: int | None = None
+    button: int = 0
+    origin: Vector
+    direction: Vector
 
 
 class SceneWidget(anywidget.AnyWidget):
@@ -72,6 +73,8 @@ class SceneWidget(anywidget.AnyWidget):
         self.scene = scene
         self.ready = False
         self.on_click: list[Callable[[Click], None]] = []
+        self.keeps: object = None  # whatever must live as long as a page shows this
+        self.on_views: Callable[[int], None] = lambda count: None  # told how many a page has now
         self._stream = Stream(scene, self._transmit)
         self._loop = _running_loop()
         super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
@@ -112,7 +115,7 @@ class SceneWidget(anywidget.AnyWidget):
         self.send({"type": "batch", "number": number}, [batch])
 
     def _receive(self, _: Any, content: dict[str, Any], __: Any) -> None:
-        """Answer a page: it has started, it has missed a batch, or somebody clicked."""
+        """Answer a page: it has started, missed a batch, made or removed a view, or somebody clicked."""
         kind = content.get("type")
         if kind == "ready":
             self.ready = True
@@ -120,8 +123,15 @@ class SceneWidget(anywidget.AnyWidget):
                 self._reset()
         elif kind == "resync":
             self._reset()
+        elif kind == "views":
+            self.on_views(int(content["count"]))
         elif kind == "click":
-            self._click(_click_of(content))
+            fields: dict[str, Any] = {
+                name: tuple(value) if isinstance(value, list) else value
+                for name, value in content.items()
+                if name != "type"
+            }
+            self._click(Click(**fields))
 
     def _reset(self) -> None:
         number, snapshot = self._stream.snapshot()
@@ -134,23 +144,6 @@ class SceneWidget(anywidget.AnyWidget):
                 callback(click)
             else:
                 self._loop.call_soon_threadsafe(callback, click)
-
-
-def _click_of(content: dict[str, Any]) -> Click:
-    """Read a page's message; what it leaves out was not hit."""
-
-    def vector(name: str) -> tuple[float, ...] | None:
-        return tuple(content[name]) if content.get(name) is not None else None
-
-    return Click(
-        path=content.get("path"),
-        point=vector("point"),
-        normal=vector("normal"),
-        index=content.get("index"),
-        button=content.get("button", 0),
-        origin=vector("origin") or (),
-        direction=vector("direction") or (),
-    )
 
 
 _code: _Code | None = None

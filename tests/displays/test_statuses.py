@@ -1,4 +1,4 @@
-from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
 
 
 def test_of_one_name_the_last_word_counts_and_hints_come_last() -> None:
@@ -29,3 +29,30 @@ def test_delete_forgets_a_name_and_clear_all() -> None:
     assert {row.name for row in statuses.rows("")} == {"n/1"}
     statuses.clear()
     assert statuses.rows("") == []
+
+
+ROWS = [
+    StatusRow("Marker", "Topic", "ok", "1 messages received"),
+    StatusRow("Marker", "n/0", "error", "<b>Frame</b> & co"),
+    StatusRow("Marker", "n/0", "hint", "say this"),
+    StatusRow("Grid", "Transform", "warn", "hm"),
+]
+
+
+def test_the_table_tells_levels_by_icon_and_word_and_not_by_colour_only() -> None:
+    html = StatusTable(ROWS)._repr_html_()
+    for mark in ("✔ Ok", "✖ Error", "⚠ Warn", "➤ hint"):
+        assert mark in html
+    assert "<th>Level</th>" in html
+
+
+def test_texts_cannot_become_html() -> None:
+    assert "<b>Frame" not in StatusTable(ROWS)._repr_html_()
+    assert "&lt;b&gt;Frame&lt;/b&gt; &amp; co" in StatusTable(ROWS)._repr_html_()
+
+
+def test_in_a_terminal_the_columns_are_aligned() -> None:
+    lines = str(StatusTable(ROWS)).splitlines()
+    assert lines[0] == "Marker  Topic      ✔ Ok     1 messages received"
+    assert lines[3] == "Grid    Transform  ⚠ Warn   hm"
+    assert str(StatusTable()) == ""

@@ -1,5 +1,7 @@
+import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -7,10 +9,11 @@ import pytest
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from course_lib.displays.status_table import StatusTable
+from course_lib.displays.statuses import StatusTable
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
 from course_lib.errors import CourseError
+from course_lib.ros import pace
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.qos import Qos
@@ -205,3 +208,46 @@ def test_statuses_are_a_table(graph: Graph) -> None:
     statuses = Viewer().statuses()
     assert isinstance(statuses, StatusTable)
     assert statuses[0] == ("Global Status", "Fixed Frame", "warn", statuses[0].text)
+
+
+def test_a_viewer_that_nothing_holds_and_no_page_shows_stops_listening(graph: Graph) -> None:
+    viewer = Viewer()
+    assert len(graph._taps) == 1
+    del viewer
+    assert graph._taps == []
+
+
+def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = Viewer()
+    known = weakref.ref(viewer)
+    viewer._repr_mimebundle_()
+    assert viewer._panel._box is not None
+    view = viewer._panel._box.children[0]
+    history = {7: viewer, 8: None}
+    names = {"_7": viewer, "_": viewer, "_oh": history}
+    shell = SimpleNamespace(user_ns=names, displayhook=SimpleNamespace(_=viewer))
+    monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
+    del viewer
+    view._receive(view, {"type": "views", "count": 1}, [])
+    assert known() is not None
+    view._receive(view, {"type": "views", "count": 0}, [])
+    assert known() is None
+    assert graph._taps == []
+    assert (names, history) == ({"_": "", "_oh": {8: None}}, {8: None})
+    assert not pace.pages
+
+
+def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer._repr_mimebundle_()
+    assert viewer._panel._box is not None
+    view = viewer._panel._box.children[0]
+    view._receive(view, {"type": "views", "count": 0}, [])
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    assert shown(viewer) == {"Grid", "Marker"}
+    view._receive(view, {"type": "views", "count": 1}, [])
+    assert view.keeps is viewer
+    viewer.close()

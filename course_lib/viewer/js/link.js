@@ -31,10 +31,17 @@ export class Link {
     element.append(host);
     const label = this.model.get("label");
     const view = new View(host, this.mirror, { label, onClick: (click) => this.model.send(click) });
+    this.count();
     return () => {
       view.dispose();
       host.remove();
+      this.count();
     };
+  }
+
+  /** Tell how many views this page has, so that what nobody sees can end. */
+  count() {
+    this.model.send({ type: "views", count: this.mirror.views.size });
   }
 
   close() {
