@@ -59,7 +59,7 @@ def ask_identity() -> None:
     if known:
         text = f"Your ID is {known}. To change it: set_identity('another-id')"
     elif in_notebook():
-        text = "Your student ID is not set. Type: set_identity('your-id')"
+        text = "Type your student ID and press Enter or Keep."
     else:
         text = "No page to ask in, so your student ID is not set. Type: set_identity('your-id')"
     show(lambda: _form(known, text), text)
@@ -68,7 +68,9 @@ def ask_identity() -> None:
 def _form(known: str | None, text: str) -> Any:
     import ipywidgets as widgets
 
-    field = widgets.Text(value=known or "", description="Student ID", placeholder="20231234")
+    field = widgets.Text(
+        value=known or "", description="Student ID", placeholder="20231234", continuous_update=False
+    )
     button = widgets.Button(description="Keep", tooltip="Keep this student ID", button_style="primary")
     answer = widgets.Label(value=text)
 
@@ -79,4 +81,5 @@ def _form(known: str | None, text: str) -> Any:
             answer.value = str(error)
 
     button.on_click(keep)
+    field.observe(keep, "value")  # Enter, or leaving the field
     return widgets.VBox([widgets.HBox([field, button]), answer])

@@ -10,6 +10,7 @@ from course_lib.grading.vocabulary import (
     expect_marker_count,
     expect_message,
     expect_rate,
+    expect_stamps,
 )
 
 TOPIC = "/visualization_marker"
@@ -58,6 +59,7 @@ RED_CUBE = Task(
                     "1 m large, standing on the ground"
                 ),
                 expect_marker(TOPIC, color=(*RED, 0.8)).titled("red, alpha 0.8"),
+                expect_rate(TOPIC, 1.0).titled("once a second"),
             ),
         ),
     ),
@@ -85,6 +87,7 @@ BLUE_CYLINDER = Task(
                 expect_marker(TOPIC, position=(1.0, 0.0, my("height", times=0.5))).titled(
                     "on the ground at x = 1 m"
                 ),
+                expect_stamps(TOPIC).titled("stamped with the time of publishing"),
             ),
         ),
     ),
@@ -158,7 +161,7 @@ PURPLE_CIRCLE = Task(
         ghost(
             2,
             (2.0 * math.cos(number * math.pi / 6), 2.0 * math.sin(number * math.pi / 6), 0.5),
-            (0.1, 0.1, 0.1),
+            (0.5, 0.5, 0.5),
             PURPLE,
             number,
         )
@@ -191,7 +194,7 @@ SQUARE_ROUTE = Task(
             ),
         ),
     ),
-    ghost=tuple(ghost(2, corner, (0.1, 0.1, 0.1), YELLOW, number) for number, corner in enumerate(SQUARE)),
+    ghost=tuple(ghost(2, corner, (0.25, 0.25, 0.25), YELLOW, number) for number, corner in enumerate(SQUARE)),
 )
 
 TASKS = (RED_CUBE, BLUE_CYLINDER, TRAFFIC_LIGHT, PURPLE_CIRCLE, SQUARE_ROUTE)
