@@ -10,7 +10,7 @@ from typing import Any
 
 from course_lib.course.files import exercises_dir
 from course_lib.errors import CourseError
-from course_lib.grading.course_file import CourseFile, Week, read_course_file
+from course_lib.grading.course_file import CourseFile, read_course_file
 from course_lib.grading.task import Scenario, Task, check_scenarios
 
 
@@ -61,9 +61,8 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
     for week, settings in course.weeks.items():
         if not settings.points:
             continue  # a week without tasks, such as week 0
-        path = exercises / "checks" / f"{week}.py"
-        of_week = _tasks(path, week)
-        _same_names(path, settings, of_week)
+        names = [*settings.points, *settings.bonus]
+        of_week = _tasks(exercises / "checks" / f"{week}.py", {f"{week}.{name}" for name in names})
         tasks |= of_week
         if solutions is not None:
             hidden |= _hidden(solutions / "checks" / f"{week}.py", of_week)
@@ -76,13 +75,13 @@ def shipped_catalog() -> Catalog:
     return load_catalog(exercises_dir())
 
 
-def _tasks(path: Path, week: str) -> dict[str, Task]:
+def _tasks(path: Path, with_points: set[str]) -> dict[str, Task]:
     tasks = _run(path).get("TASKS")
     if not isinstance(tasks, tuple) or not all(isinstance(task, Task) for task in tasks):
         raise CourseError(f"{path}: TASKS: expected a tuple of Task (mind the last comma)")
-    strange = [task.id for task in tasks if task.week != week]
-    if strange or len({task.id for task in tasks}) != len(tasks):
-        raise CourseError(f"{path}: ids of {week}, each once, expected; got {[task.id for task in tasks]}")
+    ids = sorted(task.id for task in tasks)
+    if ids != sorted(with_points):
+        raise CourseError(f"{path} has the tasks {ids}, but course.toml has points for {sorted(with_points)}")
     return {task.id: task for task in tasks}
 
 
@@ -98,16 +97,6 @@ def _hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scenario, 
         except CourseError as error:
             raise CourseError(f"{path}: {error}") from error
     return dict(hidden)
-
-
-def _same_names(path: Path, week: Week, tasks: Mapping[str, Task]) -> None:
-    with_points = {*week.points, *week.bonus}
-    names = {task_id.split(".")[1] for task_id in tasks}
-    if with_points != names:
-        raise CourseError(
-            f"{path.parent.parent / 'course.toml'}: points for {sorted(with_points)}, "
-            f"but {path} has the tasks {sorted(names)}"
-        )
 
 
 def _run(path: Path) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from course_lib.grading.task import HINTS, Task
 
 STRICT = "COURSE_STRICT"
 GHOST_HEIGHT = 260  # [px]
+NO_ID = "No student ID is known, so your own values are a guest's. In week 0 type: set_identity('your-id')"
 
 _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
@@ -39,10 +40,12 @@ def check(task_id: str, subject: Any) -> None:
     if _bind is not None:
         _bind(task_id, subject)
         return
-    task = shipped_catalog().task(task_id)
-    runs = run_public(task, subject)
-    result = judge_task(task, *shipped_catalog().points(task), runs)
-    table = table_of(task, result)
+    catalog, student = shipped_catalog(), current_identity()
+    task = catalog.task(task_id)
+    personal = personal_values(task, student)
+    runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
+    result = judge_task(task, *catalog.points(task), runs)
+    table = table_of(task, result, student)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         _show_ghost(task, runs[0].evidence)
@@ -56,21 +59,17 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
     _bind = bind
 
 
-def run_public(task: Task, subject: Any) -> list[Run]:
-    """Run a task's public scenarios in this process."""
-    personal = personal_values(task, current_identity())
-    return [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
-
-
-def table_of(task: Task, result: TaskResult) -> Table:
+def table_of(task: Task, result: TaskResult, student: str | None) -> Table:
     """The result as a table, with the next hint if a check failed; progress and hints shown are kept."""
-    state, hint = student_state(), ""
+    state, notes = student_state(), []
     state.put("progress", task.id, {"score": result.score, "of": result.points})
     if task.scenarios and not result.passed:
         failures = min(state.get("hints", task.id, 0) + 1, HINTS)
         state.put("hints", task.id, failures)
-        hint = f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}"
-    return Table(result, hint)
+        notes.append(f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}")
+    if task.personal and student is None:
+        notes.append(NO_ID)
+    return Table(result, tuple(notes))
 
 
 def _show_ghost(task: Task, evidence: Evidence) -> None:

@@ -2,12 +2,12 @@
 
 import math
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, is_dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any, TypeVar
-from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+from typing import Any, get_args, get_origin, get_type_hints
+from zoneinfo import ZoneInfo, available_timezones
 
 from course_lib.errors import CourseError
 
@@ -34,12 +34,19 @@ class Limits:
 
 @dataclass(frozen=True)
 class Week:
-    """One week: deadline in the course's time zone, points by the task's short name."""
+    """One week: deadline in the course's local time, points by the task's short name."""
 
     title: str
     deadline: datetime | None = None
     points: Mapping[str, float] = field(default_factory=dict)
     bonus: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        total = sum(self.points.values())
+        if self.points and not math.isclose(total, POINTS_PER_WEEK):
+            raise CourseError(f"points: they sum to {total:g}, expected {POINTS_PER_WEEK}")
+        if twice := sorted(self.points.keys() & self.bonus.keys()):
+            raise CourseError(f"bonus: {', '.join(twice)} is in points too")
 
 
 @dataclass(frozen=True)
@@ -52,6 +59,11 @@ class CourseFile:
     late: Late = Late()
     limits: Limits = Limits()
 
+    def deadline(self, week: str) -> datetime | None:
+        """A week's deadline, with the course's time zone."""
+        local = self.weeks[week].deadline
+        return local and local.replace(tzinfo=self.time_zone)
+
 
 def read_course_file(path: Path) -> CourseFile:
     """Read and check course.toml.
@@ -63,67 +75,46 @@ def read_course_file(path: Path) -> CourseFile:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
-    try:
-        _known(table, "", {"title", "time_zone", "weeks", "late", "limits"})
-        zone = ZoneInfo(_text(table, "", "time_zone"))
-        weeks = {name: _week(name, week, zone) for name, week in _table(table, "", "weeks").items()}
-        late, limits = _numbers(Late, table, "late"), _numbers(Limits, table, "limits")
-        return CourseFile(_text(table, "", "title"), zone, weeks, late, limits)
-    except (ZoneInfoNotFoundError, ValueError) as error:
-        raise CourseError(f'{path}: time_zone: {error}, expected a name such as "Europe/Paris"') from error
-    except CourseError as error:
-        raise CourseError(f"{path}: {error}") from error
+    course: CourseFile = _read(CourseFile, table, str(path))
+    return course
 
 
-def _week(name: str, table: Any, zone: ZoneInfo) -> Week:
-    where = f"weeks.{name}"
-    if not isinstance(table, dict):
-        raise CourseError(f"{where}: expected a table [{where}]")
-    _known(table, where, {"title", "deadline", "points", "bonus"})
-    deadline = table.get("deadline")
-    if deadline is not None and (not isinstance(deadline, datetime) or deadline.tzinfo is not None):
-        raise CourseError(f"{where}.deadline: {deadline!r}, expected local time, 2026-10-11T23:59:00")
-    points, bonus = (
-        {key: _number(f"{where}.{part}.{key}", value) for key, value in _table(table, where, part).items()}
-        for part in ("points", "bonus")
-    )
-    if points and not math.isclose(sum(points.values()), POINTS_PER_WEEK):
-        raise CourseError(f"{where}.points: they sum to {sum(points.values()):g}, expected {POINTS_PER_WEEK}")
-    if twice := sorted(points.keys() & bonus.keys()):
-        raise CourseError(f"{where}: {', '.join(twice)} is in points and in bonus")
-    return Week(_text(table, where, "title"), deadline and deadline.replace(tzinfo=zone), points, bonus)
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and 0 <= value < math.inf
 
 
-_Settings = TypeVar("_Settings", Late, Limits)
+# By the annotation of a field: whether a value is right, what would be, and what is made of it.
+KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
+    str: (lambda v: isinstance(v, str) and v != "", "a text", str),
+    float: (_is_number, "a number of at least 0", float),
+    ZoneInfo: (lambda v: v in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
+    datetime | None: (
+        lambda v: isinstance(v, datetime) and v.tzinfo is None,
+        "local time, 2026-10-11T23:59:00",
+        lambda v: v,
+    ),
+}
 
 
-def _numbers(cls: type[_Settings], table: dict[str, Any], part: str) -> _Settings:
-    values = _table(table, "", part)
-    _known(values, part, {item.name for item in fields(cls)})
-    return cls(**{key: _number(f"{part}.{key}", value) for key, value in values.items()})
-
-
-def _known(table: dict[str, Any], where: str, names: set[str]) -> None:
-    if strange := sorted(table.keys() - names):
-        known = ", ".join(sorted(names))
-        raise CourseError(f"{where or 'top level'}: unknown key {strange[0]!r}, known: {known}")
-
-
-def _table(table: dict[str, Any], where: str, key: str) -> dict[str, Any]:
-    value = table.get(key, {})
+def _read(kind: Any, value: Any, where: str) -> Any:
+    """A value of TOML as an annotation wants it: a table becomes the dataclass, with all that is in it."""
+    if kind in KINDS:
+        is_right, expected, make = KINDS[kind]
+        if not is_right(value):
+            raise CourseError(f"{where}: {value!r}, expected {expected}")
+        return make(value)
     if not isinstance(value, dict):
-        raise CourseError(f"{where}.{key}: {value!r}, expected a table".lstrip("."))
-    return value
-
-
-def _text(table: dict[str, Any], where: str, key: str) -> str:
-    value = table.get(key)
-    if not isinstance(value, str) or not value:
-        raise CourseError(f"{where}.{key}: {value!r}, expected a text".lstrip("."))
-    return value
-
-
-def _number(where: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
-        raise CourseError(f"{where}: {value!r}, expected a number of at least 0")
-    return float(value)
+        raise CourseError(f"{where}: {value!r}, expected a table")
+    if get_origin(kind) is Mapping:
+        return {key: _read(get_args(kind)[1], item, f"{where}: {key}") for key, item in value.items()}
+    assert is_dataclass(kind)  # there is nothing else in the classes above
+    hints = get_type_hints(kind)
+    if strange := sorted(value.keys() - hints.keys()):
+        raise CourseError(f"{where}: unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}")
+    items = {key: _read(hints[key], item, f"{where}: {key}") for key, item in value.items()}
+    try:
+        return kind(**items)  # type: ignore[operator]  # a class, not one of its objects
+    except TypeError as error:
+        raise CourseError(f"{where}: a key is missing: {error}") from error
+    except CourseError as error:
+        raise CourseError(f"{where}: {error}") from error

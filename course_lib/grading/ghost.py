@@ -1,6 +1,6 @@
 """The expected picture of a task, as its text states it: shown pale over what a student's code drew."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from course_lib.grading.evidence import Evidence
@@ -9,7 +9,7 @@ from course_lib.grading.task import Task
 from course_lib.recording import Recording
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import serialize
+from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.qos import Qos
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ NAMESPACE = "expected"
 
 def expected(task: Task, personal: Mapping[str, Any]) -> Recording:
     """What a right answer looks like."""
-    return Recording(_samples([(m.topic, build(m, personal)) for m in task.ghost], START_NS))
+    return _recording((), [(m.topic, build(m, personal)) for m in task.ghost])
 
 
 def compared(task: Task, evidence: Evidence) -> "Scene":
@@ -31,12 +31,10 @@ def compared(task: Task, evidence: Evidence) -> "Scene":
     ghosts = [(message.topic, build(message, evidence.personal)) for message in task.ghost]
     for _, marker in ghosts:
         marker.ns, marker.color.a = NAMESPACE, marker.color.a * PALE
-    end_ns = evidence.samples[-1].stamp_ns if evidence.samples else START_NS
-    return scene_of(Recording((*evidence.samples, *_samples(ghosts, end_ns))))
+    return scene_of(_recording(evidence.samples, ghosts))
 
 
-def _samples(messages: Sequence[tuple[str, Any]], stamp_ns: int) -> tuple[Sample, ...]:
-    return tuple(
-        Sample(stamp_ns, topic, message._TYPE_NAME, serialize(message), Qos(), 0)
-        for topic, message in messages
-    )
+def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]]) -> Recording:
+    end_ns = samples[-1].stamp_ns if samples else START_NS
+    added = (Sample(end_ns, topic, type_name(m), serialize(m), Qos(), 0) for topic, m in messages)
+    return Recording((*samples, *added))

@@ -1,7 +1,6 @@
 """`course grade`: a folder of submissions into results, gradebook and reports."""
 
 import fnmatch
-import json
 import multiprocessing
 import os
 from collections import Counter
@@ -14,7 +13,7 @@ from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
 from course_lib.grading.grade_one import Course, catalog_of, grade_one
 from course_lib.grading.gradebook import write_gradebook
-from course_lib.grading.result import ISOLATION, Result, result_path
+from course_lib.grading.result import ISOLATION, Result, read_result, result_path
 from course_lib.grading.store import write_whole
 from course_lib.grading.submission import Submission, find_submissions
 
@@ -49,11 +48,13 @@ def grade(
     """
     course = course or Course(exercises_dir(), solutions_dir())
     catalog_of(course)  # a broken check file is named before the first submission
-    chosen = [s for s in find_submissions(submissions) if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
-    if resume:
-        chosen = [s for s in chosen if not _is_done(s, out)]
+    found = find_submissions(submissions)
+    chosen = [s for s in found if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
+    if not chosen:
+        raise CourseError(f"--only {only} fits no submission; one is {found[0].student}/{found[0].exercise}")
     _check_writable(out)
-    rows = _grade_all(chosen, course, out, min(jobs or os.cpu_count() or 1, len(chosen)))
+    todo = [s for s in chosen if not (resume and _is_done(s, out))]
+    rows = _grade_all(todo, course, out, jobs or os.cpu_count() or 1)
     _say_summary(rows, write_gradebook(out))
     return all(row["status"] in GRADED for row in rows)
 
@@ -68,25 +69,24 @@ def _check_writable(out: Path) -> None:
 
 def _is_done(submission: Submission, out: Path) -> bool:
     try:
-        kept = json.loads(result_path(out, submission).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        kept = read_result(result_path(out, submission))
+    except CourseError:  # not there, or written by something else
         return False
-    same = kept["sha256"] == submission.sha256
-    return (
-        same and kept["received"] == submission.received.time.isoformat() and kept["row"]["status"] in GRADED
+    same = (kept.get("sha256"), kept.get("received")) == (
+        submission.sha256,
+        submission.received.time.isoformat(),
     )
+    return same and kept["row"]["status"] in GRADED
 
 
 def _grade_all(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> list[Row]:
     from rich.progress import track
 
-    graded = _one_by_one(chosen, course, out) if jobs <= 1 else _in_parallel(chosen, course, out, jobs)
+    if min(jobs, len(chosen)) <= 1:
+        graded: Iterator[Row] = (grade_one(submission, course, out) for submission in chosen)
+    else:
+        graded = _in_parallel(chosen, course, out, min(jobs, len(chosen)))
     return list(track(graded, "Grading", total=len(chosen)))
-
-
-def _one_by_one(chosen: Sequence[Submission], course: Course, out: Path) -> Iterator[Row]:
-    for submission in chosen:
-        yield grade_one(submission, course, out)
 
 
 def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> Iterator[Row]:
@@ -103,17 +103,13 @@ def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: 
 
 
 def _say_summary(rows: Sequence[Row], gradebook: Path) -> None:
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True)
     for row in sorted(rows, key=lambda row: (row["student"], row["exercise"])):
         if row["status"] != "graded":
-            words = (row["student"], row["exercise"], row["status"], row["reason"], row["message"])
-            console.print("  ".join(map(str, words)), markup=False)
-    counts = ", ".join(
-        f"{count} {status}" for status, count in sorted(Counter(r["status"] for r in rows).items())
-    )
-    console.print(
-        f"{len(rows)} submissions: {counts or 'nothing to do'}. Isolation: {ISOLATION}.", markup=False
-    )
-    console.print(f"Wrote {gradebook}", markup=False)
+            _say("  ".join(str(row[name]) for name in ("student", "exercise", "status", "reason", "message")))
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(Counter(r["status"] for r in rows).items()))
+    _say(f"{len(rows)} submissions: {counts or 'nothing to do'}. Isolation: {ISOLATION}.")
+    _say(f"Wrote {gradebook}")
+
+
+def _say(line: str) -> None:
+    print(line.encode("utf-8", "replace").decode())  # noqa: T201  the terminal is its page; names may be broken

@@ -1,4 +1,4 @@
-"""Grades one submission: run, judge, mark, report, store."""
+"""Grades one submission: run, keep the evidence, judge, mark, report, store."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.grading.catalog import Catalog, load_catalog
-from course_lib.grading.exercise_run import ExerciseRun, run_exercise
+from course_lib.grading.exercise_run import ExerciseRun, judge_exercise, run_scenarios
 from course_lib.grading.marks import count_days_late, mark
 from course_lib.grading.report import write_report
 from course_lib.grading.result import Result, Status
@@ -31,9 +31,13 @@ def catalog_of(course: Course) -> Catalog:
 def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, Any]:
     """Grade a submission and write evidence, report and result; returns its line of the gradebook."""
     try:
-        result = _with_report(_graded(submission, catalog_of(course), out), out)
+        result = _graded(submission, catalog_of(course), out)
     except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
         result = Result(submission, "grader_error", type(error).__name__, str(error))
+    try:
+        write_report(result, out)
+    except Exception as error:  # the marks are right without a report, and must not be lost with it
+        result = replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
     result.write(out)
     return result.row()
 
@@ -46,26 +50,14 @@ def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
     if not tasks:
         problem = submission.problem or f"the course has no {submission.exercise}"
         return Result(submission, "rejected", "wrong exercise", problem)
-    run = run_exercise(submission.notebook.cells, tasks, catalog, submission.claimed, hidden=True)
-    write_whole(evidence_path(out, submission), evidence_bytes(run.runs))
-    settings = catalog.course
-    late_by = count_days_late(submission.received.time, settings.weeks[week].deadline, settings.late)
+    run = run_scenarios(submission.notebook.cells, tasks, catalog, submission.claimed, hidden=True)
+    path = out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
+    write_whole(path, evidence_bytes(run.runs))
+    run = judge_exercise(run, catalog)
+    late = catalog.course.late
+    days = count_days_late(submission.received.time, catalog.course.deadline(week), late)
     message = f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks"
-    marks = mark(run.results, late_by, settings.late)
-    return Result(submission, *_status(run), message, marks, run)
-
-
-def _with_report(result: Result, out: Path) -> Result:
-    try:
-        write_report(result, out)
-    except Exception as error:  # the marks are right without a report, and must not be lost with it
-        return replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
-    return result
-
-
-def evidence_path(out: Path, submission: Submission) -> Path:
-    """Where the evidence of a submission is kept."""
-    return out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
+    return Result(submission, *_status(run), message, mark(run.results, days, late), run)
 
 
 def _status(run: ExerciseRun) -> tuple[Status, str]:

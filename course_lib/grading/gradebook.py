@@ -5,19 +5,19 @@ import io
 from pathlib import Path
 from typing import Any
 
-from course_lib.grading.result import COLUMNS, read_results
+from course_lib.grading.result import COLUMNS, read_result
 from course_lib.grading.store import write_whole
 
-FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 
 
 def write_gradebook(out: Path) -> Path:
-    """Write OUT/gradebook.csv from all that OUT/results holds."""
+    """Write OUT/gradebook.csv from all that OUT/results holds, by student and exercise."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for result in read_results(out):
-        writer.writerow([_harmless(result["row"][name]) for name in COLUMNS])
+    for path in sorted((out / "results").glob("*/*.json")):
+        writer.writerow(map(_harmless, read_result(path)["row"].values()))
     path = out / "gradebook.csv"
     write_whole(path, text.getvalue().encode())
     return path

@@ -7,6 +7,9 @@ from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.task import Scenario, Task
 
+# Its text is the student's own and may tell a hidden input, so students don't get it; the evidence has it.
+HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
+
 
 class BrokenCheckError(CourseError):
     """A check raised something: the kit's fault, never the student's."""
@@ -75,9 +78,13 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
         BrokenCheckError: A check raised an exception.
     """
     checks = tuple(_judge(check, run) for run in runs for check in run.scenario.checks)
-    errors = tuple(dict.fromkeys(error for run in runs for error in run.evidence.errors))
+    errors = dict.fromkeys(error for run in runs if not run.hidden for error in run.evidence.errors)
+    if any(
+        set(run.evidence.errors) - errors.keys() for run in runs if run.hidden and not run.evidence.stopped
+    ):
+        errors[HIDDEN_ERROR] = None
     stopped = next((run.evidence.stopped for run in runs if run.evidence.stopped), "")
-    return TaskResult(task.id, task.title, points, bonus, checks, errors, stopped)
+    return TaskResult(task.id, task.title, points, bonus, checks, tuple(errors), stopped)
 
 
 def _judge(check: Check, run: Run) -> CheckResult:

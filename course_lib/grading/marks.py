@@ -1,7 +1,7 @@
 """From task scores to a mark: points, bonus, late policy."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
@@ -22,9 +22,8 @@ class Mark:
     final: float
 
 
-def mark(tasks: Iterable[TaskResult], days_late: int, late: Late) -> Mark:
+def mark(tasks: Sequence[TaskResult], days_late: int, late: Late) -> Mark:
     """Add up the tasks, bonus on top, and take off the late penalty, at most all."""
-    tasks = list(tasks)
     score = round(sum(task.score for task in tasks), 2)
     max_score = sum(task.points for task in tasks if not task.bonus)
     penalty = round(min(score, score * late.percent_per_day / 100 * days_late), 2)
@@ -39,7 +38,7 @@ def count_days_late(received: datetime, deadline: datetime | None, late: Late) -
     if deadline is None:
         return 0
     received = received.astimezone(UTC)  # times of one zone are subtracted as if clocks never changed
-    at_least = max(math.floor((received - deadline).total_seconds() / DAY) - 1, 0)
-    grace = timedelta(minutes=late.grace_minutes)
-    days = (d for d in range(at_least, at_least + 4) if received - (deadline + timedelta(days=d)) <= grace)
-    return next(days, at_least)
+    days = max(math.floor((received - deadline).total_seconds() / DAY) - 1, 0)
+    while received - (deadline + timedelta(days=days)) > timedelta(minutes=late.grace_minutes):
+        days += 1
+    return days

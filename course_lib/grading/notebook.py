@@ -1,17 +1,20 @@
 """A handed-in notebook, read with json alone: nbformat would take longer than running it."""
 
 import json
+import re
 from dataclasses import dataclass
 from typing import Any
 
+from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
 
 MAX_BYTES = 20_000_000  # [B]
+LOOKS_LIKE = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "it is a zip archive"}
 
 
 @dataclass(frozen=True)
 class Notebook:
-    """What grading needs of a notebook: the code cells, and what its metadata claims."""
+    """What grading needs of a notebook: its code cells, the exercise that it is, the ID that it claims."""
 
     cells: tuple[str, ...]
     exercise: str | None = None
@@ -19,33 +22,42 @@ class Notebook:
 
 
 def parse_notebook(data: bytes, name: str) -> Notebook:
-    """Read a notebook's bytes.
-
-    Args:
-        data: As handed in; anything may be in it.
-        name: What the message calls it.
+    """Read a notebook's bytes, in which anything may be; `name` is the file's.
 
     Raises:
         CourseError: It is too large, no JSON, or no notebook of format 4.
     """
     if len(data) > MAX_BYTES:
-        raise CourseError(
-            f"{name} has {len(data)} bytes, at most {MAX_BYTES} are read. Clear its outputs and save it."
-        )
+        size = f"{len(data)} bytes, at most {MAX_BYTES} are read"
+        raise CourseError(f"{name} has {size}. Clear its outputs and save it.")
     try:
         content = json.loads(data.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise CourseError(
-            f"{name} is no notebook: {_looks_like(data)}. Save it again in JupyterLab."
-        ) from error
+        start = data.lstrip()[:4].lower()
+        kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
+        what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
+        raise CourseError(f"{name} is no notebook: {what}. Save it again in JupyterLab.") from error
     cells = content.get("cells") if isinstance(content, dict) else None
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(f"{name} is no notebook of format 4: it has no list of cells.")
-    course = content.get("metadata", {})
-    course = course.get("course", {}) if isinstance(course, dict) else {}
-    claims = course if isinstance(course, dict) else {}
-    code = [cell for cell in cells if cell.get("cell_type") == "code"]
-    return Notebook(tuple(map(_source, code)), _text(claims, "exercise"), _text(claims, "student"))
+    code = tuple(_source(cell) for cell in cells if cell.get("cell_type") == "code")
+    claims = _dict(_dict(content.get("metadata")).get("course"))
+    return Notebook(code, exercise_named(claims.get("exercise")) or exercise_named(name), claimed_id(claims))
+
+
+def exercise_named(text: Any) -> str | None:
+    """The exercise that a name begins with, "week01_exercise"."""
+    named = re.match(r"week\d\d_exercise", text) if isinstance(text, str) else None
+    return named and named[0]
+
+
+def claimed_id(claims: Any) -> str | None:
+    """The ID that a file claims, normalised, if it is one: it may become a folder's name."""
+    try:
+        claim = _dict(claims).get("student")
+        return normalise(claim) if isinstance(claim, str) else None
+    except CourseError:
+        return None
 
 
 def _source(cell: dict[str, Any]) -> str:
@@ -55,13 +67,5 @@ def _source(cell: dict[str, Any]) -> str:
     return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
 
 
-def _text(claims: dict[str, Any], key: str) -> str | None:
-    value = claims.get(key)
-    return value if isinstance(value, str) and value else None
-
-
-def _looks_like(data: bytes) -> str:
-    start = data.lstrip()[:15].lower()
-    kinds = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "it is a zip archive"}
-    named = [text for first, text in kinds.items() if start.startswith(first)]
-    return named[0] if named else "it is empty" if not start else "it is not JSON"
+def _dict(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}

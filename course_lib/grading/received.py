@@ -10,13 +10,17 @@ from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError
 
-LIST = "received.csv"  # columns: file (from the list's folder), received (ISO 8601 with an offset)
-TIMESTAMP = "timestamp.txt"  # nbgrader's: "2026-10-11 15:58:23.948203 UTC"
+LIST = "received.csv"
+TIMESTAMP = "timestamp.txt"  # nbgrader's
+EXAMPLES = {
+    LIST: "the columns file,received and rows like week01/a.ipynb,2026-10-11T23:59:00+02:00",
+    TIMESTAMP: "a line like 2026-10-11 23:59:00.000000 UTC",
+}
 
 
 @dataclass(frozen=True)
 class Received:
-    """A time with its time zone, and where it was written down."""
+    """A time in UTC, and where it was written down."""
 
     time: datetime
     source: str
@@ -33,46 +37,33 @@ def received(path: Path, top: Path, receipt: Mapping[str, Any]) -> Received:
     Raises:
         CourseError: A list or a time stamp can't be read; names it.
     """
-    for folder in path.parents:
-        listed = _listed(folder / LIST, path)
-        if listed is not None:
-            return Received(listed, LIST)
-        if folder == top:
-            break
-    stamp = path.with_name(TIMESTAMP)
-    if stamp.is_file():
-        return Received(_stamp(stamp), TIMESTAMP)
+    folders = [folder for folder in path.parents if folder == top or top in folder.parents]
+    for known in [*(folder / LIST for folder in folders), path.with_name(TIMESTAMP)]:
+        try:
+            time = (_listed if known.name == LIST else _stamp)(known, path) if known.is_file() else None
+        except (KeyError, TypeError, ValueError, OverflowError, OSError) as error:
+            raise CourseError(f"{known}: {error}. Expected {EXAMPLES[known.name]}") from error
+        if time is not None:
+            return Received(time, known.name)
     try:
-        return Received(_aware(datetime.fromisoformat(receipt["time"])), "receipt")
-    except (KeyError, TypeError, ValueError):
+        return Received(_in_utc(receipt["time"]), "receipt")
+    except (KeyError, TypeError, ValueError, OverflowError):  # students can write anything into it
         return Received(datetime.fromtimestamp(path.stat().st_mtime, UTC), "file time")
 
 
 def _listed(path: Path, file: Path) -> datetime | None:
-    if not path.is_file():
-        return None
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as rows:
-            for row in csv.DictReader(rows):
-                if path.parent / row["file"] == file:
-                    return _aware(datetime.fromisoformat(row["received"]))
-    except (KeyError, TypeError, ValueError, OSError) as error:
-        example = "week01/a.ipynb,2026-10-11T23:59:00+02:00"
-        raise CourseError(
-            f"{path}: {error}. Expected columns file,received and rows like {example}"
-        ) from error
-    return None
+    with path.open(newline="", encoding="utf-8-sig") as rows:
+        times = (row["received"] for row in csv.DictReader(rows) if path.parent / row["file"] == file)
+        return next(map(_in_utc, times), None)
 
 
-def _stamp(path: Path) -> datetime:
-    try:
-        time, zone = path.read_text(encoding="utf-8").strip().rsplit(" ", 1)
-        return datetime.fromisoformat(time).replace(tzinfo=ZoneInfo(zone))
-    except (ValueError, KeyError, OSError) as error:
-        raise CourseError(f"{path}: {error}. Expected a line like 2026-10-11 23:59:00.000000 UTC") from error
+def _stamp(path: Path, _: Path) -> datetime:
+    time, zone = path.read_text(encoding="utf-8").strip().rsplit(" ", 1)
+    return datetime.fromisoformat(time).replace(tzinfo=ZoneInfo(zone)).astimezone(UTC)
 
 
-def _aware(time: datetime) -> datetime:
+def _in_utc(text: str) -> datetime:
+    time = datetime.fromisoformat(text)
     if time.tzinfo is None:
-        raise ValueError(f"{time.isoformat()} says no time zone")
-    return time
+        raise ValueError(f"{text} says no time zone")
+    return time.astimezone(UTC)

@@ -41,10 +41,8 @@ class Result:
 
     def row(self) -> dict[str, Any]:
         """Its line of the gradebook."""
-        submission, numbers = self.submission, asdict(self.mark) if self.mark else {}
-        words = {"status": self.status, "reason": self.reason, "message": self.message}
-        who = {"student": submission.student, "exercise": submission.exercise}
-        return {name: (who | numbers | words).get(name, "") for name in COLUMNS}
+        known = vars(self.submission) | vars(self) | (asdict(self.mark) if self.mark else {})
+        return {name: known.get(name, "") for name in COLUMNS}
 
     def write(self, out: Path) -> None:
         """Write it to OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
@@ -68,16 +66,14 @@ def result_path(out: Path, submission: Submission) -> Path:
     return out / "results" / submission.student / f"{submission.exercise}.json"
 
 
-def read_results(out: Path) -> list[dict[str, Any]]:
-    """The content of all result files, by student and exercise.
+def read_result(path: Path) -> dict[str, Any]:
+    """The content of a result file.
 
     Raises:
-        CourseError: A file can't be read; names it.
+        CourseError: It can't be read; names it.
     """
-    results = []
-    for path in sorted((out / "results").glob("*/*.json")):
-        try:
-            results.append({**json.loads(path.read_text(encoding="utf-8"))})
-        except (OSError, ValueError, TypeError) as error:
-            raise CourseError(f"{path} can't be read: {error}. Remove it and grade again.") from error
-    return results
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return {**content, "row": {name: content["row"][name] for name in COLUMNS}}
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error

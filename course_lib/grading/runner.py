@@ -116,7 +116,7 @@ class Session:
                         raise ChannelError("what came is not the next cell")
         except ChannelError as error:
             if current < 0:
-                raise WorkerError(f"a worker can't be started: {worker.take_output() or error}") from error
+                raise WorkerError(f"a worker can't be started: {worker.last_words() or error}") from error
             timed_out = isinstance(error, ChannelTimeoutError)
             log.timed_out |= timed_out
             why = f"was stopped after {limit:g} s" if timed_out else f"ended the process ({error})"

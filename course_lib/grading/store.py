@@ -2,15 +2,13 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import astuple
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import msgpack
 
-from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Run
-from course_lib.grading.plain import plain
 
 VERSION = 1
 
@@ -28,21 +26,11 @@ def write_whole(path: Path, data: bytes) -> None:
 
 def evidence_bytes(runs: Sequence[Run]) -> bytes:
     """All that came out of a submission, as msgpack: the same bytes for the same evidence."""
-    rows = [{"hidden": run.hidden, **_evidence(run.evidence)} for run in runs]
-    packed: bytes = msgpack.packb({"version": VERSION, "runs": rows}, use_bin_type=True)
+    rows = [{"hidden": run.hidden, "evidence": run.evidence} for run in runs]
+    packed: bytes = msgpack.packb({"version": VERSION, "runs": rows}, default=_by_field)
     return packed
 
 
-def _evidence(evidence: Evidence) -> dict[str, Any]:
-    samples = [(s.stamp_ns, s.topic, s.type_name, s.cdr, s.node, astuple(s.qos)) for s in evidence.samples]
-    return {
-        "task": evidence.task,
-        "scenario": evidence.scenario,
-        "seconds": evidence.seconds,
-        "samples": samples,
-        "returns": list(evidence.returns),
-        "output": evidence.output,
-        "errors": list(evidence.errors),
-        "stopped": evidence.stopped,
-        "personal": plain(dict(evidence.personal)),
-    }
+def _by_field(data: Any) -> dict[str, Any]:
+    """A dataclass as its fields, without what it has worked out from them."""
+    return {field.name: getattr(data, field.name) for field in fields(data)}

@@ -3,21 +3,19 @@
 import hashlib
 import json
 import os
-import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.notebook import MAX_BYTES, Notebook, parse_notebook
+from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.received import Received, received
 
 RECEIPT = "receipt.json"
-MAX_RECEIPT = 100_000  # [B]
 SUFFIXES = (".ipynb", ".zip")
+NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,6 @@ class Submission:
         claimed: The ID that the file itself names; personal values derive from it.
         sha256: Of the notebook.
         problem: Why it can't be graded, or "".
-        notes: For staff.
     """
 
     student: str
@@ -44,7 +41,15 @@ class Submission:
     claimed: str | None = None
     sha256: str = ""
     problem: str = ""
-    notes: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> list[str]:
+        """What staff should know."""
+        if self.notebook is None or self.claimed == self.student:
+            return []
+        if self.claimed is None:
+            return ["the file names no student: personal values are those of a guest"]
+        return [f"the file names {self.claimed}, but {self.student} handed it in"]
 
 
 def find_submissions(top: Path) -> list[Submission]:
@@ -69,34 +74,20 @@ def find_submissions(top: Path) -> list[Submission]:
 def read_submission(path: Path, top: Path) -> Submission:
     """Read one file; what is wrong with it is in its `problem`."""
     receipt: Mapping[str, Any] = {}
-    folders = path.relative_to(top).parts[:-1]
+    notebook, claimed, sha256, problem = None, None, "", ""
+    exercise = exercise_named(path.name)
     try:
         data, receipt = unpack(path)
-        notebook = parse_notebook(data, path.name)
+        notebook = parse_notebook(data, str(receipt.get("exercise", path.name)))
+        exercise, claimed = notebook.exercise, notebook.student or claimed_id(receipt)
+        sha256 = hashlib.sha256(data).hexdigest()
+        problem = "" if exercise else f"{path.name} {NO_EXERCISE}"
     except CourseError as error:
-        student, named = folders[0] if folders else path.stem, exercise_of(None, path) or path.name
-        return Submission(student, named, path, received(path, top, receipt), problem=str(error))
-    claimed = _identity(notebook.student) or _identity(receipt.get("student"))
-    student = folders[0] if folders else claimed or path.stem
-    exercise = exercise_of(notebook, Path(str(receipt.get("exercise", path.name))))
-    return Submission(
-        student=student,
-        exercise=exercise or path.name,
-        path=path,
-        received=received(path, top, receipt),
-        notebook=notebook,
-        claimed=claimed,
-        sha256=hashlib.sha256(data).hexdigest(),
-        problem="" if exercise else "no exercise of this course: expected a file like week01_exercise.ipynb",
-        notes=_notes(student, claimed),
-    )
-
-
-def exercise_of(notebook: Notebook | None, path: Path) -> str | None:
-    """Which exercise a notebook is, by its metadata, else by its file's name; None if neither says."""
-    claims = notebook.exercise if notebook and notebook.exercise else path.name
-    named = re.match(r"(week\d\d)_exercise", claims)
-    return f"{named[1]}_exercise" if named else None
+        problem = str(error)
+    folders = path.relative_to(top).parts[:-1]
+    student = claimed_id({"student": folders[0]}) or folders[0] if folders else claimed or path.stem
+    when = received(path, top, receipt)
+    return Submission(student, exercise or path.name, path, when, notebook, claimed, sha256, problem)
 
 
 def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
@@ -109,49 +100,25 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
         if path.suffix != ".zip":
             return path.read_bytes(), {}
         with zipfile.ZipFile(path) as archive:
-            receipt = json.loads(_member(archive, RECEIPT, MAX_RECEIPT))
-            return _member(archive, f"{receipt['exercise']}.ipynb", MAX_BYTES), receipt
+            receipt = json.loads(_member(archive, RECEIPT))
+            return _member(archive, f"{receipt['exercise']}.ipynb"), receipt
     except OSError as error:
         raise CourseError(f"{path} can't be read: {error.strerror or error}. Name a notebook.") from error
-    except (
-        ValueError,
-        KeyError,
-        TypeError,
-        RecursionError,
-        NotImplementedError,
-        zipfile.BadZipFile,
-    ) as error:
+    except Exception as error:  # a broken or locked archive raises a dozen kinds; none is more than "no"
         raise CourseError(f"{path.name} is not a file that `course submit` wrote ({error})") from error
 
 
-def _member(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
+def _member(archive: zipfile.ZipFile, name: str) -> bytes:
     with archive.open(name) as member:
-        data = member.read(limit + 1)  # what the archive says of its sizes need not be true
-    if len(data) > limit:
-        raise ValueError(f"{name} is larger than {limit} bytes")
+        data = member.read(MAX_BYTES + 1)  # what the archive says of its sizes need not be true
+    if len(data) > MAX_BYTES:
+        raise ValueError(f"{name} is larger than {MAX_BYTES} bytes")
     return data
 
 
 def _files(top: Path) -> Iterator[Path]:
     for folder, folders, names in os.walk(top):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
-        for name in sorted(names):
-            path = Path(folder, name)
-            if path.suffix in SUFFIXES and not name.startswith(".") and not path.is_symlink():
+        for path in (Path(folder, name) for name in sorted(names) if not name.startswith(".")):
+            if path.suffix in SUFFIXES and path.is_file() and not path.is_symlink():
                 yield path
-
-
-def _identity(claim: Any) -> str | None:
-    """An ID that a file claims, if it is one: it may become a folder's name."""
-    try:
-        return normalise(claim) if isinstance(claim, str) else None
-    except CourseError:
-        return None
-
-
-def _notes(student: str, claimed: str | None) -> tuple[str, ...]:
-    if claimed is None:
-        return ("the file names no student: personal values are those of a guest",)
-    if claimed.casefold() != student.casefold():
-        return (f"the file names {claimed}, but {student} handed it in",)
-    return ()

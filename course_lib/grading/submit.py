@@ -12,7 +12,7 @@ from typing import Any
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.submission import RECEIPT, exercise_of, unpack
+from course_lib.grading.submission import NO_EXERCISE, RECEIPT, unpack
 
 
 @dataclass(frozen=True)
@@ -25,43 +25,36 @@ class Receipt:
     def text(self) -> str:
         """What to tell the student."""
         rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
-        warning = (
+        no_id = (
             "" if self.content["student"] else "\nIt names no student: give your ID in week 0, submit again."
         )
-        return f"Wrote {self.file}: this is the file to hand in. Its receipt:{rows}{warning}"
+        return f"Wrote {self.file}: this is the file to hand in. Its receipt:{rows}{no_id}"
 
 
 def submit(path: Path, out: Path | None = None) -> Receipt:
-    """Pack a notebook with a receipt into one file.
-
-    Args:
-        path: The exercise.
-        out: The file to write; default: beside the exercise, named after it and the ID.
+    """Pack an exercise with a receipt into `out`; default: beside it, named after it and the ID.
 
     Raises:
         CourseError: The notebook can't be read, is no exercise, or the file can't be written.
     """
     data, _ = unpack(path)
-    notebook = parse_notebook(data, str(path))
-    exercise = exercise_of(notebook, path)
-    if exercise is None:
-        raise CourseError(f"{path} is no exercise of this course: expected a file like week01_exercise.ipynb")
+    notebook = parse_notebook(data, path.name)
+    if notebook.exercise is None:
+        raise CourseError(f"{path} {NO_EXERCISE}")
     student = notebook.student or current_identity()
     receipt = {
-        "exercise": exercise,
+        "exercise": notebook.exercise,
         "student": student,
         "file": path.name,
         "code cells": len(notebook.cells),
         "sha256": hashlib.sha256(data).hexdigest(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    out = out or path.with_name(f"{exercise}_{student or 'no_id'}.zip")
+    out = out or path.with_name(f"{notebook.exercise}_{student or 'no_id'}.zip")
     try:
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(f"{exercise}.ipynb", data)
+            archive.writestr(f"{notebook.exercise}.ipynb", data)
             archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
     except OSError as error:
-        raise CourseError(
-            f"{out} can't be written: {error.strerror}. Name another file: --out FILE"
-        ) from error
+        raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out FILE") from error
     return Receipt(out, receipt)

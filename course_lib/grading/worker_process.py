@@ -19,6 +19,7 @@ from course_lib.ros import wall
 from course_lib.ros.channel import Channel
 
 PIPE_HOLDS = 2**20  # [B] at least as much as a pipe does
+LAST_WORDS = 2.0  # [s]
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -77,6 +78,12 @@ class WorkerProcess:
     def take_output(self) -> str:
         """What was printed since the last call."""
         return self._output.take()
+
+    def last_words(self) -> str:
+        """What it printed before it ended by itself."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(LAST_WORDS)
+        return self.take_output()
 
     def close(self) -> None:
         """Kill the worker with all that it has started, and remove its scratch folder."""

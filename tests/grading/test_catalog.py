@@ -37,12 +37,12 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
 @pytest.mark.parametrize(
     ("file", "old", "new", "message"),
     [
-        ("exercises/course.toml", "= 60", "= 50", "weeks.week01.points: they sum to 90, expected 100"),
+        ("exercises/course.toml", "= 60", "= 50", "weeks: week01: points: they sum to 90, expected 100"),
         (
             "exercises/course.toml",
             "red_cube",
             "blue_cube",
-            "course.toml: points for ['answer', 'blue_cube', 'half']",
+            "but course.toml has points for ['week01.answer', 'week01.blue_cube', 'week01.half']",
         ),
         ("exercises/course.toml", "Europe/Paris", "Mars/Base", "time_zone"),
         ("exercises/course.toml", "title =", "titel =", "unknown key 'titel'"),
@@ -51,7 +51,12 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
         ("exercises/course.toml", "answer = 10", "answer = -1", "expected a number of at least 0"),
         ("exercises/course.toml", "[weeks.week01]", "[weeks.week01", "can't be read"),
         ("exercises/checks/week01.py", "TASKS", "TASK", "TASKS: expected a tuple"),
-        ("exercises/checks/week01.py", "week01.answer", "week02.answer", "ids of week01"),
+        (
+            "exercises/checks/week01.py",
+            "week01.answer",
+            "week02.answer",
+            "has the tasks ['week01.half', 'week01.red_cube', 'week02.answer']",
+        ),
         ("exercises/checks/week01.py", '"value"', '"values"', "kind 'values'"),
         ("exercises/checks/week01.py", "TASKS = (", "TASKS = ((", "SyntaxError"),
         ("solutions/checks/week01.py", "week01.half", "week01.other", "unknown task 'week01.other'"),

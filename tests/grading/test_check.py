@@ -99,7 +99,9 @@ def test_own_values_are_those_of_the_student(
 
 def test_html_shows_words_and_icons_and_escapes_everything() -> None:
     bad = CheckResult("<b>title</b>", "public", False, 1, 0.0, "<script>alert(1)</script>", "secret")
-    html = Table(TaskResult("t", "T", 1, False, (bad,), ("<i>",)), "<hint>")._repr_mimebundle_()["text/html"]
+    html = Table(TaskResult("t", "T", 1, False, (bad,), ("<i>",)), ("<hint>",))._repr_mimebundle_()[
+        "text/html"
+    ]
     assert "✗ failed" in html
     for raw in ("<b>", "<script>", "<i>", "<hint>"):
         assert raw not in html
@@ -112,3 +114,10 @@ def test_a_hidden_check_shows_the_kind_of_mistake_only() -> None:
     text = str(Table(TaskResult("t", "T", 1, False, (hidden,))))
     assert "hidden check 1: the position is wrong" in text
     assert "0.123" not in text
+
+
+def test_without_an_id_own_values_are_said_to_be_a_guests(capsys: pytest.CaptureFixture[str]) -> None:
+    check("week01.answer", 1)
+    assert "No student ID is known" in capsys.readouterr().out
+    check("week01.half", lambda length: length / 2)
+    assert "No student ID is known" not in capsys.readouterr().out

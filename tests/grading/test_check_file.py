@@ -3,8 +3,10 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.course.state import student_state
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
+from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
 from course_lib.grading.grade_one import Course
 
@@ -40,3 +42,44 @@ def test_a_wrong_notebook_shows_why_and_the_errors_of_its_cells(
 def test_a_notebook_of_no_exercise_is_refused(write_notebook: WriteNotebook, tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="no exercise of this course"):
         check_file(write_notebook(tmp_path / "week08_exercise.ipynb", "x = 1"))
+
+
+def test_a_missing_or_another_id_is_said(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", right))
+    assert "No student ID is known" in capsys.readouterr().out
+    (tmp_path / ".course").mkdir()
+    student_state().put("identity", "student", "bob")
+    assert check_file(write_notebook(tmp_path / "week01_exercise.ipynb", right))
+    assert "bob" not in capsys.readouterr().out
+    assert check_file(write_notebook(tmp_path / "week01_exercise.ipynb", right, student="Ada"))
+    assert "names the student ada, you are bob" in capsys.readouterr().out
+
+
+def test_notebook_and_command_line_show_equal_tables(
+    course: Course,
+    right: str,
+    write_notebook: WriteNotebook,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wrong = right.replace("length / 2", "length").replace("position.z = 0.5", "position.z = 0.2")
+    (tmp_path / "one/.course").mkdir(parents=True)
+    (tmp_path / "two/.course").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "one")
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", wrong))
+    on_the_command_line = capsys.readouterr().out.split("\n\n")
+    monkeypatch.chdir(tmp_path / "two")
+    monkeypatch.setattr("course_lib.grading.check.shipped_catalog", lambda: load_catalog(course.exercises))
+    monkeypatch.setattr("course_lib.grading.catalog.shipped_catalog", lambda: load_catalog(course.exercises))
+    names: dict[str, object] = {}
+    code = wrong.replace("%load_ext course_lib", "").replace('check("week01.answer", answer)', "")
+    exec(code, names)
+    capsys.readouterr()
+    for task, name in (("red_cube", "RedCubeNode"), ("half", "half"), ("answer", "answer")):
+        check(f"week01.{task}", names[name])
+    assert capsys.readouterr().out.strip().split("\nweek01.")[1:] == [
+        table.strip().removeprefix("week01.") for table in on_the_command_line[1:]
+    ]

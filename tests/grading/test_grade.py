@@ -145,6 +145,17 @@ def test_a_broken_check_is_never_a_students_zero(
     assert not grade(hand_in({"right": right}), tmp_path / "out", jobs=1, course=course)
     row = rows(tmp_path / "out")["right"]
     assert (row["status"], row["reason"], row["final"]) == ("grader_error", "BrokenCheckError", "")
+    assert (tmp_path / "out/evidence/right/week01_exercise.msgpack").stat().st_size > 1000
+    page = (tmp_path / "out/reports/right/week01_exercise.html").read_text()
+    assert "This is not your fault" in page
+    assert "tolerance" not in page
+
+
+def test_a_pattern_that_fits_nothing_is_refused(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    with pytest.raises(CourseError, match="fits no submission; one is ada/week01_exercise"):
+        grade(hand_in({"ada": right}), tmp_path / "out", only="bob/*", course=course)
 
 
 def test_resume_and_only_grade_what_is_asked_for(

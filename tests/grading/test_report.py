@@ -57,3 +57,20 @@ def test_a_hidden_checks_title_and_values_stay_hidden(
     assert "a value has the wrong sign" in page
     assert "2.00 Hz" not in page
     assert "3.5" not in page.split("<script>")[0].replace("0.35", "")
+
+
+def test_an_exception_cannot_carry_a_hidden_input_into_the_report(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    spy = right.replace("return length / 2", "raise ValueError(f'got {length}')")
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", spy))
+    assert "ValueError: got 4.0" in page
+    assert "-7" not in page.split("<script>")[0]
+    assert "in a hidden scenario the code raises an exception" in page
+
+
+def test_a_report_says_how_it_was_isolated(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right))
+    assert "Ran with isolation: separate process, no sandbox." in page

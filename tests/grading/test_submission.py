@@ -83,7 +83,7 @@ def test_the_folder_says_who_and_a_mismatch_is_a_note(tmp_path: Path, write_note
     assert (ada.student, ada.claimed, ada.notes) == (
         "ada",
         "bob",
-        ("the file names bob, but ada handed it in",),
+        ["the file names bob, but ada handed it in"],
     )
     assert (cleo.student, cleo.exercise) == ("cleo", "week01_exercise")
     assert "names no student" in cleo.notes[0]
@@ -160,3 +160,48 @@ def test_a_time_that_cannot_be_read_is_named(
     (tmp_path / name).write_text(text)
     with pytest.raises(CourseError, match=Path(name).name):
         find_submissions(tmp_path)
+
+
+def test_folders_and_claims_have_one_spelling(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "Ada 1/week01_exercise.ipynb", "x = 1", student="ADA1")
+    (found,) = find_submissions(tmp_path)
+    assert (found.student, found.claimed, found.notes) == ("ada1", "ada1", [])
+
+
+@pytest.mark.parametrize("damage", ["encrypted", "bytes"])
+def test_a_damaged_archive_is_that_students_problem_only(
+    tmp_path: Path, write_notebook: WriteNotebook, damage: str
+) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1", student="ada")
+    packed = submit(write_notebook(tmp_path / "week01_exercise.ipynb", "y = 2 " * 500)).file
+    packed.with_name("week01_exercise.ipynb").unlink()
+    data = bytearray(packed.read_bytes())
+    if damage == "bytes":
+        data[60:80] = b"\xff" * 20
+    else:
+        for header, flags in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+            data[data.index(header) + flags] |= 1
+            data[data.rindex(header) + flags] |= 1
+    packed.write_bytes(data)
+    problems = {found.student: found.problem for found in find_submissions(tmp_path)}
+    assert problems.pop("ada") == ""
+    assert all("not a file that `course submit` wrote" in problem for problem in problems.values())
+    assert len(problems) == 1
+
+
+def test_a_pipe_is_no_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    os.mkfifo(tmp_path / "ada/week02_exercise.ipynb")
+    assert len(find_submissions(tmp_path)) == 1
+
+
+def test_a_receipt_of_no_possible_time_is_not_believed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    packed = submit(write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")).file
+    with zipfile.ZipFile(packed) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    receipt = json.loads(content["receipt.json"]) | {"time": "0001-01-01T00:00:00+14:00"}
+    (tmp_path / "in").mkdir()
+    with zipfile.ZipFile(tmp_path / "in/a.zip", "w") as archive:
+        archive.writestr("week01_exercise.ipynb", content["week01_exercise.ipynb"])
+        archive.writestr("receipt.json", json.dumps(receipt))
+    assert find_submissions(tmp_path / "in")[0].received.source == "file time"
