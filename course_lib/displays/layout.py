@@ -14,7 +14,6 @@ class Layout:
     """The parts of a layout that say what is drawn.
 
     Args:
-        document: All of the file, with what we do not know.
         fixed_frame: RViz's Fixed Frame.
         background: Colour behind everything.
         frame_rate: [Hz].
@@ -22,7 +21,6 @@ class Layout:
         view: The configuration of the current view.
     """
 
-    document: Mapping[str, Any]
     fixed_frame: str
     background: Color
     frame_rate: int
@@ -48,7 +46,7 @@ def read_layout(path: str | Path) -> Layout:
     except (TypeError, ValueError, OverflowError) as error:
         raise CourseError(f"{path}: a value of Global Options is wrong: {error}.") from None
     fixed_frame = str(options.get("Fixed Frame", "base_link")).removeprefix("/")
-    return Layout(document, fixed_frame, background, frame_rate, displays, view)
+    return Layout(fixed_frame, background, frame_rate, displays, view)
 
 
 def _displays(path: str | Path, group: Any, ticked: bool = True) -> Iterator[Mapping[str, Any]]:

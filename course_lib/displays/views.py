@@ -14,7 +14,6 @@ from course_lib.viewer.camera import Camera
 
 _PITCH = pi / 2 - 0.001  # [rad] RViz keeps the camera off the poles
 _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
-_XY_LIFT = 0.2  # of the distance: XYOrbit moves the camera up, so that the focal point is in the lower half
 
 _COMMON = (
     Property("Target Frame", FIXED_FRAME, frame),
@@ -72,48 +71,34 @@ class Orbit(View):
         Property("Focal Point", (0.0, 0.0, 0.0), vector),  # [m]
     )
 
+    turns = False  # about z, with the target frame
+    lift = 0.0  # by which part of the distance the camera is moved up in the picture
+
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        turned = self._turned(transform_target_to_fixed)
-        focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"])
+        x, y = transform_target_to_fixed[:2, 0]
+        turned = _about_z(atan2(y, x) if self.turns else 0.0)
         sign = -1.0 if self["Invert Z Axis"] else 1.0
         away = turned @ _direction(sign * self["Yaw"], sign * self["Pitch"])
         up = np.array([0.0, 0.0, sign])
-        lift = self._lift(away, up)
-        return Camera(
-            eye=_point(focus + self["Distance"] * away + lift),
-            target=_point(focus + lift),
-            up=_point(up),
-            near=self["Near Clip Distance"],
-        )
-
-    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
-        """Return how the view is turned with the target frame, shape (3, 3)."""
-        return np.eye(3)
-
-    def _lift(self, away: Array, up: Array) -> Array:
-        """Return by how much the camera is moved up in the picture, shape (3,)."""
-        return np.zeros(3)
+        picture_up = up - away * (away @ up)
+        lifted = picture_up * self["Distance"] * self.lift / np.linalg.norm(picture_up)
+        focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"]) + lifted
+        eye = focus + self["Distance"] * away
+        return Camera(_point(eye), _point(focus), _point(up), near=self["Near Clip Distance"])
 
 
 class XYOrbit(Orbit):
     """An Orbit whose focal point is on the ground, seen in the lower half of the picture."""
 
     class_name = "rviz_default_plugins/XYOrbit"
-
-    def _lift(self, away: Array, up: Array) -> Array:
-        picture_up: Array = up - away * (away @ up)
-        picture_up *= self["Distance"] * _XY_LIFT / np.linalg.norm(picture_up)
-        return picture_up
+    lift = 0.2
 
 
 class ThirdPersonFollower(Orbit):
     """An Orbit that turns about z with the target frame."""
 
     class_name = "rviz_default_plugins/ThirdPersonFollower"
-
-    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
-        yaw = atan2(transform_target_to_fixed[1, 0], transform_target_to_fixed[0, 0])
-        return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
+    turns = True
 
 
 class FPS(View):
@@ -161,6 +146,10 @@ VIEWS = {
     view.class_name.rpartition("/")[2]: view
     for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho)
 }
+
+
+def _about_z(yaw: float) -> Array:
+    return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
 
 
 def _direction(yaw: float, pitch: float) -> Array:

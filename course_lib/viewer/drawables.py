@@ -1,6 +1,7 @@
 """What a scene is made of: arrays that never change; colours are RGBA in 0..1, lengths in [m]."""
 
-from typing import Literal, TypeAlias, get_args
+from collections.abc import Mapping
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -127,7 +128,18 @@ class Text:
         self.color = rgba(color)
 
 
-Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text
+class MeshcatObject:
+    """An object that only three.js can draw, as the meshcat package describes it.
+
+    Args:
+        json: three.js's JSON of the object, with its geometries and materials.
+    """
+
+    def __init__(self, json: Mapping[str, Any]) -> None:
+        self.json = json
+
+
+Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | MeshcatObject
 
 
 def _faces(faces: npt.ArrayLike | None, count: int) -> Integers:

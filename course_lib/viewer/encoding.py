@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.viewer.arrays import Floats
-from course_lib.viewer.drawables import Drawable, Solids, Text
-from course_lib.viewer.scene import MeshcatObject, Node, Scene, What
+from course_lib.viewer.drawables import Drawable, MeshcatObject, Solids, Text
+from course_lib.viewer.scene import Node, Scene, What
 from course_lib.viewer.text import rasterized
 
 _UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17  # meshcat's msgpack extension types
@@ -86,7 +86,7 @@ def _packed_array(array: npt.NDArray[Any]) -> Any:
     return array.tolist()
 
 
-def _described(thing: Drawable | MeshcatObject) -> dict[str, Any]:
+def _described(thing: Drawable) -> dict[str, Any]:
     """Name the kind of an object and list its fields, as the page's builders read them."""
     if isinstance(thing, MeshcatObject):
         return {"kind": "meshcat", "json": thing.json}

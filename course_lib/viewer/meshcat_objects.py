@@ -7,9 +7,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from course_lib.viewer.arrays import Floats, Matrix, floats, rgba
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Shape, Solids, Text
 from course_lib.viewer.mesh_files import parse_mesh
-from course_lib.viewer.scene import MeshcatObject
 
 Json: TypeAlias = Mapping[str, Any]
 
@@ -19,7 +18,7 @@ _TRANSFORM_UP_TO_Y = np.array(
 )  # three.js's axis is y
 
 
-def drawable_of(json: Json) -> Drawable | MeshcatObject:
+def drawable_of(json: Json) -> Drawable:
     """Return an object of meshcat as a drawable; what has no equal stays for the page's three.js to draw.
 
     Boxes, balls, cylinders, triangles, points, lines and mesh files have one, unless they carry pictures
@@ -45,7 +44,7 @@ def drawable_of(json: Json) -> Drawable | MeshcatObject:
     return MeshcatObject(json)
 
 
-def recolored(thing: Drawable | MeshcatObject, color: Sequence[float]) -> Drawable | MeshcatObject:
+def recolored(thing: Drawable, color: Sequence[float]) -> Drawable:
     """Return the same thing in one colour, RGBA in 0..1."""
     if isinstance(thing, MeshcatObject):
         red, green, blue, alpha = (round(255 * part) for part in color)

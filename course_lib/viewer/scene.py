@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, Literal, TypeAlias
 
@@ -21,17 +20,6 @@ _IDENTITY = np.eye(4)
 _IDENTITY.setflags(write=False)
 
 
-@dataclass(frozen=True, eq=False)
-class MeshcatObject:
-    """An object as the meshcat package describes it, kept as it came.
-
-    Args:
-        json: three.js's JSON of the object, with its geometries and materials.
-    """
-
-    json: Mapping[str, Any]
-
-
 class Node:
     """One place in the tree; it moves and hides whatever is below it."""
 
@@ -41,7 +29,7 @@ class Node:
         self.path = path
         self.parent = parent
         self.children: dict[str, Node] = {}
-        self.object: Drawable | MeshcatObject | None = None
+        self.object: Drawable | None = None
         self.matrix: Matrix = _IDENTITY
         self.visible = True
 
@@ -50,6 +38,12 @@ class Node:
         yield self
         for child in list(self.children.values()):
             yield from child.subtree()
+
+    def upwards(self) -> Iterator["Node"]:
+        """Iterate over this node and all above it."""
+        yield self
+        if self.parent is not None:
+            yield from self.parent.upwards()
 
 
 class Scene:
@@ -68,7 +62,7 @@ class Scene:
         self._camera = Camera()
         self.animation: Mapping[str, Any] | None = None
 
-    def set_object(self, path: str, drawable: Drawable | MeshcatObject) -> None:
+    def set_object(self, path: str, drawable: Drawable) -> None:
         """Put an object at a node, in place of the one that is there."""
         with self.lock:
             node = self._made(path)
@@ -138,7 +132,7 @@ class Scene:
             self._camera = camera
             self._tell("camera", "")
 
-    def objects(self) -> dict[str, Drawable | MeshcatObject]:
+    def objects(self) -> dict[str, Drawable]:
         """Return what is at which path, in the order of the tree."""
         with self.lock:
             return {node.path: node.object for node in self.nodes() if node.object is not None}
@@ -154,21 +148,14 @@ class Scene:
 
     def world_transform(self, path: str) -> Matrix:
         """Return the transform from a node to the scene, shape (4, 4)."""
-        node: Node | None = self.node(path)
         transform = _IDENTITY
-        while node is not None:
+        for node in self.node(path).upwards():
             transform = node.matrix @ transform
-            node = node.parent
         return transform
 
     def visible(self, path: str) -> bool:
         """Say whether a node and all above it are shown."""
-        node: Node | None = self.node(path)
-        while node is not None:
-            if not node.visible:
-                return False
-            node = node.parent
-        return True
+        return all(node.visible for node in self.node(path).upwards())
 
     def node(self, path: str) -> Node:
         """Return the node at a path.

@@ -13,8 +13,8 @@ from PIL import Image
 from course_lib.errors import CourseError
 from course_lib.viewer import zbuffer
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Mesh, Points, Solids
-from course_lib.viewer.scene import MeshcatObject, Scene
+from course_lib.viewer.drawables import Drawable, Mesh, MeshcatObject, Points, Solids
+from course_lib.viewer.scene import Scene
 from course_lib.viewer.window import Window
 
 ORANGE, CORNERS = 0xFF8000, np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)

@@ -9,7 +9,7 @@ from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Lines, Points, Spot
 
 LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS = 4, 5, 6, 7, 8
-_SPOTS: dict[int, Spot] = {CUBE_LIST: "box", SPHERE_LIST: "sphere", POINTS: "square"}
+SPOTS: dict[int, Spot] = {CUBE_LIST: "box", SPHERE_LIST: "sphere", POINTS: "square"}
 
 
 def lines(marker: Any) -> Drawn:
@@ -34,7 +34,7 @@ def spots(marker: Any) -> Drawn:
     status: tuple[Level, str] = ("warn", "All points have a zero alpha value.")
     said = status if has_colors(marker) and not each[:, 3].any() else None
     size = tuple(abs(scale_of(marker)))
-    return Drawn({"spots": Points(points(marker), each, size, spot=_SPOTS[marker.type])}, said)
+    return Drawn({"spots": Points(points(marker), each, size, spot=SPOTS[marker.type])}, said)
 
 
 def has_colors(marker: Any) -> bool:

@@ -9,7 +9,7 @@ from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Shape, Solids, Text
 
 SHAFT, HEAD = 0.77, 0.23  # shares of an arrow's length
-_SHAPES: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
+SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
 _FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
 
 
@@ -17,7 +17,7 @@ def solid(marker: Any) -> Drawn:
     """Draw a cube, a sphere or a cylinder: the scale is its full extent."""
     scale = scale_of(marker)
     placement = np.diag([*scale, 1.0])
-    body = Solids(_SHAPES[marker.type], [placement], rgba(marker.color))
+    body = Solids(SOLIDS[marker.type], [placement], rgba(marker.color))
     return Drawn({"body": body}, None if scale.all() else _FLAT)
 
 

@@ -159,7 +159,7 @@ class MarkerStore:
             return Live(marker, before.drawn, path, received_ns, before.shown)
         if before:
             scene.delete(before.path)
-        drawn = TYPES[marker.type].draw(marker) if marker.type in TYPES else Drawn()
+        drawn = TYPES[marker.type](marker) if marker.type in TYPES else Drawn()
         for part, drawable in drawn.parts.items():
             scene.set_object(f"{path}/{part}", drawable)
         return Live(marker, drawn, path, received_ns)

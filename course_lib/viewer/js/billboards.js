@@ -14,8 +14,7 @@ const SPOTS = {
 
 /**
  * Draw one flat shape, or box, per instance; its shader places it.
- * @param {any} shared material
- * @param {any} shape three.js geometry
+ * @param {any} shared material @param {any} shape three.js geometry
  * @param {Record<string, any>} uniforms values of this object
  * @param {Record<string, any>} attributes of each instance
  */
@@ -35,10 +34,7 @@ function instances(shared, shape, uniforms, attributes) {
 
 /**
  * Find the strips or squares within half their width of a ray, or within two pixels.
- * @param {any} mesh
- * @param {Record<string, any>} uniforms
- * @param {any} caster
- * @param {any[]} hits
+ * @param {any} mesh @param {Record<string, any>} uniforms @param {any} caster @param {any[]} hits
  */
 function hit(mesh, uniforms, caster, hits) {
   const { start, end } = mesh.geometry.attributes;

@@ -2,8 +2,7 @@
 
 /**
  * Read msgpack with the decoder inside meshcat's bundle, which does not export it.
- * @param {Uint8Array} bytes
- * @returns {any}
+ * @param {Uint8Array} bytes @returns {any}
  */
 export function decode(bytes) {
   let value;
@@ -14,8 +13,7 @@ export function decode(bytes) {
 
 /**
  * Look at a buffer as bytes, whatever a front-end made of it.
- * @param {DataView | Uint8Array | ArrayBuffer} buffer
- * @returns {Uint8Array}
+ * @param {DataView | Uint8Array | ArrayBuffer} buffer @returns {Uint8Array}
  */
 export function bytesOf(buffer) {
   if (buffer instanceof ArrayBuffer) return new Uint8Array(buffer);

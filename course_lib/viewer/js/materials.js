@@ -116,11 +116,9 @@ const SPOT = `
 const made = new Map();
 
 /**
- * @param {"surface" | "strip" | "spot"} kind
- * @param {boolean} transparent RViz blends without writing depth
+ * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
  * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | ""} [define] how it is shaded or placed
- * @param {boolean} [doubleSided]
- * @returns {any} a THREE.ShaderMaterial that others use too
+ * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
 export function material(kind, transparent, define = "", doubleSided = true) {
   const key = [kind, transparent, define, doubleSided].join();

@@ -107,8 +107,7 @@ export class Mirror {
   /** @param {string} path removed with all below it */
   clear(path) {
     const node = this.nodes.get(path);
-    if (path !== "" && node) this.drop(node);
-    if (path !== "") return;
+    if (node !== this.scene) return node && this.drop(node);
     for (const child of [...this.scene.children]) if (child !== this.light) this.drop(child);
     this.mixer = null;
   }

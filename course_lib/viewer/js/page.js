@@ -26,9 +26,7 @@ export async function mountAll() {
 
 /**
  * Draw a scene at once.
- * @param {string} scene a snapshot in base64
- * @param {number} width in pixels
- * @param {number} height
+ * @param {string} scene a snapshot in base64 @param {number} width in pixels @param {number} height
  * @returns {string} a PNG as a data address
  */
 export function picture(scene, width, height) {

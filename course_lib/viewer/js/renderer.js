@@ -24,8 +24,7 @@ function renderer() {
 
 /**
  * Draw a scene into a 2-D canvas, which has its size already.
- * @param {HTMLCanvasElement} canvas
- * @param {import("./mirror.js").Mirror} mirror
+ * @param {HTMLCanvasElement} canvas @param {import("./mirror.js").Mirror} mirror
  * @param {any} camera a three.js camera
  */
 export function draw(canvas, mirror, camera) {

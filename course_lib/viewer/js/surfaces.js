@@ -11,9 +11,7 @@ const UNIT_SHAPES = {
 
 /**
  * One colour for each of some things, from as many or from one.
- * @param {Uint8Array} colors RGBA
- * @param {number} count
- * @returns {Uint8Array}
+ * @param {Uint8Array} colors RGBA @param {number} count @returns {Uint8Array}
  */
 export function spread(colors, count) {
   if (colors.length !== 4 || count === 1) return colors;
@@ -30,9 +28,7 @@ export function seesThrough(colors) {
 
 /**
  * Write the twelve numbers of an affine transform, column by column, into a three.js matrix.
- * @param {Float32Array | number[]} elements
- * @param {number} offset
- * @param {Float32Array} columns
+ * @param {Float32Array | number[]} elements @param {number} offset @param {Float32Array} columns
  * @param {number} from
  */
 export function writeMatrix(elements, offset, columns, from) {

@@ -9,8 +9,7 @@ const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], Ar
 /** One picture of a scene on the page, with a camera of its own. */
 export class View {
   /**
-   * @param {HTMLElement} host is filled by the view
-   * @param {import("./mirror.js").Mirror} mirror
+   * @param {HTMLElement} host is filled by the view @param {import("./mirror.js").Mirror} mirror
    * @param {{label: string, alone?: boolean, onClick?: (click: any) => void}} options `alone`: nothing else
    *   on the page wants the wheel
    */
@@ -61,8 +60,8 @@ export class View {
     if (!clientWidth || !clientHeight) return;
     const ratio = Math.min(window.devicePixelRatio, 2);
     const [width, height] = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)];
-    const stale = this.canvas.width !== width || this.canvas.height !== height;
-    if (stale) Object.assign(this.canvas, { width, height });
+    if (this.canvas.width !== width) this.canvas.width = width; // only then: it empties the canvas
+    if (this.canvas.height !== height) this.canvas.height = height;
     const goesOn = this.mirror.tick();
     draw(this.canvas, this.mirror, this.orbit.camera(clientWidth, clientHeight));
     if (goesOn) this.invalidate();
