@@ -1,6 +1,7 @@
 """Runs and judges all tasks of one notebook: `course check` and `course grade` alike."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -51,7 +52,7 @@ def run_scenarios(
     if hidden:
         plan += [(task, scenario, True) for task in tasks for scenario in catalog.hidden.get(task.id, ())]
     personal = {task.id: personal_values(task, student) for task in tasks}
-    with Session(cells, personal, catalog.course.limits) as session:
+    with closing(Session(cells, personal, catalog.course.limits)) as session:
         runs = [Run(scenario, session.run(task, scenario), is_hidden) for task, scenario, is_hidden in plan]
     return ExerciseRun(tuple(tasks), tuple(runs), session.log)
 

@@ -37,7 +37,7 @@ class CellLog:
 
 
 class Session:
-    """One submission and its workers; a context manager that leaves no process behind.
+    """One submission and its workers, of which `close` leaves nothing behind.
 
     A worker that had to be killed is followed by a fresh one, in which the cell that hung is left out.
 
@@ -139,12 +139,6 @@ class Session:
                 case ChannelClosedError():
                     return Outcome(errors=[ENDED_EARLY]), ""
             return Outcome(errors=[str(error)]), "size" if isinstance(error, RecordingLimitError) else ""
-
-    def __enter__(self) -> "Session":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _drive(channel: Channel, stage: Stage) -> Outcome:

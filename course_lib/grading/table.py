@@ -16,16 +16,6 @@ FOR_A_PERSON = "noted; a person reads and marks it"
 
 
 @dataclass(frozen=True)
-class Row:
-    """One check, as students may read it: of a hidden one its number and the kind of mistake."""
-
-    icon: str
-    word: str
-    title: str
-    why: str
-
-
-@dataclass(frozen=True)
 class Table:
     """A task's result with lines below it; Jupyter shows the HTML, a terminal the text."""
 
@@ -33,19 +23,13 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        lines = [f"{row.icon} {row.word:6}  {row.title}: {row.why}" for row in rows(self.result.checks)]
-        return "\n  ".join([self._headline(), *self.result.errors, *lines]) + "".join(
-            f"\n{line}" for line in self._end()
-        )
+        lines = [f"{icon} {word:6}  {title}: {why}" for icon, word, title, why in rows(self.result.checks)]
+        above = "\n  ".join([self._headline(), *self.result.errors, *lines])
+        return "\n".join([above, *self._end()])
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
-        html = fill(
-            "result.html",
-            headline=self._headline(),
-            errors=self.result.errors,
-            rows=rows(self.result.checks),
-            end=self._end(),
-        )
+        shown = {"headline": self._headline(), "errors": self.result.errors, "end": self._end()}
+        html = fill("result.html", rows=rows(self.result.checks), **shown)
         return {"text/html": html, "text/plain": str(self)}
 
     def _headline(self) -> str:
@@ -57,8 +41,8 @@ class Table:
         return [*self.notes, *([verdict] if self.result.passed else [])]
 
 
-def rows(checks: Iterable[CheckResult]) -> list[Row]:
-    """The rows of a table, in order."""
+def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
+    """Icon, word, title and reason of each check; of a hidden one its number and the kind of mistake."""
     made, hidden = [], 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
@@ -66,7 +50,7 @@ def rows(checks: Iterable[CheckResult]) -> list[Row]:
             word = f"{check.score:.0%}"
         hidden += check.hidden
         said = (f"hidden check {hidden}", check.mistake) if check.hidden else (check.title, check.message)
-        made.append(Row(icon, word, *said))
+        made.append((icon, word, *said))
     return made
 
 

@@ -23,8 +23,12 @@ class Watchdog:
         while not self._over.wait(AGAIN if self.barked else seconds):
             self.barked = True
             for thread in set(threading.enumerate()) - self._older - {threading.current_thread()}:
-                _end(thread)
-            _interrupt_main()
+                end = ctypes.py_object(SystemExit)
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), end)
+            if hasattr(signal, "pthread_kill"):  # a real signal: it also ends a wait for a lock
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+            else:
+                _thread.interrupt_main()
 
     def stop(self) -> None:
         """Watch no more."""
@@ -42,16 +46,3 @@ def watchdog(seconds: float) -> Iterator[Watchdog]:
     finally:
         dog.stop()
         thread.join()
-
-
-def _end(thread: threading.Thread) -> None:
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(
-        ctypes.c_ulong(thread.ident or 0), ctypes.py_object(SystemExit)
-    )
-
-
-def _interrupt_main() -> None:
-    if hasattr(signal, "pthread_kill"):  # a real signal: it also ends a wait for a lock
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-    else:
-        _thread.interrupt_main()

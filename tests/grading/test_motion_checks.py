@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_circle, expect_moving
+from course_lib.grading.vocabulary import expect_circle
 
 MakeEvidence = Callable[..., Evidence]
 MakeCube = Callable[..., Any]
@@ -62,15 +62,8 @@ def test_without_a_period_half_a_turn_must_be_seen(going_round: MakeRound) -> No
     assert "turned only" in check.judge(going_round(seconds=2.0)).message
 
 
-def test_moving_means_getting_away_from_the_start(going_round: MakeRound) -> None:
-    check = expect_moving(TOPIC, at_least=1.0)
-    assert check.judge(going_round()).score == 1
-    assert "moved 0.00 m" in check.judge(going_round(radius=0.0)).message
-    assert check.judge(going_round(radius=math.nan)).score == 0
-
-
 def test_another_marker_does_not_count(going_round: MakeRound) -> None:
-    verdict = expect_moving(TOPIC, type="SPHERE").judge(going_round())
+    verdict = expect_circle(TOPIC, radius=2.0, type="SPHERE").judge(going_round())
     assert verdict.message == "no marker with type 'SPHERE' was added on /ball"
 
 

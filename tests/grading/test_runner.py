@@ -1,6 +1,7 @@
 import os
 import subprocess
 import tempfile
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,9 @@ pipe = [fd for fd, link in links.items() if os.path.exists(link) and "socket" in
 
 
 def run(*cells: str, task: Task = ANSWER, limits: Limits | None = None) -> tuple[Evidence, Session]:
-    with Session(cells, {task.id: {}}, limits or Limits(cell_seconds=2, scenario_seconds=2)) as session:
+    with closing(
+        Session(cells, {task.id: {}}, limits or Limits(cell_seconds=2, scenario_seconds=2))
+    ) as session:
         return session.run(task, task.scenarios[0]), session
 
 
@@ -40,7 +43,7 @@ def test_a_missing_object_is_named() -> None:
 
 def test_scenarios_do_not_touch_each_other() -> None:
     cells = ["seen = []", "def called():\n    seen.append(1)\n    return len(seen)"]
-    with Session(cells, {CALLED.id: {}}, Limits()) as session:
+    with closing(Session(cells, {CALLED.id: {}}, Limits())) as session:
         assert [session.run(CALLED, CALLED.scenarios[0]).returns for _ in range(2)] == [
             (1,),
             (1,),
@@ -141,7 +144,7 @@ def test_a_task_that_hangs_costs_its_time_once() -> None:
     tasks = [replace(CALLED, id=f"week01.{name}", name=name) for name in ("hangs", "called")]
     cells = ["def called():\n    return 1", "def hangs():\n    while True: pass"]
     limits = Limits(scenario_seconds=1)
-    with Session(cells, {task.id: {} for task in tasks}, limits) as session:
+    with closing(Session(cells, {task.id: {} for task in tasks}, limits)) as session:
         hung, again, other = (session.run(task, task.scenarios[0]) for task in (tasks[0], *tasks))
     assert hung.errors == ("still running after 1 s: an endless loop? It was stopped.",)
     assert again.errors == ("not run: hangs did not come to an end before, and was stopped",)
@@ -155,7 +158,7 @@ def test_cells_that_run_again_add_nothing_to_the_log(tmp_path: Path) -> None:
         f"import os\nprint(open({str(note)!r}).read() if os.path.exists({str(note)!r}) else 'nothing')",
         f"def called():\n    open({str(note)!r}, 'w').write('secret')\n    os._exit(0)",
     ]
-    with Session(cells, {CALLED.id: {}}, Limits()) as session:
+    with closing(Session(cells, {CALLED.id: {}}, Limits())) as session:
         for _ in range(2):
             session.run(CALLED, CALLED.scenarios[0])
     assert note.read_text() == "secret"

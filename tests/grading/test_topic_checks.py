@@ -6,9 +6,9 @@ from std_msgs.msg import Float64
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary import (
+    expect_circle,
     expect_marker,
     expect_message,
-    expect_moving,
     expect_rate,
     expect_stamps,
     expect_topic,
@@ -83,7 +83,7 @@ def test_fields_of_the_last_message_are_compared(evidence: MakeEvidence, cube: M
 def test_a_type_without_a_header_is_no_fault_of_the_check(evidence: MakeEvidence, cube: MakeCube) -> None:
     mixed = evidence((1, "/m", Float64(data=1.0)), (2, "/m", cube()))
     assert expect_stamps("/m").judge(mixed).message == "std_msgs/msg/Float64 on /m has no header"
-    assert expect_moving("/m").judge(mixed).score == 0
+    assert expect_circle("/m", radius=1.0).judge(mixed).score == 0
     assert expect_marker("/m", type="CUBE").judge(mixed).score == 1
 
 

@@ -1,7 +1,7 @@
 """The words that check files are written in; each gives a `Check`."""
 
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
-from course_lib.grading.vocabulary.motion import expect_circle, expect_moving
+from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
 from course_lib.grading.vocabulary.values import expect_text, expect_value
 
@@ -10,7 +10,6 @@ __all__ = [
     "expect_marker",
     "expect_marker_count",
     "expect_message",
-    "expect_moving",
     "expect_rate",
     "expect_stamps",
     "expect_text",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.marker_state import ADD, each, fits, no_markers
@@ -13,26 +14,6 @@ LEAST_TURN = math.pi  # [rad] seen of a circle before it counts as one
 NOT_MOVING = "a marker does not move as expected"
 
 Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
-
-
-@word("moves on {topic}")
-def expect_moving(
-    evidence: Evidence,
-    topic: str,
-    *,
-    at_least: float = 0.1,
-    type: str | None = None,  # noqa: A002 - the field's name in ROS
-    ns: str | None = None,
-    id: int | None = None,  # noqa: A002 - the field's name in ROS
-) -> Iterable[Problem]:
-    """A marker gets at least so far, [m], from where it was first."""
-    path = _path(evidence, topic, type, ns, id)
-    if not path:
-        return _no_path(evidence, topic, type, ns, id)
-    distances = [math.dist(place, path[0][1]) for _, place in path]  # [m]
-    far = max(distances) if all(map(math.isfinite, distances)) else math.nan
-    message = f"the marker moved {number(far, 'm')}, expected at least {number(at_least, 'm')}"
-    return [] if far >= at_least else [Problem(message, NOT_MOVING)]
 
 
 @word("goes round a circle on {topic}")
@@ -55,9 +36,15 @@ def expect_circle(
     Radius, center (x, y), height (default: the first marker's) and the tolerance of radius and height in [m],
     in the marker's frame; the period of one turn in [s]; counter-clockwise as seen from above.
     """
-    path = _path(evidence, topic, type, ns, id)
+    added = [(s, m) for s, m in each(evidence, topic) if m.action == ADD]
+    if not added:
+        return no_markers(evidence, topic)
+    path = [(s, _place(marker)) for s, marker in added if fits(marker, type, ns, id)]
     if not path:
-        return _no_path(evidence, topic, type, ns, id)
+        which = {"type": type, "ns": ns, "id": id}
+        asked = ", ".join(f"{name} {value!r}" for name, value in which.items() if value is not None)
+        message = f"no marker with {asked} was added on {topic}"
+        return [Problem(message, "type, ns or id of a marker is wrong")]
     plane = path[0][1][2] if height is None else height  # [m]
     seen = path[-1][0] - path[0][0]  # [s]
     if seen < evidence.seconds / 2:
@@ -68,18 +55,9 @@ def expect_circle(
     )
 
 
-def _path(evidence: Evidence, topic: str, *which: str | int | None) -> Path:
-    """Where the selected markers were placed, in time."""
-    placed = [(s, m) for s, m in each(evidence, topic) if m.action == ADD and fits(m, *which)]
-    return [(s, (m.pose.position.x, m.pose.position.y, m.pose.position.z)) for s, m in placed]
-
-
-def _no_path(evidence: Evidence, topic: str, *which: str | int | None) -> list[Problem]:
-    if not any(True for _ in each(evidence, topic)):
-        return no_markers(evidence, topic)
-    given = zip(("type", "ns", "id"), which, strict=True)
-    asked = ", ".join(f"{name} {value!r}" for name, value in given if value is not None)
-    return [Problem(f"no marker with {asked} was added on {topic}", "type, ns or id of a marker is wrong")]
+def _place(marker: Any) -> tuple[float, float, float]:
+    position = marker.pose.position
+    return position.x, position.y, position.z
 
 
 def _off_circle(
