@@ -1,36 +1,63 @@
-"""Robot models by name."""
+"""Robots by name, from a URDF file, or from the text of one."""
 
 import difflib
-import sys
-from typing import TYPE_CHECKING
+import xml.etree.ElementTree as ET
+from pathlib import Path
 
 from course_lib.errors import CourseError
+from course_lib.robots.resources import package_roots, resolve
+from course_lib.robots.robot import Robot
+from course_lib.robots.urdf import needed, parse_urdf
 
-if TYPE_CHECKING:
-    from pinocchio.robot_wrapper import RobotWrapper
 
+def load_robot(name: str | Path) -> Robot:
+    """Load a robot.
 
-def load_robot(name: str) -> "RobotWrapper":
-    """Load a robot of example-robot-data by its name, like "ur10".
-
-    Returns:
-        Pinocchio's wrapper: `model`, `collision_model`, `visual_model`, `q0` (neutral configuration, [rad]).
+    Args:
+        name: A model of example-robot-data like "ur10", a URDF file, or the text of a URDF.
 
     Raises:
-        CourseError: If there is no such robot, or robots cannot be loaded on this machine.
+        CourseError: If there is no such robot or file, the URDF is not valid, a mesh is missing, or robots
+            cannot be loaded on this machine.
     """
-    try:
-        import example_robot_data
-    except ImportError as error:
-        raise CourseError(
-            f"Robot models need the packages pin and example-robot-data, and {error.name} is missing on this "
-            f"machine ({sys.platform}). On Windows run the course in WSL2 or on a JupyterHub; elsewhere run "
-            "pip install -e . again."
-        ) from error
+    if isinstance(name, str) and "<" in name:
+        return _from_text(name, None)
+    if isinstance(name, Path) or "/" in name or name.endswith((".urdf", ".xml", ".xacro")):
+        return _from_text(_read(Path(name)), Path(name))
+    return _from_example_robot_data(name)
+
+
+def _from_example_robot_data(name: str) -> Robot:
+    example_robot_data = needed("example_robot_data")
     known = sorted(example_robot_data.ROBOTS)
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=3) or known[:3]
+        close = ", ".join(difflib.get_close_matches(name, known, n=3) or known[:3])
         raise CourseError(
-            f"There is no robot {name!r} among the {len(known)} models; close to it: {', '.join(close)}."
+            f"There is no robot {name!r} among the {len(known)} models; close to it: {close}. "
+            'A file ends in .urdf, like load_robot("my_robot.urdf").'
         )
-    return example_robot_data.load(name)
+    try:
+        wrapper, rest, file, _ = example_robot_data.load_full(name)
+    except ImportError as error:  # cassie
+        raise CourseError(f"{name!r} is described by SDF, not URDF, and cannot be loaded here.") from error
+    path = Path(file).resolve()
+    return Robot(name, wrapper.model, wrapper.collision_model, wrapper.visual_model, rest, _read(path), path)
+
+
+def _from_text(text: str, path: Path | None) -> Robot:
+    tree, pin = parse_urdf(text), needed("pinocchio")
+    for mesh in ET.fromstring(text).iter("mesh"):
+        resolve(mesh.get("filename", ""), path)
+    kinds, roots = (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL), list(map(str, package_roots(path)))
+    try:
+        shapes = [pin.buildGeomFromUrdfString(tree.model, text, kind, None, roots) for kind in kinds]
+    except (ValueError, RuntimeError) as error:
+        raise CourseError(f"The shapes of {tree.name!r} cannot be loaded: {error}") from error
+    return Robot(tree.name, tree.model, shapes[0], shapes[1], pin.neutral(tree.model), text, path)
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CourseError(f"Cannot read {path}: {error}. Give a URDF file, or a name like 'ur10'.") from error

@@ -1,0 +1,107 @@
+"""Forward kinematics: where the links are, by Pinocchio."""
+
+import difflib
+from collections.abc import Mapping
+from math import cos, isfinite, nan, sin
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.errors import CourseError
+from course_lib.robots.robot import Robot
+from course_lib.robots.urdf import MOVING, Urdf
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+Floats = npt.NDArray[np.float64]
+
+
+def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> dict[str, Floats]:
+    """Return where all links are.
+
+    Args:
+        robot: What `load_robot` returns.
+        positions: Joint positions by name, [rad], of prismatic joints [m]. Joints without one stand at 0,
+            mimic joints where their joint puts them.
+
+    Returns:
+        For each link transform_link_to_root, shape (4, 4); root is the link that all others hang on.
+
+    Raises:
+        CourseError: If a joint does not exist or one number does not place it, or a position is not finite.
+    """
+    import pinocchio as pin
+
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, configuration(robot, positions or {}))
+    root = robot.model.getFrameId(robot.tree.root, pin.FrameType.BODY)
+    transform_model_to_root = data.oMf[root].inverse()
+    return {
+        frame.name: (transform_model_to_root * transform_link_to_model).homogeneous
+        for frame, transform_link_to_model in zip(robot.model.frames, data.oMf, strict=True)
+        if frame.type == pin.FrameType.BODY
+    }
+
+
+def configuration(robot: Robot, positions: Mapping[str, float]) -> Floats:
+    """Return named joint positions as a configuration of Pinocchio's model, shape (nq,): see `link_poses`."""
+    import pinocchio as pin
+
+    model, tree = robot.model, robot.tree
+    movable = {j.name: j for j in tree.joints.values() if j.kind in MOVING and model.existJointName(j.name)}
+    for name, position in positions.items():
+        _check(robot, list(movable), name, position)
+    values: Floats = pin.neutral(model)
+    for name, joint in movable.items():
+        follow = tree.followed(joint)
+        mimicked = positions.get(follow.joint, 0.0) * follow.factor + follow.offset
+        _place(model, values, name, positions.get(name, mimicked))
+    return values
+
+
+def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]:
+    """Return where joints put their child links in their parents: x, y, z [m], quaternion (x, y, z, w).
+
+    Args:
+        tree: The robot.
+        positions: Of each joint that is asked for, [rad] or [m]; what is not finite gives NaN.
+    """
+    import pinocchio as pin
+
+    model, data = tree.model, tree.model.createData()
+    values = pin.neutral(model)
+    for name, position in positions.items():
+        if tree.joints[name].kind in MOVING:
+            _place(model, values, name, position if isfinite(position) else nan)
+    pin.forwardKinematics(model, data, values)
+    poses = {}
+    for name in positions:
+        ends = (tree.joints[name].parent, tree.joints[name].child)
+        parent, child = (model.frames[model.getFrameId(link, pin.FrameType.BODY)] for link in ends)
+        same = parent.parentJoint == child.parentJoint
+        motion = pin.SE3.Identity() if same else data.liMi[child.parentJoint]
+        poses[name] = pin.SE3ToXYZQUAT(parent.placement.inverse() * motion * child.placement)
+    return poses
+
+
+def _place(model: "pin.Model", values: Floats, name: str, position: float) -> None:
+    """Write the position of a joint into a configuration."""
+    joint = model.joints[model.getJointId(name)]
+    # A joint without limits is a point on the unit circle.
+    coordinates = (position,) if joint.nq == 1 else (cos(position), sin(position))
+    values[joint.idx_q : joint.idx_q + joint.nq] = coordinates
+
+
+def _check(robot: Robot, movable: list[str], name: str, position: object) -> None:
+    if name not in movable:
+        close = difflib.get_close_matches(str(name), movable, n=1)
+        hint = f"Did you mean {close[0]!r}? " if close else ""
+        raise CourseError(
+            f"{robot.name!r} has no joint {name!r} that moves. {hint}Those that do: {', '.join(movable)}."
+        )
+    if not isinstance(position, Real) or not isfinite(position):
+        unit = robot.tree.joints[name].unit
+        raise CourseError(f"Joint {name!r} got position {position!r}, expected a finite number, [{unit}].")

@@ -1,0 +1,38 @@
+"""Files that a robot description names."""
+
+import os
+import sys
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+from course_lib.errors import CourseError
+
+
+def resolve(uri: str, near: Path | None = None) -> Path:
+    """Return the file of a ``package://`` or ``file://`` address; `near` is the file that names it.
+
+    Raises:
+        CourseError: If it is no such address, or no file is there.
+    """
+    parts = urlparse(uri)
+    if parts.scheme not in ("package", "file"):
+        raise CourseError(f"{uri!r} is no address of a file; write package://PACKAGE/PATH or file:///PATH.")
+    inside = unquote(parts.path).lstrip("/")
+    roots = package_roots(near) if parts.scheme == "package" else [Path("/")]
+    found = next((path for root in roots if (path := root / parts.netloc / inside).is_file()), None)
+    if found is None:
+        raise CourseError(
+            f"There is no file {uri}; mend the address, or put the folder that holds the package on "
+            "ROS_PACKAGE_PATH."
+        )
+    return found
+
+
+def package_roots(near: Path | None = None) -> list[Path]:
+    """Return the folders that packages are looked for in.
+
+    They are those on ROS_PACKAGE_PATH, the robot data that comes with the kit, and those above `near`.
+    """
+    named = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if root]
+    installed = [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]
+    return named + installed + (list(near.resolve().parents[1:]) if near else [])
