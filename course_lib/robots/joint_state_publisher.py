@@ -1,0 +1,113 @@
+"""What ROS's joint_state_publisher does: a robot's joint positions, at a rate."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import Unpack
+
+from rclpy.node import Node, NodeOptions
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from course_lib.errors import CourseError
+from course_lib.robots.urdf import MOVING, Follow, Joint, parse_urdf
+
+
+@dataclass
+class FreeJoint:
+    """A joint that can be set: its limits, where it begins and where it is, all in its unit."""
+
+    unit: str
+    lower: float
+    upper: float
+    zero: float
+    position: float
+
+
+class JointStatePublisher(Node):
+    """Publishes /joint_states for a robot, by the rules of the ROS node.
+
+    Joints begin at 0, or in the middle of limits that exclude 0, and stay where `joints[name].position` puts
+    them; mimic joints follow. The robot is the one given, then whatever /robot_description brings.
+
+    Args:
+        robot_description: The text of a URDF; if empty, the node waits for /robot_description.
+        rate: How often it publishes, [Hz].
+        zeros: Where joints begin instead, by name, [rad] or [m].
+        options: What any node takes.
+
+    Raises:
+        CourseError: If the description is not valid or a joint has no limits, or the rate is not above 0.
+    """
+
+    def __init__(
+        self,
+        robot_description: str = "",
+        *,
+        rate: int = 10,
+        zeros: Mapping[str, float] | None = None,
+        **options: Unpack[NodeOptions],
+    ) -> None:
+        super().__init__("joint_state_publisher", **options)
+        rate = self.declare_parameter("rate", rate).value
+        self.joints: dict[str, FreeJoint] = {}
+        self.on_robot: list[Callable[[], None]] = []  # called when the robot has changed
+        self._zeros = dict(zeros or {})
+        self._follows: dict[str, Follow] = {}  # what places each joint, in the order of the file
+        try:
+            if not rate > 0:
+                raise CourseError(f"The rate is {rate!r}, expected one above 0, [Hz].")
+            if robot_description:
+                self.set_description(robot_description)
+        except CourseError:
+            self.destroy_node()
+            raise
+        if not robot_description:
+            self.get_logger().info(
+                "Waiting for robot_description to be published on the robot_description topic..."
+            )
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_subscription(String, "robot_description", self._on_description, latched)
+        self._publisher = self.create_publisher(JointState, "joint_states", 10)
+        self.create_timer(1.0 / rate, self._publish)
+
+    def set_description(self, text: str) -> None:
+        """Take another robot, its joints at their zeros; raises CourseError if one has no limits."""
+        tree = parse_urdf(text)
+        moving = [joint for joint in tree.joints.values() if joint.kind in MOVING]
+        follows = {joint.name: tree.followed(joint) for joint in moving}
+        joints = {
+            joint.name: self._free(joint) for joint in moving if follows[joint.name].joint == joint.name
+        }
+        self.joints, self._follows = joints, follows
+        for tell in self.on_robot:
+            tell()
+
+    def _free(self, joint: Joint) -> FreeJoint:
+        limits = dict(joint.limits)
+        if joint.kind == "continuous":
+            limits |= {"lower": -pi, "upper": pi}
+        for side in ("lower", "upper"):
+            if side not in limits:
+                raise CourseError(
+                    f'"{side}" limit must be specified for joint "{joint.name}" of type "{joint.kind}"'
+                )
+        lower = max(limits["lower"], limits.get("soft_lower_limit", limits["lower"]))
+        upper = min(limits["upper"], limits.get("soft_upper_limit", limits["upper"]))
+        zero = self._zeros.get(joint.name, (lower + upper) / 2 if lower > 0 or upper < 0 else 0.0)
+        return FreeJoint(joint.unit, lower, upper, zero, zero)
+
+    def _on_description(self, message: String) -> None:
+        try:
+            self.set_description(message.data)
+        except CourseError as error:
+            self.get_logger().warning(str(error))
+
+    def _publish(self) -> None:
+        state = JointState(name=list(self._follows))
+        state.header.stamp = self.get_clock().now().to_msg()
+        for follow in self._follows.values():
+            state.position.append(self.joints[follow.joint].position * follow.factor + follow.offset)
+        if state.name:
+            self._publisher.publish(state)

@@ -1,0 +1,258 @@
+from collections.abc import Callable
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+from course_lib.errors import CourseError
+from course_lib.robots.kinematics import link_poses
+from course_lib.robots.load import load_robot
+from course_lib.robots.robot_state_publisher import RobotStatePublisher
+from course_lib.ros.graph import Graph
+from course_lib.ros.tf2_transform import Transform
+from tests.robots.urdfs import ALL_KINDS, ARM_2R
+
+On = Callable[[str], list[Any]]
+Run = Callable[..., None]
+Rows = list[tuple[str, str]]
+
+
+class Joints(Node):
+    """Publishes joint states as told."""
+
+    def __init__(self) -> None:
+        super().__init__("joints")
+        self.publisher = self.create_publisher(JointState, "/joint_states", 10)
+
+    def say(self, positions: dict[str, float], stamp_ns: int | None = None) -> None:
+        state = JointState(name=list(positions), position=list(positions.values()))
+        now = self.get_clock().now() if stamp_ns is None else Time(nanoseconds=stamp_ns)
+        state.header.stamp = now.to_msg()
+        self.publisher.publish(state)
+
+
+def frames(message: Any) -> Rows:
+    return [(t.header.frame_id, t.child_frame_id) for t in message.transforms]
+
+
+def matrices(message: Any) -> dict[str, Any]:
+    found = {}
+    for t in message.transforms:
+        place, turn = t.transform.translation, t.transform.rotation
+        pose = ((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
+        found[t.child_frame_id] = Transform("", "", 0, *pose).matrix()
+    return found
+
+
+def test_it_offers_what_the_ros_node_offers(graph: Graph) -> None:
+    node = RobotStatePublisher(ARM_2R)
+    name = (node.get_name(), node.get_namespace())
+    assert (
+        dict(node.get_publisher_names_and_types_by_node(*name)).items()
+        >= {
+            "/tf": ["tf2_msgs/msg/TFMessage"],
+            "/tf_static": ["tf2_msgs/msg/TFMessage"],
+            "/robot_description": ["std_msgs/msg/String"],
+        }.items()
+    )
+    qos = {info.topic: info.qos for info in graph.endpoints()}
+    assert [qos[t].durability for t in ("/tf", "/tf_static", "/robot_description")] == [
+        "volatile", "transient_local", "transient_local",
+    ]  # fmt: skip
+    assert [qos[t].depth for t in ("/tf", "/tf_static", "/robot_description")] == [100, 1, 1]
+    assert (qos["/joint_states"].reliability, qos["/joint_states"].depth) == ("best_effort", 5)
+
+
+def test_who_comes_late_still_gets_the_description_and_the_fixed_transforms(graph: Graph) -> None:
+    RobotStatePublisher(ARM_2R)
+    kept = {sample.topic for sample in graph.latched()}
+    assert kept == {"/rosout", "/robot_description", "/tf_static"}
+
+
+def test_moving_joints_go_to_tf_with_the_stamp_of_the_joint_state(graph: Graph, on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    stamp_ns = graph.now_ns - 123
+    joints.say({"shoulder": 0.3, "elbow": -0.2}, stamp_ns)
+    run(0.1, node, joints)
+    (message,) = on("/tf")
+    assert frames(message) == [("upper", "fore"), ("base", "upper")]  # by the names of the joints
+    assert {Time.from_msg(t.header.stamp).nanoseconds for t in message.transforms} == {stamp_ns}
+
+
+def test_fixed_joints_go_to_tf_static_once(graph: Graph, on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ALL_KINDS), Joints()
+    joints.say({"drive": 1.0})
+    run(1.0, node, joints)
+    (message,) = on("/tf_static")
+    assert frames(message) == [("balloon", "lamp"), ("base", "plate")]  # floating joints are left out
+    np.testing.assert_allclose(matrices(message)["plate"][:3, 3], [0, 0, 1])
+
+
+@pytest.mark.parametrize("name", ["ur10", "panda", "tiago"])
+def test_all_transforms_together_are_pinocchios_link_poses(name: str, on: On, run: Run) -> None:
+    robot, random = load_robot(name), np.random.default_rng(1)
+    free = [j for j in robot.tree.joints.values() if j.kind != "fixed" and not j.mimic]
+    positions = {j.name: float(random.uniform(-1.5, 1.5)) for j in free}
+    node, joints = RobotStatePublisher(robot.urdf), Joints()
+    joints.say(positions)
+    run(0.1, node, joints)
+    step = matrices(on("/tf")[0]) | matrices(on("/tf_static")[0])
+    parents = {j.child: j.parent for j in robot.tree.joints.values()}
+    for link, transform_link_to_root in link_poses(robot, positions).items():
+        chained, at = np.eye(4), link
+        while at in parents:
+            chained, at = step[at] @ chained, parents[at]
+        np.testing.assert_allclose(transform_link_to_root, chained, atol=1e-9)
+
+
+def test_it_publishes_at_most_20_times_a_second_in_whole_messages(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.create_timer(0.02, lambda: joints.say({"shoulder": 0.0, "elbow": 0.0}))  # 50 Hz
+    run(1.001, node, joints)
+    assert len(on("/tf")) == 17  # every third: 60 ms is the first multiple of 20 ms that is 50 ms at least
+
+
+@pytest.mark.parametrize(("frequency", "count"), [(1000.0, 50), (0.0, 50), (50.0, 50), (5.0, 5), (30.0, 25)])
+def test_the_publish_frequency_is_a_limit(frequency: float, count: int, on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R, publish_frequency=frequency), Joints()
+    joints.create_timer(0.02, lambda: joints.say({"shoulder": 0.0, "elbow": 0.0}))
+    run(1.001, node, joints)
+    assert len(on("/tf")) == count
+
+
+def test_a_joint_heard_for_the_first_time_is_published_at_once(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.say({"shoulder": 0.0})
+    joints.say({"elbow": 0.0})
+    joints.say({"shoulder": 0.1})
+    run(0.1, node, joints)
+    assert [frames(m) for m in on("/tf")] == [[("base", "upper")], [("upper", "fore")]]
+
+
+def test_a_message_without_a_stamp_is_ignored_unless_stamps_are(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.say({"shoulder": 0.0}, stamp_ns=0)
+    run(0.1, node, joints)
+    assert on("/tf") == []
+    node.destroy_node()
+    lenient = RobotStatePublisher(ARM_2R, ignore_timestamp=True)
+    joints.say({"shoulder": 0.0}, stamp_ns=0)
+    run(0.1, lenient, joints)
+    assert len(on("/tf")) == 1
+
+
+def test_frames_get_the_prefix(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R, frame_prefix="left/"), Joints()
+    joints.say({"shoulder": 0.0})
+    run(0.1, node, joints)
+    assert frames(on("/tf")[0]) == [("left/base", "left/upper")]
+    assert frames(on("/tf_static")[0]) == [("left/fore", "left/tip")]
+
+
+def test_unknown_and_fixed_joints_are_ignored_without_a_word(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.say({"tail": 1.0, "tip_joint": 1.0, "elbow": 0.5})
+    joints.say({"tail": 1.0}, stamp_ns=joints.get_clock().now().nanoseconds + 10**9)
+    run(0.1, node, joints)
+    assert [frames(m) for m in on("/tf")] == [[("upper", "fore")], []]
+    assert [m.msg for m in on("/rosout")] == ["Robot initialized"]
+
+
+def test_mimic_joints_follow_one_joint_each_unless_they_are_given(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ALL_KINDS), Joints()
+    joints.say({"lift": 0.25})
+    run(0.1, node, joints)
+    robot = load_robot(ALL_KINDS)
+    poses = link_poses(robot, {"lift": 0.25})
+    moved = matrices(on("/tf")[0])
+    assert list(moved) == ["finger", "mast", "thumb"]
+    np.testing.assert_allclose(poses["thumb"], moved["mast"] @ moved["finger"] @ moved["thumb"], atol=1e-9)
+    joints.say({"lift": 0.25, "finger": 0.0})
+    run(0.1, node, joints)
+    np.testing.assert_allclose(matrices(on("/tf")[1])["finger"], np.eye(4), atol=1e-12)
+
+
+def test_a_joint_that_is_nowhere_is_published_as_it_came_and_the_others_go_on(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.say({"shoulder": nan, "elbow": 0.5})
+    run(0.1, node, joints)
+    fore, upper = on("/tf")[0].transforms
+    assert isnan(upper.transform.rotation.w)
+    assert not isnan(fore.transform.rotation.w)
+
+
+def test_of_a_joint_named_twice_the_first_position_counts(on: On, run: Run) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    state = JointState(name=["shoulder", "shoulder"], position=[0.0, 1.0])
+    state.header.stamp = joints.get_clock().now().to_msg()
+    joints.publisher.publish(state)
+    run(0.1, node, joints)
+    np.testing.assert_allclose(matrices(on("/tf")[0])["upper"], np.eye(4), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("positions", "text"),
+    [
+        ([], 'ignored a JointState message about joint(s) "a"(,...) whose position member was empty.'),
+        ([1.0], "Robot state publisher ignored an invalid JointState message"),
+    ],
+)
+def test_a_message_whose_sizes_disagree_is_refused_with_ross_text(
+    positions: list[float], text: str, on: On, run: Run
+) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    joints.publisher.publish(JointState(name=["a", "b"], position=positions))
+    run(0.1, node, joints)
+    assert text in on("/rosout")[-1].msg
+    assert on("/tf") == []
+
+
+def test_time_that_runs_backwards_makes_all_joints_be_published_again(
+    graph: Graph, on: On, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, joints = RobotStatePublisher(ARM_2R), Joints()
+    clock, real = node.get_clock(), node.get_clock().now
+    monkeypatch.setattr(type(clock), "now", lambda self: Time(nanoseconds=real().nanoseconds + 10**10))
+    joints.say({"shoulder": 0.0}, graph.now_ns + 10**10)
+    run(0.1, node, joints)
+    monkeypatch.undo()
+    joints.say({"shoulder": 0.1}, graph.now_ns)
+    run(0.1, node, joints)
+    assert len(on("/tf")) == 2
+    assert "Moved backwards in time, re-publishing joint transforms!" in [m.msg for m in on("/rosout")]
+
+
+def test_another_robot_may_take_its_place(on: On, run: Run) -> None:
+    node = RobotStatePublisher(ARM_2R)
+    node.set_description(ALL_KINDS)
+    assert [m.data for m in on("/robot_description")] == [ARM_2R, ALL_KINDS]
+    assert len(on("/tf_static")) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "frequency", "reason"),
+    [
+        ("", 20.0, "robot_description parameter must not be empty"),
+        ("<robot", 20.0, "The URDF is no XML"),
+        (ARM_2R, 1001.0, "publish_frequency must be between 0 and 1000"),
+        (ARM_2R, -1.0, "publish_frequency must be between 0 and 1000"),
+        (ARM_2R, nan, "publish_frequency must be between 0 and 1000"),
+    ],
+)
+def test_a_node_that_cannot_work_says_why_and_leaves_nothing_behind(
+    text: str, frequency: float, reason: str, graph: Graph
+) -> None:
+    with pytest.raises(CourseError, match=reason):
+        RobotStatePublisher(text, publish_frequency=frequency)
+    assert graph.nodes() == []
+
+
+def test_parameters_from_outside_count_more(graph: Graph) -> None:
+    overrides = [Parameter("robot_description", value=ARM_2R), Parameter("frame_prefix", value="r/")]
+    node = RobotStatePublisher(parameter_overrides=overrides)
+    assert node.get_parameter("frame_prefix").value == "r/"
