@@ -197,6 +197,12 @@ class Baton:
             me.waits_after_end = 0
             self.wait(_never, until_ns=None, what="the others' ends")
 
+    def interrupt(self, thread: threading.Thread) -> None:
+        """Raise KeyboardInterrupt in a thread of the program, in its present wait or its next one."""
+        for ident, program_thread in self._threads.items():
+            if ident == thread.ident:
+                program_thread.raises = KeyboardInterrupt()
+
     def _count_wait_after_end(self, me: ProgramThread) -> None:
         me.waits_after_end += 1
         if me.waits_after_end > RETURNS_AFTER_THE_END:

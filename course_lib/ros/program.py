@@ -10,7 +10,7 @@ from types import ModuleType
 
 from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
-from course_lib.ros.baton import baton
+from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import Graph, current_graph, program
 from course_lib.ros.notebook_program import NotebookProgram
 from course_lib.ros.seeding import seeded
@@ -72,7 +72,7 @@ class Program:
         try:
             exec(self._code, module.__dict__)
         except SystemExit as leaving:
-            self.exit_code = leaving.code if isinstance(leaving.code, int) else int(bool(leaving.code))
+            self.exit_code = _exit_code(leaving.code)
         except KeyboardInterrupt:
             self.exit_code = 0 if current_graph().ended else 130
         except BaseException as error:
@@ -92,13 +92,32 @@ def _interpreter_kept() -> Iterator[None]:
 
 def _run_beside_each_other(programs: Sequence[Program | NotebookProgram]) -> None:
     threads = []
-    for one in programs:
-        program.name = str(one.file)
+    for number, one in enumerate(programs):
+        program.name = f"{number}: {one.file}"  # the same file may run twice
         threads.append(threading.Thread(target=one.run, name=one.file.name))
         threads[-1].start()
     program.name = ""
+    try:
+        _join(threads)
+    except (KeyboardInterrupt, DeadlockError) as reason:
+        for thread in threads:  # each gets Ctrl+C, as if it had a process of its own
+            baton.interrupt(thread)
+        _join(threads)
+        if isinstance(reason, DeadlockError):
+            raise
+
+
+def _join(threads: Sequence[threading.Thread]) -> None:
     for thread in threads:
         thread.join()
+
+
+def _exit_code(code: object) -> int:
+    """Give what Python makes of `sys.exit(code)`: a text is printed, and means 1."""
+    if code is None or isinstance(code, int):
+        return code or 0
+    sys.stderr.write(f"{code}\n")
+    return 1
 
 
 def _finish(graph: Graph) -> None:

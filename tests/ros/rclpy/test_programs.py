@@ -1,9 +1,14 @@
 """Whole programs, run as `course run` runs them."""
 
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from course_lib.ros.baton import DeadlockError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.program import run_files
@@ -70,3 +75,47 @@ def test_two_programs_each_have_their_own_init_and_hear_of_incompatible_partners
     err = capsys.readouterr().err
     assert "[talker]: New subscription discovered on topic 'x', requesting incompatible QoS." in err
     assert "[listener]: New publisher discovered on topic 'x', offering incompatible QoS." in err
+
+
+TALKER = """
+import rclpy
+rclpy.init()
+node = rclpy.create_node("talker")
+node.create_timer(0.1, lambda: None)
+print("ready", flush=True)
+try:
+    rclpy.spin(node)
+except KeyboardInterrupt:
+    print("left by Ctrl+C")
+"""
+
+
+def test_ctrl_c_ends_every_program_of_a_run_even_of_the_same_file(tmp_path: Path) -> None:
+    talker = tmp_path / "talker.py"
+    talker.write_text(TALKER)
+    command = [sys.executable, "-m", "course_lib", "run", str(talker), str(talker), "--real-time"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert [process.stdout.readline() for _ in range(2)] == ["ready\n"] * 2
+        time.sleep(0.2)  # [s] to come into its wait
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=30)[0] == "left by Ctrl+C\n" * 2
+        assert process.returncode == 0
+
+
+def test_programs_that_wait_for_each_other_for_ever_are_named_and_ended(tmp_path: Path) -> None:
+    files = [tmp_path / "a.py", tmp_path / "b.py"]
+    for file in files:
+        file.write_text(ENDPOINT.format(name=file.stem, create=""))
+    with use_graph(Graph()), pytest.raises(DeadlockError, match="a callback of /a"):
+        run_files(files, seed=1)
+
+
+def test_a_text_given_to_sys_exit_is_shown_and_means_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "leaving.py"
+    file.write_text("import sys; sys.exit('no robot here')")
+    with use_graph(Graph()):
+        assert run_files([file], seed=1) == 1
+    assert capsys.readouterr().err == "no robot here\n"
