@@ -75,13 +75,7 @@ def _decode(sample: Sample) -> Any:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A check's answer.
-
-    Args:
-        score: From 0 to 1.
-        message: What came in and what was expected; for public checks.
-        mistake: The kind of mistake, without any value; for hidden checks.
-    """
+    """A check's answer: a score from 0 to 1, and why; hidden checks say the `mistake`, never a value."""
 
     score: float
     message: str

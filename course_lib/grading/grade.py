@@ -11,9 +11,9 @@ from typing import Any
 
 from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
-from course_lib.grading.grade_one import Course, catalog_of, grade_one
+from course_lib.grading.grade_one import Course, catalog_of, grade_one, our_fault, stored
 from course_lib.grading.gradebook import write_gradebook
-from course_lib.grading.result import ISOLATION, Result, read_result, result_path
+from course_lib.grading.result import ISOLATION, read_result, result_path
 from course_lib.grading.store import write_whole
 from course_lib.grading.submission import Submission, find_submissions
 
@@ -97,9 +97,7 @@ def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: 
             try:
                 yield future.result()
             except Exception as error:  # the grading process itself died: that submission's is our fault
-                result = Result(futures[future], "grader_error", type(error).__name__, str(error))
-                result.write(out)
-                yield result.row()
+                yield stored(our_fault(futures[future], error), out)
 
 
 def _say_summary(rows: Sequence[Row], gradebook: Path) -> None:

@@ -33,7 +33,17 @@ def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, An
     try:
         result = _graded(submission, catalog_of(course), out)
     except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
-        result = Result(submission, "grader_error", type(error).__name__, str(error))
+        result = our_fault(submission, error)
+    return stored(result, out)
+
+
+def our_fault(submission: Submission, error: Exception) -> Result:
+    """What becomes of a submission that could not be graded: no mark, and never a zero."""
+    return Result(submission, "grader_error", type(error).__name__, str(error))
+
+
+def stored(result: Result, out: Path) -> dict[str, Any]:
+    """Write report and result; returns its line of the gradebook."""
     try:
         write_report(result, out)
     except Exception as error:  # the marks are right without a report, and must not be lost with it

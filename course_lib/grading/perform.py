@@ -18,13 +18,7 @@ MAX_ERRORS = 20
 
 @dataclass(frozen=True)
 class Part:
-    """What the student's side gets to know of a scenario.
-
-    Args:
-        kind: Of the task.
-        seed: Of everything random.
-        calls: Positional and keyword arguments of each call of a function.
-    """
+    """What the student's side gets to know: the task's kind, the seed, the arguments of calls."""
 
     kind: str
     seed: int
