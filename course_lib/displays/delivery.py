@@ -23,12 +23,7 @@ def reaches(sample: Sample, subscription: Subscription, match_qos: bool) -> bool
 
 
 def silence(display: Display, types: Mapping[str, str]) -> list[StatusRow]:
-    """Say which topics a display could listen to if its own ones are silent.
-
-    Args:
-        display: The display.
-        types: The type of each topic that was heard.
-    """
+    """Say which of the topics that were heard, by name and type, a silent display could listen to."""
     topics = {subscription.topic for subscription in display.subscriptions}
     wanted = {subscription.type_name for subscription in display.subscriptions}
     others = sorted(topic for topic, name in types.items() if name in wanted)

@@ -14,39 +14,25 @@ from course_lib.viewer.scene import Scene
 
 @dataclass(frozen=True)
 class Subscription:
-    """What a display wants to hear.
+    """What a display wants to hear."""
 
-    Args:
-        topic: Fully resolved name.
-        type_name: ``visualization_msgs/msg/Marker``.
-        qos: What it requests.
-        take: Called with each message.
-        statuses: Where to say that messages cannot come.
-    """
-
-    topic: str
-    type_name: str
-    qos: Qos
-    take: Callable[[Any], None]
-    statuses: Statuses
+    topic: str  # fully resolved name
+    type_name: str  # ``visualization_msgs/msg/Marker``
+    qos: Qos  # what it requests
+    take: Callable[[Any], None]  # called with each message
+    statuses: Statuses  # where to say that messages cannot come
 
 
 @dataclass
 class Context:
-    """What displays work with, one for all of a session.
+    """What displays work with, one for all of a session."""
 
-    Args:
-        scene: What they draw into.
-        frames: Where frames are.
-        now_ns: Robot time, [ns].
-        joined: Called with new subscriptions, to get what publishers hold for latecomers.
-        touched: Called when somebody has changed a property, to show it at once.
-    """
-
-    scene: Scene
-    frames: Frames
-    now_ns: int = 0
+    scene: Scene  # what they draw into
+    frames: Frames  # where frames are
+    now_ns: int = 0  # robot time, [ns]
+    # called with new subscriptions, to get what publishers hold for latecomers
     joined: Callable[[Iterable[Subscription]], None] = lambda subscriptions: None
+    # called when somebody has changed a property, to show it at once
     touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
 
@@ -67,15 +53,7 @@ class Context:
 
 
 class Display(PropertyHolder):
-    """Base of all displays.
-
-    A display draws below its own node of the scene, in the fixed frame.
-
-    Args:
-        context: What it works with.
-        name: How it is called in RViz's tree.
-        path: Its node in the scene.
-    """
+    """Base of all displays; each draws below its own node of the scene, `path`, in the fixed frame."""
 
     class_name: ClassVar[str] = ""
     properties: ClassVar[tuple[Property, ...]] = (Property("Enabled", True, flag),)

@@ -19,11 +19,7 @@ NS = 1_000_000_000  # [ns] in a second
 
 
 class Frames:
-    """The transforms that have arrived, and the frame everything is shown in.
-
-    Args:
-        fixed_frame: RViz's Fixed Frame.
-    """
+    """The transforms that have arrived, and the frame everything is shown in."""
 
     def __init__(self, fixed_frame: str) -> None:
         self.buffer = BufferCore()

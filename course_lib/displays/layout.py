@@ -11,21 +11,13 @@ from course_lib.errors import CourseError
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts of a layout that say what is drawn.
+    """The parts of a layout that say what is drawn."""
 
-    Args:
-        fixed_frame: RViz's Fixed Frame.
-        background: Colour behind everything.
-        frame_rate: [Hz].
-        displays: The configuration of each display, in order; groups are opened.
-        view: The configuration of the current view.
-    """
-
-    fixed_frame: str
-    background: Color
-    frame_rate: int
-    displays: tuple[Mapping[str, Any], ...]
-    view: Mapping[str, Any]
+    fixed_frame: str  # RViz's Fixed Frame
+    background: Color  # colour behind everything
+    frame_rate: int  # [Hz]
+    displays: tuple[Mapping[str, Any], ...]  # the configuration of each display, in order; groups are opened
+    view: Mapping[str, Any]  # the configuration of the current view
 
 
 def read_layout(path: str | Path) -> Layout:

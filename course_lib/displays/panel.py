@@ -15,11 +15,7 @@ _PERIOD = 0.5  # [s] of the wall clock between two changes of the table
 
 
 class Panel:
-    """Shows a session in as many cells as ask for it; made when the first one does.
-
-    Args:
-        session: What to show.
-    """
+    """Shows a session in as many cells as ask for it; made when the first one does."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -31,9 +27,7 @@ class Panel:
     def shown(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return what a cell displays; pages that run no scripts get a picture and the table.
 
-        Args:
-            viewer: Whose panel this is; it lives as long as a page shows it.
-            kwargs: IPython's.
+        The viewer, whose panel this is, lives as long as a page shows it.
         """
         if self._box is None:
             self._box = self._made(viewer)

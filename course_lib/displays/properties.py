@@ -15,16 +15,11 @@ Convert: TypeAlias = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class Property:
-    """One row of RViz's property tree.
+    """One row of RViz's property tree."""
 
-    Args:
-        label: RViz's label; a property below another one is written ``Line Style/Line Width``.
-        default: RViz's default.
-        convert: Turns what a user or a file gives into the value, or raises ValueError with what it expects.
-    """
-
-    label: str
-    default: Any
+    label: str  # RViz's label; a property below another one is written ``Line Style/Line Width``
+    default: Any  # RViz's default
+    # turns what a user or a file gives into the value, or raises ValueError with what it expects
     convert: Convert
 
 

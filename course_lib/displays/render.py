@@ -55,15 +55,7 @@ def render_bag(
     png: Path | None = None,
     html: Path | None = None,
 ) -> str:
-    """Draw a bag into a picture or a page.
-
-    Args:
-        bag: Its folder.
-        rviz: The layout to draw it through.
-        at: When to look, in [s] after the first message; None means at the end.
-        size: Of the picture, [px].
-        png: Where the picture goes.
-        html: Where the page goes.
+    """Draw the bag in a folder into a picture of a size in [px], a page, or both; see `scene_of`.
 
     Returns:
         What was written, what drew it, and what the statuses complain about.

@@ -2,16 +2,19 @@
 
 from collections import deque
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from course_lib.displays.display import Display, Subscription
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.properties import Property, integer, text, words
 from course_lib.ros.qos import Qos
 
-_HISTORY: Mapping[str, Literal["keep_last", "keep_all"]] = {"Keep All": "keep_all"}
-_RELIABILITY: Mapping[str, Literal["reliable", "best_effort"]] = {"Best Effort": "best_effort"}
-_DURABILITY: Mapping[str, Literal["volatile", "transient_local"]] = {"Transient Local": "transient_local"}
+# By the fields of Qos; in RViz's words, its default first.
+_POLICIES = {
+    "history": ("Keep Last", "Keep All"),
+    "reliability": ("Reliable", "Best Effort"),
+    "durability": ("Volatile", "Transient Local"),
+}
 
 
 def topic_properties(default: str = "") -> tuple[Property, ...]:
@@ -20,10 +23,9 @@ def topic_properties(default: str = "") -> tuple[Property, ...]:
         *Display.properties,
         Property("Topic", default, text),
         Property("Topic/Depth", 5, integer(0)),
-        Property("Topic/History Policy", "Keep Last", words("Keep Last", "Keep All", "System Default")),
-        Property("Topic/Reliability Policy", "Reliable", words("Reliable", "Best Effort", "System Default")),
-        Property(
-            "Topic/Durability Policy", "Volatile", words("Volatile", "Transient Local", "System Default")
+        *(
+            Property(f"Topic/{field.title()} Policy", options[0], words(*options, "System Default"))
+            for field, options in _POLICIES.items()
         ),
     )
 
@@ -55,12 +57,9 @@ class TopicDisplay(Display):
 
     def qos(self) -> Qos:
         """Return what the display requests of publishers."""
-        return Qos(
-            history=_HISTORY.get(self["Topic/History Policy"], "keep_last"),
-            depth=self["Topic/Depth"],
-            reliability=_RELIABILITY.get(self["Topic/Reliability Policy"], "reliable"),
-            durability=_DURABILITY.get(self["Topic/Durability Policy"], "volatile"),
-        )
+        said = {field: self[f"Topic/{field.title()} Policy"] for field in _POLICIES}
+        policies = {f: word.lower().replace(" ", "_") for f, word in said.items() if word != "System Default"}
+        return Qos(depth=self["Topic/Depth"], **policies)
 
     def start(self) -> None:
         """Listen to the topic, if the display is ticked and has one."""

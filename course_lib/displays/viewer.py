@@ -11,7 +11,6 @@ import numpy.typing as npt
 from course_lib.displays.display import Display
 from course_lib.displays.layout import read_layout
 from course_lib.displays.panel import Panel
-from course_lib.displays.properties import Color, color
 from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
@@ -69,7 +68,7 @@ class Viewer:
         Args:
             class_name: RViz's name, ``Marker`` or ``rviz_default_plugins/Marker``.
             topic: Its Topic property.
-            name: How it is called; its class if not given.
+            name: Its class if not given.
             properties: By RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell Size": 0.5}``.
 
         Raises:
@@ -109,18 +108,6 @@ class Viewer:
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
         self.session.fixed_frame = frame
-
-    @property
-    def background(self) -> Color:
-        """Colour behind everything, RGB in 0..255; may be set as ``"48; 48; 48"``."""
-        return self.scene.background
-
-    @background.setter
-    def background(self, value: Color | str) -> None:
-        try:
-            self.scene.background = color(value)
-        except ValueError as error:
-            raise CourseError(f"The background is {value!r}, expected {error}.") from None
 
     @property
     def view(self) -> View:
@@ -163,12 +150,7 @@ class Viewer:
         save_html(self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
-        """Draw the scene into a PNG; the result says what drew it.
-
-        Args:
-            path: Where to write it, if anywhere.
-            size: Width and height, [px].
-        """
+        """Draw the scene into a PNG of a size in [px]; the result says what drew it."""
         self.look()
         return screenshot(self.scene, path, size)
 

@@ -16,22 +16,14 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Camera:
-    """A view of the scene, all in the scene's own frame and [m].
+    """A view of the scene, all in the scene's own frame and [m]."""
 
-    Args:
-        eye: Where the camera is.
-        target: What it looks at and turns around.
-        up: Direction that is up in the picture.
-        vertical_fov: Opening angle in [rad]; RViz's is 45 degrees.
-        near: Nearest distance that is drawn.
-        orthographic_scale: Pixels per metre of a view without perspective; None for perspective.
-    """
-
-    eye: Vector = (5.0, 5.0, 7.071068)
-    target: Vector = (0.0, 0.0, 0.0)
-    up: Vector = (0.0, 0.0, 1.0)
-    vertical_fov: float = pi / 4
-    near: float = 0.01
+    eye: Vector = (5.0, 5.0, 7.071068)  # where the camera is
+    target: Vector = (0.0, 0.0, 0.0)  # what it looks at and turns around
+    up: Vector = (0.0, 0.0, 1.0)  # direction that is up in the picture
+    vertical_fov: float = pi / 4  # opening angle in [rad]; RViz's is 45 degrees
+    near: float = 0.01  # nearest distance that is drawn
+    # pixels per metre of a view without perspective; None for perspective
     orthographic_scale: float | None = None
 
     def __post_init__(self) -> None:

@@ -24,17 +24,11 @@ document.body.dataset.picture = globalThis["%(key)s"].picture("%(scene)s", %(wid
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a scene.
+    """A picture of a scene."""
 
-    Args:
-        png: The file's content.
-        renderer: What drew it.
-        note: Why it was not drawn by a browser, or "".
-    """
-
-    png: bytes
-    renderer: Renderer
-    note: str = ""
+    png: bytes  # the file's content
+    renderer: Renderer  # what drew it
+    note: str = ""  # why it was not drawn by a browser, or ""
 
 
 def screenshot(
@@ -43,13 +37,9 @@ def screenshot(
     size: tuple[int, int] = (800, 600),
     renderer: Renderer | Literal["auto"] = "auto",
 ) -> Picture:
-    """Draw a scene as it is now.
+    """Draw a scene as it is now, into a PNG of a size in pixels.
 
-    Args:
-        scene: What to draw.
-        path: Where to write the PNG, if anywhere.
-        size: Width and height in pixels.
-        renderer: "auto" takes Chromium or Chrome where found, and numpy if there is none or it fails.
+    "auto" takes Chromium or Chrome where found, and numpy if there is none or it fails.
 
     Raises:
         CourseError: If "chromium" was asked for and could not draw.

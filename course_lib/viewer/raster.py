@@ -15,17 +15,11 @@ Indices = npt.NDArray[np.intp]
 
 
 class Covered(NamedTuple):
-    """Samples inside triangles.
+    """Samples inside triangles."""
 
-    Args:
-        sample: Numbers of samples in the picture, row by row, shape (N,).
-        triangle: Numbers of the triangles, shape (N,).
-        share: Share of each corner at the sample, shape (N, 3).
-    """
-
-    sample: Indices
-    triangle: Indices
-    share: Doubles
+    sample: Indices  # numbers of samples in the picture, row by row, shape (N,)
+    triangle: Indices  # numbers of the triangles, shape (N,)
+    share: Doubles  # share of each corner at the sample, shape (N, 3)
 
 
 def covered(xy: Doubles, size: tuple[int, int]) -> Iterator[Covered]:

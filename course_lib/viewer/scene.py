@@ -70,12 +70,7 @@ class Scene:
             self._tell("object", node.path)
 
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
-        """Place a node in its parent.
-
-        Args:
-            path: The node.
-            matrix: Transform from the node to its parent, shape (4, 4), translation in [m].
-        """
+        """Place a node in its parent, by the transform from the one to the other, shape (4, 4), in [m]."""
         transform_node_to_parent = checked(f"The transform of {path!r}", matrix, np.float64, (4, 4))
         with self.lock:
             node = self._made(path)

@@ -18,15 +18,10 @@ _LONGEST = 5000  # letters
 
 @dataclass(frozen=True)
 class Glyphs:
-    """A text in white on black.
+    """A text in white on black."""
 
-    Args:
-        mask: How much of each pixel is ink, 0..255, shape (rows, columns).
-        pixels_per_height: Pixels in the height of a capital letter.
-    """
-
-    mask: npt.NDArray[np.uint8]
-    pixels_per_height: float
+    mask: npt.NDArray[np.uint8]  # how much of each pixel is ink, 0..255, shape (rows, columns)
+    pixels_per_height: float  # pixels in the height of a capital letter
 
 
 @lru_cache(maxsize=512)

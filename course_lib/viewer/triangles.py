@@ -26,17 +26,13 @@ from course_lib.viewer.text import rasterized
 
 @dataclass(frozen=True)
 class Triangles:
-    """One object as the camera sees it.
+    """One object as the camera sees it."""
 
-    Args:
-        corners: x right, y up, -z ahead of the camera, in [m], then RGBA, then the place in the mask, x
-            right and y up in 0..1; shape (T, 3, 9).
-        transparent: Whether what is behind shines through.
-        mask: How much of the colour there is, 0..255, shape (rows, columns), or None.
-    """
-
+    # x right, y up, -z ahead of the camera, in [m], then RGBA, then the place in the mask, x right and y
+    # up in 0..1; shape (T, 3, 9)
     corners: Floats
-    transparent: bool
+    transparent: bool  # whether what is behind shines through
+    # how much of the colour there is, 0..255, shape (rows, columns), or None
     mask: npt.NDArray[np.uint8] | None = None
 
 

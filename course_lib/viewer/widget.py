@@ -31,25 +31,15 @@ class _Code(anywidget.AnyWidget):
 
 @dataclass(frozen=True, kw_only=True)
 class Click:
-    """A click into a view; points are in the scene's frame, in [m].
+    """A click into a view; points are in the scene's frame, in [m]."""
 
-    Args:
-        path: What was hit, or None.
-        point: Where.
-        normal: Which way the surface looks there, if it has one.
-        index: Which instance, segment, point or triangle of the object was hit.
-        button: 0 left, 1 middle, 2 right.
-        origin: Start of the ray from the camera.
-        direction: Its unit direction.
-    """
-
-    path: str | None = None
-    point: Vector | None = None
-    normal: Vector | None = None
-    index: int | None = None
-    button: int = 0
-    origin: Vector
-    direction: Vector
+    path: str | None = None  # what was hit, or None
+    point: Vector | None = None  # where
+    normal: Vector | None = None  # which way the surface looks there, if it has one
+    index: int | None = None  # which instance, segment, point or triangle of the object was hit
+    button: int = 0  # 0 left, 1 middle, 2 right
+    origin: Vector  # start of the ray from the camera
+    direction: Vector  # its unit direction
 
 
 class SceneWidget(anywidget.AnyWidget):

@@ -24,11 +24,7 @@ class Command(Protocol):
 
 
 class Window:
-    """What ``meshcat.Visualizer(window=...)`` and Pinocchio's MeshcatVisualizer talk to.
-
-    Args:
-        scene: Where they draw.
-    """
+    """What ``meshcat.Visualizer(window=...)`` and Pinocchio's MeshcatVisualizer draw into a scene through."""
 
     web_url = "(the scene of this program)"
 

@@ -47,11 +47,12 @@ globalThis.open_model = async (id, state, paths, buffers) => {
 };
 globalThis.tell = (id, content, buffers) =>
   models[id]?.handlers.get("msg:custom")?.(content, buffers.map(bytes));
+globalThis.hides = [];
 globalThis.show = async (id, width) => {
   const el = document.createElement("div");
   el.style.width = width + "px";
   document.body.append(el);
-  await models[id].module.render({ model: models[id], el });
+  hides.push(await models[id].module.render({ model: models[id], el }));
 };
 """
 
@@ -104,6 +105,11 @@ class Host:
     def show(self, widget: SceneWidget, width: int = 400) -> None:
         """Show a view of a widget, at the end of the page."""
         self._call("show", widget.model_id, width)
+        self.carry()
+
+    def hide(self) -> None:
+        """Remove the last view, as a page does with the output of a cell that is run again."""
+        self._call("(() => hides.pop()())")
         self.carry()
 
     def carry(self, frames: int = 2) -> None:

@@ -96,6 +96,18 @@ def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
     assert count(host.pixels(), GREEN) > 1000
 
 
+def test_a_page_tells_how_many_views_it_has(host: Host) -> None:
+    widget = SceneWidget(from_above(), height=300)
+    counts: list[int] = []
+    widget.on_views = counts.append
+    host.open(widget)
+    host.show(widget)
+    host.show(widget)
+    host.hide()
+    host.hide()
+    assert counts == [1, 2, 1, 0]
+
+
 def test_two_views_of_a_scene_move_together_and_two_scenes_do_not_mix(host: Host) -> None:
     scene, other = from_above(), from_above()
     widget = shown(host, scene)

@@ -108,10 +108,6 @@ MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
     "name": (lambda v: v["Gird"], "No display is called 'Gird'; there is Grid"),
-    "background": (
-        lambda v: setattr(v, "background", "dark"),
-        "background is 'dark', expected a colour like",
-    ),
 }
 
 
@@ -132,13 +128,6 @@ def test_the_view_may_be_replaced_or_changed_by_label(graph: Graph) -> None:
     assert np.linalg.norm(np.subtract(viewer.camera.eye, viewer.camera.target)) == pytest.approx(6.0)
     viewer.view = TopDownOrtho()
     assert viewer.scene.camera.orthographic_scale == 10.0
-
-
-def test_the_background_is_a_colour_as_rviz_writes_it(graph: Graph) -> None:
-    viewer = Viewer()
-    assert viewer.background == (48, 48, 48)
-    viewer.background = "200; 220; 255"
-    assert viewer.background == (200, 220, 255)
 
 
 def test_a_layout_makes_a_viewer(graph: Graph, tmp_path: Path) -> None:

@@ -15,17 +15,11 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Drawn:
-    """The picture of one marker, in the frame of its pose.
+    """The picture of one marker, in the frame of its pose."""
 
-    Args:
-        parts: What is drawn, by name.
-        status: RViz's status of the marker, if it has one.
-        refused: The message is so wrong that RViz does not even look for a transform.
-    """
-
-    parts: Mapping[str, Drawable] = field(default_factory=dict)
-    status: tuple[Level, str] | None = None
-    refused: bool = False
+    parts: Mapping[str, Drawable] = field(default_factory=dict)  # what is drawn, by name
+    status: tuple[Level, str] | None = None  # RViz's status of the marker, if it has one
+    refused: bool = False  # the message is so wrong that RViz does not even look for a transform
 
 
 def refused(text: str) -> Drawn:

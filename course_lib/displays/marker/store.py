@@ -23,23 +23,14 @@ Key: TypeAlias = tuple[str, int]  # (namespace, id)
 
 @dataclass
 class Live:
-    """A marker in the scene.
+    """A marker in the scene."""
 
-    Args:
-        marker: Its last message.
-        drawn: Its picture.
-        path: Its node.
-        received_ns: When the message came, [ns].
-        shown: Whether its node is visible.
-        transform_frame_to_fixed: What it was last placed with; None if that was not known.
-    """
-
-    marker: Any
-    drawn: Drawn
-    path: str
-    received_ns: int
-    shown: bool = True
-    transform_frame_to_fixed: Matrix | None = None
+    marker: Any  # its last message
+    drawn: Drawn  # its picture
+    path: str  # its node
+    received_ns: int  # when the message came, [ns]
+    shown: bool = True  # whether its node is visible
+    transform_frame_to_fixed: Matrix | None = None  # what it was last placed with; None if that was not known
 
     @property
     def expires_ns(self) -> float:
@@ -49,13 +40,7 @@ class Live:
 
 
 class MarkerStore:
-    """The markers of one display.
-
-    Args:
-        context: What the display works with.
-        path: The display's node in the scene.
-        statuses: The display's statuses.
-    """
+    """The markers of one display, below its node of the scene."""
 
     def __init__(self, context: Context, path: str, statuses: Statuses) -> None:
         self._context = context
