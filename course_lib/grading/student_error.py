@@ -16,13 +16,14 @@ OTHERS = (str(Path(course_lib.__file__).parent), *sysconfig.get_paths().values()
 def describe(error: BaseException) -> str:
     """Say what was raised and where: "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)"."""
     where = _place(error)
-    return f"{_what(error)[:MAX_LENGTH]}{where and f' ({where})'}"
+    said = f"{_what(error)[:MAX_LENGTH]}{where and f' ({where})'}"
+    return said.encode("utf-8", "replace").decode()  # half of a surrogate pair can't leave the process
 
 
 def _what(error: BaseException) -> str:
     try:
         text = error.msg if isinstance(error, SyntaxError) else str(error)
-    except Exception:  # str() is the student's own code here, and may raise anything
+    except (Exception, SystemExit):  # str() is the student's own code here, and may raise anything
         text = "(its text can't be made)"
     if isinstance(error, CourseError):
         return text

@@ -71,8 +71,11 @@ class Worker:
 
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
-        result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]  # IPython does not annotate it
-        error = result.error_before_exec or result.error_in_exec
+        try:
+            result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+            error = result.error_before_exec or result.error_in_exec
+        except Exception as stumble:  # IPython's own, over what the student's code put in its way
+            error = stumble
         return [describe(error)] if error is not None else []
 
     def _run_in_child(self, task: str, name: str, part: Part, end_ns: int) -> None:
@@ -101,7 +104,7 @@ def _flush() -> None:
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except (OSError, ValueError):  # closed by the student's code
+        except Exception:  # the student's code may have closed it, or put anything in its place
             continue
 
 

@@ -163,3 +163,23 @@ def test_cells_that_run_again_add_nothing_to_the_log(tmp_path: Path) -> None:
             session.run(CALLED, CALLED.scenarios[0])
     assert note.read_text() == "secret"
     assert session.log.output == "nothing\n"
+
+
+def test_an_error_that_is_no_valid_text_costs_no_other_cell() -> None:
+    came, session = run("raise ValueError('\\ud800')", "answer = 1", "other = 2")
+    assert came.returns == (1,)
+    assert session.log.stopped == {}
+    assert "ValueError: ?" in session.log.errors[0]
+
+
+def test_a_class_that_lies_about_its_errors_costs_no_other_cell() -> None:
+    lie = "class Lie(Exception):\n    def __str__(self):\n        raise SystemExit\nraise Lie()"
+    came, session = run(lie, "answer = 1")
+    assert came.returns == (1,)
+    assert session.log.stopped == {}
+
+
+def test_a_lost_output_stream_is_an_error_of_the_cells_and_not_the_end_of_the_process() -> None:
+    _, session = run("import sys\nsys.stdout = sys.stderr = None", "answer = 1")
+    assert session.log.stopped == {}
+    assert "'NoneType' object has no attribute" in session.log.errors[0]
