@@ -13,7 +13,7 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
     """Return a slider for each joint of a joint state publisher; None where no page would show them.
 
     What they say is published while the node runs: `run_live(publisher)`. Tab goes from one to the next,
-    arrow keys move it, and its number may be typed.
+    arrow keys move it by a thousandth of its range, and its number may be typed.
     """
     if pace.wanted() == "fast":
         return None
@@ -38,15 +38,16 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
 def _row(name: str, joint: FreeJoint) -> "HBox":
     import ipywidgets
 
+    lower, upper = sorted((joint.lower, joint.upper))
     slider = ipywidgets.FloatSlider(
         joint.position,
-        min=joint.lower,
-        max=joint.upper,
-        step=(joint.upper - joint.lower) / 1000 or 1.0,  # where both limits are one, any step will do
+        min=lower,
+        max=upper,
+        step=(upper - lower) / 1000 or 1.0,  # where both limits are one, any step will do
         description=name,
         readout_format=".3f",
         style={"description_width": "14em"},
         layout={"width": "34em"},
     )
     slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")
-    return ipywidgets.HBox([slider, ipywidgets.Label(f"{joint.lower:.3f} … {joint.upper:.3f} {joint.unit}")])
+    return ipywidgets.HBox([slider, ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}")])

@@ -2,7 +2,6 @@
 
 import os
 import sys
-import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -88,7 +87,7 @@ def parse_urdf(text: str) -> Urdf:
             reasons.append(str(error))
             model = None
     if model is None:
-        raise CourseError(f"The URDF is not valid: {' '.join(reasons)}")
+        raise CourseError(f"The URDF is not valid: {'; '.join(reasons)}")
     joints = {joint.name: joint for joint in map(_joint, robot.findall("joint"))}
     children = {joint.child for joint in joints.values()}
     links = [link.get("name", "") for link in robot.findall("link")]
@@ -132,14 +131,15 @@ def needed(package: str) -> Any:
 def _native_errors() -> Iterator[list[str]]:
     """Collect the errors that C++ prints meanwhile, which else only the terminal would show."""
     reasons: list[str] = []
-    terminal = os.dup(2)
-    with tempfile.TemporaryFile() as file:
-        os.dup2(file.fileno(), 2)
-        try:
-            yield reasons
-        finally:
-            os.dup2(terminal, 2)
-            os.close(terminal)
-            file.seek(0)
-            lines = file.read().decode(errors="replace").splitlines()
-            reasons[:0] = [line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")]
+    terminal, (reader, writer) = os.dup(2), os.pipe()
+    os.set_blocking(writer, False)  # a pipe that is full drops what is too much
+    os.dup2(writer, 2)
+    try:
+        yield reasons
+    finally:
+        os.dup2(terminal, 2)
+        os.close(terminal)
+        os.close(writer)
+        lines = os.read(reader, 2**16).decode(errors="replace").splitlines()
+        os.close(reader)
+        reasons[:0] = [line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")]
