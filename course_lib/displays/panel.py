@@ -98,7 +98,8 @@ def _forget(result: object) -> None:
     shell = get_ipython()
     if shell is None:
         return
-    for holder in (shell.user_ns, shell.user_ns.get("_oh", {}), vars(shell.displayhook)):
+    names, hook = shell.user_ns, vars(shell.displayhook)
+    for holder in (names, names.get("_oh", {}), shell.user_ns_hidden, hook):
         for name in [name for name, held in holder.items() if held is result]:
             if isinstance(name, int) or name.strip("_").isdigit():
                 del holder[name]

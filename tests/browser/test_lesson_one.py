@@ -12,6 +12,7 @@ from tests.browser.jupyterlab import Notebook, course_lab, red_pixels
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOW, LIVE = "viewer.add(", "live = run_live(node)"
+LISTENERS = "from course_lib.ros.graph import current_graph; print(len(current_graph()._taps))"
 ENOUGH = 800  # [px] of the cube
 NOW = "from course_lib.ros.graph import current_graph; print(current_graph().now_ns)"
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
@@ -69,6 +70,16 @@ def test_the_scene_survives_a_page_reload(running: Notebook) -> None:
     running.page.wait_for_timeout(1000)
     running.open()
     wait_for_red(running.cell(SHOW))
+
+
+def test_a_viewer_whose_cell_is_run_again_listens_no_more(running: Notebook) -> None:
+    view_in(running.cell(SHOW))
+    before = running.kernel(LISTENERS)
+    for _ in range(2):
+        running.run_to(SHOW)
+        view_in(running.cell(SHOW))
+        running.page.wait_for_timeout(1000)
+    assert running.kernel(LISTENERS) == before
 
 
 def test_the_button_stops_the_live_node(running: Notebook) -> None:

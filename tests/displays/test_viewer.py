@@ -216,7 +216,8 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     view = viewer._panel._box.children[0]
     history = {7: viewer, 8: None}
     names = {"_7": viewer, "_": viewer, "_oh": history}
-    shell = SimpleNamespace(user_ns=names, displayhook=SimpleNamespace(_=viewer))
+    hook = SimpleNamespace(_=viewer)
+    shell = SimpleNamespace(user_ns=names, user_ns_hidden={"_7": viewer}, displayhook=hook)
     monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
     del viewer
     view._receive(view, {"type": "views", "count": 1}, [])
