@@ -61,14 +61,15 @@ class Baton:
 
     def __init__(self) -> None:
         self._threads: dict[int, ProgramThread] = {}  # by thread identifier
-        self._waiting: list[ProgramThread] = []  # in the order of their making
+        self._polls_in_cells = 0  # a cell may loop over calls of the kit
+        self._waiting: list[ProgramThread] = []
         self._holder: ProgramThread | None = None
         self._made = 0
         self._mutex = _thread.allocate_lock()
 
-    def governs(self) -> bool:
-        """Say whether the calling thread belongs to the program."""
-        return _thread.get_ident() in self._threads
+    def governs(self, ident: int | None = None) -> bool:
+        """Say whether a thread, by default the calling one, belongs to the program."""
+        return (ident or _thread.get_ident()) in self._threads
 
     @contextmanager
     def known(self) -> Iterator[None]:
@@ -80,6 +81,7 @@ class Baton:
         else:
             thread = threading.current_thread()
             me = self.new_thread(thread.name, main=thread is threading.main_thread())
+            me.polls = self._polls_in_cells if me.main and current_graph().notebook else 0
             self.enter(me)
         try:
             _raise_pending(me)
@@ -87,17 +89,19 @@ class Baton:
         finally:
             me.depth -= 1
             if me.depth == 0:
+                self._polls_in_cells = me.polls if me.main else self._polls_in_cells
                 self.leave(me)
 
     @contextmanager
     def unknown(self) -> Iterator[None]:
         """Let the calling program thread be an ordinary one for a moment; it keeps the baton."""
         ident = _thread.get_ident()
-        me = self._threads.pop(ident)
+        me = self._threads.pop(ident, None)
         try:
             yield
         finally:
-            self._threads[ident] = me
+            if me is not None:
+                self._threads[ident] = me
 
     def new_thread(self, name: str, *, main: bool = False) -> ProgramThread:
         """Give a thread its place in the order of threads."""
@@ -121,9 +125,8 @@ class Baton:
                 self.line_up(me)
             free = self._holder is None
             if free:
-                self._holder = me
-        if not free:
-            self._await_turn(me)
+                self._give(me)
+        self._await_turn(me)
         self._stop_waiting(me)
 
     def leave(self, me: ProgramThread) -> None:
@@ -164,9 +167,8 @@ class Baton:
             alarm = graph.call_at(until_ns, me.pass_deadline, node=THREADS, entity=me.index)
         me.graph, me.ready, me.what, me.events_help = graph, ready, what, events_help
         me.has_deadline = alarm is not None
-        self._waiting.append(me)
-        self._waiting.sort(key=lambda thread: thread.index)
         try:
+            self._waiting.append(me)
             self._run_others(me, graph)
         finally:
             self._stop_waiting(me)
@@ -218,18 +220,18 @@ class Baton:
             elif graph.ended:
                 return
             elif not self._driven():
-                self._park(me)
+                self._hand_over(me, None)
             elif not self._events_can_help(graph) or not (graph.advance() or graph.ended):
                 self._name_deadlock(me, graph)
 
     def _runnable(self, me: ProgramThread, graph: Graph) -> ProgramThread | None:
         """Find the next thread, in the order after `me`, whose wait is over."""
         able = [t for t in self._waiting if t is not me and t.can_run(graph)]
-        return _after(able, me) if able else None
+        return min(able, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 
     def _driven(self) -> bool:
         """Time moves only while the main thread is in a call of the kit."""
-        return any(thread.main for thread in self._threads.values())
+        return any(thread.main for thread in list(self._threads.values()))  # others may come in meanwhile
 
     def _events_can_help(self, graph: Graph) -> bool:
         return any(t.events_help or t.has_deadline for t in self._waiting if t.graph is graph)
@@ -243,26 +245,28 @@ class Baton:
         main = next((t for t in self._waiting if t.main and t.graph is graph), me)
         main.raises = error
 
-    def _hand_over(self, me: ProgramThread, other: ProgramThread) -> None:
-        """Give the baton to `other` and block until it comes back."""
-        self._give(other)
-        self._await_turn(me)
-
-    def _park(self, me: ProgramThread) -> None:
-        """Put the baton down until the main thread is back."""
+    def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
+        """Give the baton to `other`, or put it down until the main thread is back; block until it returns."""
         with self._mutex:
-            self._give(self._runnable(me, current_graph()))
+            self._give(other or self._runnable(me, current_graph()))
         self._await_turn(me)
 
     def _await_turn(self, me: ProgramThread) -> None:
         """Block until the baton is handed over; an interrupt is raised only with the baton in hand."""
-        try:
-            me.turn.acquire()
-        except KeyboardInterrupt as interrupt:
-            me.raises = interrupt
-            me.turn.acquire()
+        waiting = True
+        while waiting:
+            try:
+                me.turn.acquire()
+                waiting = False
+            except KeyboardInterrupt as interrupt:
+                me.raises = interrupt
+                with self._mutex:
+                    waiting = self._holder is not me
+                    if not waiting:
+                        me.turn.acquire(False)  # unless the interrupt came just after it was taken
 
     def _give(self, thread: ProgramThread | None) -> None:
+        """Make a thread the holder; the mutex makes that one step with its turn's release."""
         self._holder = thread
         if thread is not None:
             thread.turn.release()
@@ -272,11 +276,6 @@ class Baton:
             self._waiting.remove(me)
         me.graph, me.ready, me.events_help = None, _always, True
         me.has_deadline = me.deadline_passed = False
-
-
-def _after(threads: list[ProgramThread], me: ProgramThread) -> ProgramThread:
-    """Pick the first thread after `me`, round robin."""
-    return next((t for t in threads if t.index > me.index), threads[0])
 
 
 def _raise_pending(me: ProgramThread) -> None:

@@ -57,7 +57,7 @@ def spin_cell(executor: "Executor") -> None:
     graph, limit_ns = current_graph(), FOR_EVER_NS
     if pace.wanted() == "fast":
         limit_ns = graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9)
-    with joined_by(executor, running_nodes()), until_interrupted(), pace.kept(graph):
+    with until_interrupted(), beside_live(executor):
         spin_until(executor, limit_ns, lambda: not executor.is_running)
     if graph.now_ns == limit_ns:
         say(f"No page is watching: spin() stopped after {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
@@ -86,7 +86,14 @@ def spin_until(executor: "Executor", until_ns: int, ready: Callable[[], bool] = 
         return executor.can_work() or ready()
 
     while not ready() and baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
-        executor.spin_once(timeout_sec=0.0)
+        executor.run_next()
+
+
+@contextmanager
+def beside_live(executor: "Executor") -> Iterator[None]:
+    """Let a call that waits drive the live nodes, too, at the pace that is wanted."""
+    with joined_by(executor, running_nodes()), pace.kept(executor.context.graph):
+        yield
 
 
 @contextmanager

@@ -35,7 +35,7 @@ class Graph:
         self.end_ns = end_ns
         self.ended = False
         self.notebook = notebook
-        self.pace: Callable[[int], None] | None = None  # holds the clock back to the wall's pace
+        self.pace: Callable[[int], bool] | None = None  # says whether the wall clock has come to a time
         self._states: dict[str, dict[str, Any]] = {}
         self._clock = Clock(start_ns)
         self._delay_ns = delay_ns
@@ -116,10 +116,8 @@ class Graph:
         target_ns = self.end_ns if at_end else due_ns
         if target_ns is None:
             return False
-        if self.pace is not None:
-            self.pace(target_ns)
-            if not at_end and self._clock.next_due_ns() != due_ns:
-                return True  # something came in between while the wall clock ran: look again
+        if self.pace is not None and not self.pace(target_ns):
+            return True  # it waited a moment, in which much may have come: look again
         alarm = None if at_end else self._clock.pop()
         self._move_to(target_ns)
         self.ended = at_end

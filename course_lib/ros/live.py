@@ -82,6 +82,9 @@ def run_live(*nodes: "Node") -> LiveRun:
             spin_until(executor, graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9))
             say(f"No page is watching: ran {SECONDS_WITHOUT_A_PAGE:g} s of robot time at full speed.")
     _stop_where_nodes_left(graph)
+    for former in tuple(_runs_of(graph)):
+        if not set(nodes).isdisjoint(former.nodes):  # one node, one Stop button
+            former.stop()
     run = LiveRun(graph, nodes)
     _runs_of(graph).append(run)
     running_nodes().extend(nodes)
@@ -99,6 +102,8 @@ async def _keep_running(graph: Graph) -> None:
     while _runs_of(graph):
         await asyncio.sleep(STEP)
         _stop_where_nodes_left(graph)
+        if not _runs_of(graph):
+            return
         now = wall.monotonic()
         step_ns = round(min(now - last, CATCH_UP) * 1e9)
         last = now

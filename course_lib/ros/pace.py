@@ -53,10 +53,12 @@ class WallPace:
         self._robot_ns = graph.now_ns
         self._wall = wall.monotonic()
 
-    def __call__(self, due_ns: int) -> None:
-        """Return when the wall clock has come to robot time `due_ns`, [ns]."""
-        while (left := (due_ns - self._robot_ns) * 1e-9 - (wall.monotonic() - self._wall)) > 0:
+    def __call__(self, due_ns: int) -> bool:
+        """Say whether the wall clock has come to robot time `due_ns`, [ns]; wait for it a little if not."""
+        left = (due_ns - self._robot_ns) * 1e-9 - (wall.monotonic() - self._wall)
+        if left > 0:
             wall.sleep(min(left, SLICE))
+        return left <= 0
 
 
 def _wait_for_pages() -> None:

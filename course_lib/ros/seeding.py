@@ -4,6 +4,7 @@ import os
 import random
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from course_lib.ros.baton import baton
 
 _real_urandom = os.urandom
 _real_seed = random.Random.seed
-_real_default_rng = np.random.default_rng
 
 
 @contextmanager
@@ -42,14 +42,11 @@ def _replacements(source: random.Random) -> tuple[tuple[Any, str, Callable[..., 
         fresh = source.getrandbits(64) if a is None and baton.governs() else a
         _real_seed(generator, fresh, version)
 
-    def default_rng(seed: Any = None) -> np.random.Generator:
-        return _real_default_rng(source.getrandbits(64) if seed is None and baton.governs() else seed)
-
     return (
         (os, "urandom", urandom),
-        (random, "_urandom", urandom),  # imported by name there, for SystemRandom and secrets
+        (random, "_urandom", urandom),  # imported by name there, for SystemRandom; numpy asks that one
         (random.Random, "seed", seed_generator),
-        (np.random, "default_rng", default_rng),
+        (random, "seed", partial(seed_generator, random._inst)),  # the generator that all share
     )
 
 

@@ -6,6 +6,7 @@ for any other thread it is the original, so Jupyter's own threads keep the wall 
 
 import queue
 import selectors
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -43,6 +44,9 @@ def install() -> None:
     )
     for owner, name, replacement in replacements:
         setattr(owner, name, replacement)
+    streams = sys.modules.get("ipykernel.iostream")
+    if streams is not None:  # a kernel's output is sent by a thread of Jupyter's
+        streams.OutStream.flush = _by_the_wall_clock(streams.OutStream.flush)
 
 
 def is_of_the_program(thread: threading.Thread) -> bool:
@@ -67,6 +71,14 @@ def _sleep(seconds: float, /) -> None:
     if seconds < 0:
         raise ValueError("sleep length must be non-negative")
     baton.sleep_until(current_graph().now_ns + round(seconds * 1e9), f"time.sleep({seconds:g})")
+
+
+def _by_the_wall_clock(real: Callable[..., Any]) -> Callable[..., Any]:
+    def call(*args: Any) -> Any:
+        with baton.unknown():
+            return real(*args)
+
+    return call
 
 
 def _start(thread: threading.Thread) -> None:

@@ -112,6 +112,18 @@ def test_destroying_a_node_removes_what_it_made_and_may_be_repeated(node: Node, 
     assert [*node.publishers, *node.subscriptions, *node.timers] == []
 
 
+def test_what_was_destroyed_by_itself_does_not_keep_its_node_from_ending(node: Node) -> None:
+    made = (
+        node.create_publisher(String, "x", 1),
+        node.create_subscription(String, "x", lambda _: None, 1),
+        node.create_timer(1.0, lambda: None),
+    )
+    for entity in made:
+        entity.destroy()
+        entity.destroy()
+    node.destroy_node()
+
+
 def test_what_a_node_did_not_make_it_does_not_destroy(node: Node) -> None:
     publisher = Node("other").create_publisher(String, "x", 10)
     assert not node.destroy_publisher(publisher)

@@ -3,7 +3,7 @@
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Unpack
 
-from course_lib.ros import driving, pace
+from course_lib.ros import driving
 from rclpy.context import Context
 from rclpy.impl.run import current_run
 from rclpy.parameter import Parameter
@@ -134,7 +134,7 @@ def spin_once(node: "Node", *, executor: "Executor | None" = None, timeout_sec: 
     executor = executor or get_global_executor()
     try:
         executor.add_node(node)
-        with pace.kept(executor.context.graph):
+        with driving.beside_live(executor):
             executor.spin_once(timeout_sec=timeout_sec)
     finally:
         executor.remove_node(node)
@@ -147,7 +147,7 @@ def spin_until_future_complete(
     executor = executor or get_global_executor()
     added = executor.add_node(node)
     try:
-        with pace.kept(executor.context.graph):
+        with driving.beside_live(executor):
             executor.spin_until_future_complete(future, timeout_sec)
     finally:
         if added:

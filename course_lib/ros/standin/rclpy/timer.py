@@ -96,7 +96,6 @@ class Timer(Entity):
 
     def destroy(self) -> None:
         """End for good; call `Node.destroy_timer` instead."""
-        self._require()
         self._destroyed = True
         self._disarm()
 
@@ -150,7 +149,7 @@ class Rate:
         ticks = self._ticks
         with baton.known():
             baton.wait(
-                lambda: self._ticks > ticks or self._destroyed or not self._context.is_valid,
+                lambda: self._ticks > ticks or self._ended() or not self._context.is_valid,
                 until_ns=None,
                 what="a rate's next tick, for which another thread has to spin the node",
             )
@@ -160,6 +159,9 @@ class Rate:
     def destroy(self) -> None:
         """End it; who sleeps in it wakes up."""
         self._destroyed = True
+
+    def _ended(self) -> bool:
+        return self._destroyed or self.timer.is_destroyed
 
     def _tick(self) -> None:
         self._ticks += 1

@@ -37,8 +37,9 @@ class Endpoint:
         return self
 
     def destroy(self) -> None:
-        """Leave the graph; messages that are on their way do not arrive any more."""
-        self.require()
+        """Leave the graph, once; messages that are on their way do not arrive any more."""
+        if self._destroyed:
+            return
         self._destroyed = True
         self.node.graph.remove_endpoint(self.id)
         _told.get(self.node.graph, {}).pop(self.id, None)

@@ -113,7 +113,13 @@ class Executor(AbstractContextManager["Executor"]):
         Raises:
             ExternalShutdownException: If the context was shut down meanwhile.
         """
+        if timeout_sec == 0:
+            baton.poll()
         self._spin_once(timeout_sec_to_nsec(timeout_sec), lambda: False)
+
+    def run_next(self) -> None:
+        """Run the callback that is next, if one is ready."""
+        self._spin_once(0, lambda: False)
 
     def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done, or the time [s] is over."""
@@ -140,8 +146,6 @@ class Executor(AbstractContextManager["Executor"]):
             return not self.is_running or condition()
 
         until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
-        if limit_ns == 0:
-            baton.poll()
         while not stops():
             task = self._next_task()
             if task is not None or limit_ns == 0:

@@ -1,0 +1,127 @@
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from course_lib.errors import CourseError
+from course_lib.ros import driving, pace, virtual_time, wall
+from course_lib.ros.baton import baton
+from course_lib.ros.clock import START_NS
+from course_lib.ros.driving import running_nodes, spin_for
+from course_lib.ros.graph import Graph, use_graph
+
+SECOND = 10**9  # [ns]
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    virtual_time.install()
+    with use_graph(Graph(notebook=True)) as graph:
+        rclpy.init(args=[])
+        yield graph
+        rclpy.try_shutdown()
+
+
+def test_spin_for_takes_exactly_so_much_robot_time(notebook: Graph) -> None:
+    node, calls = Node("talker"), []
+    node.create_timer(0.5, lambda: calls.append(1))
+    spin_for(2.0, node)
+    assert (len(calls), notebook.now_ns) == (4, START_NS + 2 * SECOND)
+
+
+def test_a_burst_of_callbacks_takes_no_time(notebook: Graph) -> None:
+    node, got = Node("talker"), []
+    publisher = node.create_publisher(String, "x", 2000)
+    node.create_subscription(String, "x", lambda _: got.append(1), 2000)
+    for _ in range(1500):
+        publisher.publish(String())
+    spin_for(0.001, node)
+    assert (len(got), notebook.now_ns) == (1500, START_NS + SECOND // 1000)
+
+
+@pytest.mark.parametrize("seconds", [-1, "2", float("nan"), 1e7])
+def test_what_is_no_time_is_refused(notebook: Graph, seconds: float) -> None:
+    with pytest.raises(CourseError, match=r"give the seconds of robot time first, from 0 to 1e\+06"):
+        spin_for(seconds)
+
+
+def test_what_is_no_node_is_refused(notebook: Graph) -> None:
+    with pytest.raises(CourseError, match=r"is not a node. Give an object of your class"):
+        spin_for(1.0, Node)  # type: ignore[arg-type]  # the mistake under test
+
+
+def test_only_the_nodes_given_and_the_live_ones_run(notebook: Graph) -> None:
+    calls: list[str] = []
+    for name in ("given", "live", "left over"):
+        node = Node(name.replace(" ", "_"))
+        node.create_timer(1.0, lambda name=name: calls.append(name))  # type: ignore[misc]
+        if name == "live":
+            running_nodes().append(node)
+        if name == "given":
+            given = node
+    spin_for(1.0, given)
+    assert calls == ["given", "live"]
+
+
+def test_waiting_for_a_future_or_a_callback_drives_the_live_nodes(notebook: Graph) -> None:
+    live, waiting = Node("live"), Node("waiting")
+    running_nodes().append(live)
+    future: Future[int] = Future()
+    live.create_timer(1.0, lambda: future.set_result(1))
+    rclpy.spin_until_future_complete(waiting, future, timeout_sec=5.0)
+    assert future.done()
+    assert notebook.now_ns == START_NS + SECOND
+    assert live.executor is rclpy.get_global_executor()
+
+
+def test_a_cell_that_loops_over_spin_once_lets_time_pass(notebook: Graph) -> None:
+    node, calls = Node("talker"), []
+    node.create_timer(0.01, lambda: calls.append(1))
+    for _ in range(3000):
+        rclpy.spin_once(node, timeout_sec=0)
+    assert calls
+
+
+def test_an_interrupt_ends_it_with_one_line_while_a_thread_of_the_program_has_the_baton(
+    notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    node = Node("talker")
+    threading.Thread(target=sleep_in_the_program, daemon=True).start()
+    threading.Timer(0.3, interrupt_main).start()
+    start = wall.monotonic()
+    spin_for(1000.0, node)
+    assert wall.monotonic() - start < 5
+    assert capsys.readouterr().out.startswith("Stopped after 0.")
+
+
+def test_the_pace_lets_others_look_again_after_a_slice() -> None:
+    graph = Graph()
+    paced = pace.WallPace(graph)
+    start = wall.monotonic()
+    assert not paced(graph.now_ns + 1000 * SECOND)
+    assert wall.monotonic() - start < 1
+    assert paced(graph.now_ns)
+
+
+def test_waiting_says_whether_it_came_about(notebook: Graph) -> None:
+    assert not driving.wait_for(lambda: False, seconds=1.0)
+    assert notebook.now_ns == START_NS + SECOND
+    assert driving.wait_for(lambda: True, seconds=1.0)
+
+
+def sleep_in_the_program() -> None:
+    with baton.known():
+        time.sleep(1000.0)
+
+
+def interrupt_main() -> None:
+    import signal
+
+    signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)

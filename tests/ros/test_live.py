@@ -1,0 +1,104 @@
+import asyncio
+from collections.abc import Callable, Iterator
+
+import pytest
+import rclpy
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.ros import live, virtual_time, wall
+from course_lib.ros.clock import START_NS
+from course_lib.ros.driving import running_nodes
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.live import LiveRun, run_live
+
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
+    monkeypatch.setattr(LiveRun, "show", lambda self: None)
+    virtual_time.install()
+    with use_graph(Graph(notebook=True)) as graph:
+        rclpy.init(args=[])
+        yield graph
+        rclpy.try_shutdown()
+
+
+def in_a_kernel(cell: Callable[[], object], monkeypatch: pytest.MonkeyPatch, *, seconds: float) -> None:
+    """Run a cell in a loop on the wall's clock, as a kernel does, and leave it free for a while."""
+    monkeypatch.setenv("COURSE_PACE", "real")
+
+    async def kernel() -> None:
+        asyncio.get_running_loop().time = wall.monotonic  # type: ignore[method-assign]
+        cell()
+        await asyncio.sleep(seconds)
+
+    asyncio.run(kernel())
+
+
+def test_without_a_page_it_runs_five_seconds_at_once_and_says_so(
+    notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    node, calls = Node("talker"), []
+    node.create_timer(1.0, lambda: calls.append(1))
+    run = run_live(node)
+    assert (len(calls), notebook.now_ns) == (5, START_NS + 5 * 10**9)
+    assert "ran 5 s of robot time at full speed" in capsys.readouterr().out
+    assert run.state() == "▶ running: talker (0.0 s of robot time)"
+
+
+def test_nodes_run_while_the_loop_is_free_and_rest_when_stopped(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, calls = Node("talker"), []
+    node.create_timer(0.05, lambda: calls.append(1))
+    runs: list[LiveRun] = []
+    in_a_kernel(lambda: runs.append(run_live(node)), monkeypatch, seconds=0.4)
+    assert 3 <= len(calls) <= 9
+    runs[0].stop()
+    runs[0].stop()
+    assert running_nodes() == []
+    assert runs[0].state().startswith("■ stopped: talker")
+
+
+def test_a_node_that_is_run_again_has_one_run(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    node = Node("talker")
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    first, second = run_live(node), run_live(node)
+    assert (first.running, second.running) == (False, True)
+    second.stop()
+    assert running_nodes() == []
+
+
+def test_a_shutdown_ends_it_without_a_word(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "_stop_with_an_error", lambda graph: pytest.fail("an error was shown"))
+    node = Node("talker")
+    runs: list[LiveRun] = []
+
+    def cell() -> None:
+        runs.append(run_live(node))
+        rclpy.shutdown()
+
+    in_a_kernel(cell, monkeypatch, seconds=0.1)
+    assert not runs[0].running
+
+
+def test_a_shutdown_in_a_callback_ends_it_and_it_can_begin_anew(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, calls = Node("talker"), []
+    node.create_timer(0.02, rclpy.shutdown)
+    in_a_kernel(lambda: run_live(node), monkeypatch, seconds=0.2)
+    assert running_nodes() == []
+    rclpy.init(args=[])
+    again = Node("talker")
+    again.create_timer(0.02, lambda: calls.append(1))
+    in_a_kernel(lambda: run_live(again), monkeypatch, seconds=0.2)
+    assert calls
+
+
+def test_it_needs_a_node(notebook: Graph) -> None:
+    with pytest.raises(CourseError, match=r"at least one node, like run_live\(MyNode\(\)\)"):
+        run_live()
