@@ -35,22 +35,25 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
     """
     import pinocchio as pin
 
-    data = robot.model.createData()
-    pin.framesForwardKinematics(robot.model, data, configuration(robot, positions or {}))
-    root = robot.model.getFrameId(robot.tree.root, pin.FrameType.BODY)
-    transform_model_to_root = data.oMf[root].inverse()
+    model = robot.tree.model  # has all links, also those of which robot.model is rid
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, _configuration(robot, model, positions or {}))
     return {
-        frame.name: (transform_model_to_root * transform_link_to_model).homogeneous
-        for frame, transform_link_to_model in zip(robot.model.frames, data.oMf, strict=True)
+        frame.name: transform_link_to_root.homogeneous
+        for frame, transform_link_to_root in zip(model.frames, data.oMf, strict=True)
         if frame.type == pin.FrameType.BODY
     }
 
 
 def configuration(robot: Robot, positions: Mapping[str, float]) -> Floats:
-    """Return named joint positions as a configuration of Pinocchio's model, shape (nq,): see `link_poses`."""
+    """Return named joint positions as a configuration of robot.model, shape (nq,): see `link_poses`."""
+    return _configuration(robot, robot.model, positions)
+
+
+def _configuration(robot: Robot, model: "pin.Model", positions: Mapping[str, float]) -> Floats:
     import pinocchio as pin
 
-    model, tree = robot.model, robot.tree
+    tree = robot.tree
     movable = {j.name: j for j in tree.joints.values() if j.kind in MOVING and model.existJointName(j.name)}
     for name, position in positions.items():
         _check(robot, list(movable), name, position)

@@ -48,12 +48,13 @@ def _from_text(text: str, path: Path | None) -> Robot:
     tree, pin = parse_urdf(text), needed("pinocchio")
     for mesh in ET.fromstring(text).iter("mesh"):
         resolve(mesh.get("filename", ""), path)
+    model = tree.model.copy()  # the tree's own serves every robot with this text
     kinds, roots = (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL), list(map(str, package_roots(path)))
     try:
-        shapes = [pin.buildGeomFromUrdfString(tree.model, text, kind, None, roots) for kind in kinds]
+        shapes = [pin.buildGeomFromUrdfString(model, text, kind, None, roots) for kind in kinds]
     except (ValueError, RuntimeError) as error:
         raise CourseError(f"The shapes of {tree.name!r} cannot be loaded: {error}") from error
-    return Robot(tree.name, tree.model, shapes[0], shapes[1], pin.neutral(tree.model), text, path)
+    return Robot(tree.name, model, shapes[0], shapes[1], pin.neutral(model), text, path)
 
 
 def _read(path: Path) -> str:

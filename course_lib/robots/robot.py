@@ -20,12 +20,9 @@ class Robot:
 
     Args:
         name: What it was loaded as, or its name in the URDF.
-        model: Pinocchio's model.
-        collision_model: Pinocchio's shapes for collisions.
-        visual_model: Pinocchio's shapes for the eye.
+        model: Pinocchio's model; with it go its shapes for collisions and for the eye.
         q0: Its rest posture as a configuration of the model, shape (nq,).
-        urdf: The text of its description, what /robot_description carries.
-        path: The file that the text is from.
+        urdf: The text of its description, what /robot_description carries; path is the file that it is from.
     """
 
     name: str

@@ -49,10 +49,11 @@ def test_link_poses_agree_with_pinocchio_at_random_configurations(name: str) -> 
         positions = {j.name: float(random.uniform(-pi, pi)) for j in joints}
         pin.framesForwardKinematics(robot.model, data, configuration(robot, positions))
         root = data.oMf[robot.model.getFrameId(robot.tree.root, pin.FrameType.BODY)]
-        for link, transform_link_to_root in link_poses(robot, positions).items():
-            frame = robot.model.getFrameId(link, pin.FrameType.BODY)
-            expected = root.actInv(data.oMf[frame]).homogeneous
-            np.testing.assert_allclose(transform_link_to_root, expected, atol=1e-9)
+        poses = link_poses(robot, positions)
+        for frame, transform_link_to_model in zip(robot.model.frames, data.oMf, strict=True):
+            if frame.type == pin.FrameType.BODY:
+                expected = root.actInv(transform_link_to_model).homogeneous
+                np.testing.assert_allclose(poses[frame.name], expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("text", [load_robot(name).urdf for name in ("ur10", "panda", "tiago")] + [ALL_KINDS])

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.robots.kinematics import link_poses
 from course_lib.robots.load import load_robot
 from tests.robots.urdfs import ALL_KINDS, ARM_2R, with_mesh
 
@@ -51,6 +52,12 @@ def test_a_file_may_name_meshes_of_its_own_package(tmp_path: Path) -> None:
     assert len(load_robot(path).visual_model.geometryObjects) == 1
 
 
+def test_robots_of_one_text_are_apart() -> None:
+    first, second = load_robot(ARM_2R), load_robot(ARM_2R)
+    first.model.upperPositionLimit[:] = 9.0
+    assert list(second.model.upperPositionLimit) == [1.0, 1.0]
+
+
 def test_an_unknown_name_is_answered_with_close_ones() -> None:
     with pytest.raises(CourseError, match=r"no robot 'ur1O' among the \d+ models; close to it: ur10"):
         load_robot("ur1O")
@@ -87,8 +94,10 @@ def test_a_mesh_that_cannot_be_read_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_model_of_example_robot_data_has_a_description_that_can_be_read() -> None:
+def test_every_model_of_example_robot_data_is_loaded_and_all_its_links_are_placed() -> None:
     example_robot_data = pytest.importorskip("example_robot_data")
     for name in sorted(set(example_robot_data.ROBOTS) - {"cassie"}):
         robot = load_robot(name)
         assert set(robot.tree.joints) >= set(robot.model.names) - {"universe", "root_joint"}, name
+        below = {joint.child for joint in robot.tree.joints.values()}
+        assert link_poses(robot).keys() == {robot.tree.root, *below}, name
