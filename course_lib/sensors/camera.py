@@ -1,0 +1,91 @@
+"""A colour camera."""
+
+import io
+from typing import Literal, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import Header
+
+from course_lib.errors import CourseError
+from course_lib.sensors.checked import Floats, Pose
+from course_lib.sensors.pinhole import Pinhole
+from course_lib.sensors.sensor_node import Common, SensorNode
+from course_lib.sensors.world import World
+
+_AMBIENT = 0.4  # share of the light that comes from everywhere
+
+
+class CameraNode(SensorNode):
+    """Publishes `<prefix>/image_raw` in colour, `<prefix>/image_raw/compressed` and `<prefix>/camera_info`.
+
+    Args:
+        compressed: "png", "jpeg", or None for no compressed pictures.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        pose: Pose,
+        *,
+        prefix: str = "camera",
+        pinhole: Pinhole | None = None,
+        compressed: Literal["png", "jpeg"] | None = "png",
+        **common: Unpack[Common],
+    ) -> None:
+        if compressed not in ("png", "jpeg", None):
+            raise CourseError(f"compressed is {compressed!r}; give 'png', 'jpeg' or None.")
+        self.pinhole, self.compressed = pinhole or Pinhole(), compressed
+        super().__init__(world, pose, **(Common(name="camera", frame_id="camera_optical_frame") | common))
+        topic, qos = f"{prefix}/image_raw", qos_profile_sensor_data
+        self.images = self.create_publisher(Image, topic, qos)
+        self.infos = self.create_publisher(CameraInfo, f"{prefix}/camera_info", qos)
+        self.packed = (
+            self.create_publisher(CompressedImage, f"{topic}/compressed", qos) if compressed else None
+        )
+
+    def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
+        """Publish one picture and what describes it."""
+        pixels = self.picture(seconds, chance)
+        self.infos.publish(self.pinhole.info(header))
+        self.images.publish(self.pinhole.message(header, pixels, "rgb8"))
+        if self.packed and self.compressed:
+            text, data = f"rgb8; {self.compressed} compressed bgr8", compress(pixels, self.compressed)
+            self.packed.publish(
+                CompressedImage(header=header, format=text, data=np.frombuffer(data, np.uint8))
+            )
+
+    def picture(self, seconds: float, chance: np.random.Generator) -> NDArray[np.uint8]:
+        """See the world at a robot time [s], lit from the camera; shape (height, width, 3)."""
+        camera = self.pinhole
+        hits = self.world.cast(self.transform_at(seconds), camera.rays, seconds)
+        light = shade(camera.rays, hits.distance, camera.width)
+        colors = 255 * self.world.colors[hits.thing] * light[:, None]
+        colors += self.noise * chance.standard_normal(colors.shape)
+        colors[chance.random(len(colors)) < self.dropout] = 0
+        return np.clip(np.rint(colors), 0, 255).astype(np.uint8).reshape(camera.height, camera.width, 3)
+
+
+def shade(rays: Floats, distance: Floats, width: int) -> Floats:
+    """Light surfaces by how much they face the camera, shape (N,), 0 to 1; edges come out dark.
+
+    The surface is what the neighbouring points span, so no shape needs to know its normals.
+    """
+    points = (rays * np.where(np.isfinite(distance), distance, 1e3)).reshape(3, -1, width)
+    right, down = (np.diff(points, axis=axis, append=points.take([-1], axis)) for axis in (2, 1))
+    normals = np.cross(right, down, axis=0).reshape(3, -1)
+    length = np.linalg.norm(normals, axis=0)
+    facing = np.abs((normals * rays).sum(axis=0)) / np.where(length > 0, length, 1)
+    light = np.where(length > 0, _AMBIENT + (1 - _AMBIENT) * facing, 1.0)  # the last row and column stay flat
+    return np.where(np.isfinite(distance), light, 1.0)
+
+
+def compress(pixels: NDArray[np.uint8], kind: Literal["png", "jpeg"]) -> bytes:
+    """Pack a picture, shape (height, width, 3), as a PNG or JPEG file."""
+    from PIL import Image as Pictures  # on first use
+
+    file = io.BytesIO()
+    Pictures.fromarray(pixels).save(file, kind)
+    return file.getvalue()

@@ -1,0 +1,90 @@
+"""The border of this room: settings and poses are checked once, here, and trusted further in."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from course_lib.errors import CourseError
+
+Floats = NDArray[np.float64]
+PoseAt = Callable[[float], ArrayLike]  # robot time since the start of the run [s] -> (4, 4)
+Pose = ArrayLike | PoseAt
+
+
+def check_number(
+    name: str, value: Any, *, above: float = -np.inf, low: float = -np.inf, high: float = np.inf
+) -> float:
+    """Give a finite number that is more than `above` and lies in [low, high].
+
+    Raises:
+        CourseError: If it is not; the message says what came in and what would have been right.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not (np.isfinite(number) and number > above and low <= number <= high):
+        limits = ((">", above), (">=", low), ("<=", high))
+        wanted = " and ".join(f"{sign} {limit:g}" for sign, limit in limits if np.isfinite(limit))
+        raise CourseError(f"{name} is {value!r}; give a number{' ' + wanted if wanted else ''}.")
+    return number
+
+
+def check_count(name: str, value: Any) -> int:
+    """Give a whole number of at least 1, or raise a CourseError that names it."""
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < 1:
+        raise CourseError(f"{name} is {value!r}; give a whole number, 1 or more.")
+    return int(value)
+
+
+def check_limits(name: str, low: Any, high: Any) -> tuple[float, float]:
+    """Give two numbers of which the first is the smaller, or raise a CourseError that names them."""
+    lower = check_number(f"{name}_min", low)
+    return lower, check_number(f"{name}_max (with {name}_min={low!r})", high, above=lower)
+
+
+def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Give finite float64 numbers of a shape, read-only; -1 stands for any length.
+
+    Raises:
+        CourseError: If the shape differs or a number is not finite.
+    """
+    try:
+        array = np.array(value, float)
+    except (TypeError, ValueError):
+        raise CourseError(f"{name} is {value!r}; give numbers of shape {shape}.") from None
+    wanted = tuple(got if want == -1 else want for got, want in zip(array.shape, shape, strict=False))
+    if array.ndim != len(shape) or array.shape != wanted:
+        raise CourseError(f"{name} has shape {array.shape}; give numbers of shape {shape}.")
+    if not np.isfinite(array).all():
+        raise CourseError(f"{name} holds {array[~np.isfinite(array)][0]}; give finite numbers.")
+    array.setflags(write=False)
+    return array
+
+
+def check_transform(name: str, value: ArrayLike) -> Floats:
+    """Give a rigid transform, shape (4, 4), translation in [m].
+
+    Raises:
+        CourseError: If it is not one; the message says which part failed.
+    """
+    matrix = check_array(name, value, (4, 4))
+    rotation = matrix[:3, :3]
+    if not np.array_equal(matrix[3], (0, 0, 0, 1)):
+        raise CourseError(f"The last row of {name} is {matrix[3].tolist()}; it must be [0, 0, 0, 1].")
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rotation) < 0:
+        raise CourseError(
+            f"The upper left 3x3 of {name} is {rotation.round(4).tolist()}, no rotation: its columns "
+            "must have length 1, be at right angles and right-handed. Start from numpy.eye(4)."
+        )
+    return matrix
+
+
+def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:
+    """Turn a fixed (4, 4) or a function of robot time [s] into a function that gives checked transforms."""
+    if callable(pose):
+        return lambda seconds: check_transform(f"{name} at {seconds:g} s", pose(seconds))
+    fixed = check_transform(name, pose)
+    return lambda seconds: fixed

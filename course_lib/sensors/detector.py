@@ -1,0 +1,129 @@
+"""An object detector that knows the world, and errs as real ones do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from course_lib.sensors.checked import Floats, Pose, check_number, pose_function
+from course_lib.sensors.world import Thing, World
+
+_STEPS = np.array([-0.25, 0.0, 0.25])  # of the size: these points lie in every round or edged shape
+_POINTS = np.stack(np.meshgrid(_STEPS, _STEPS, _STEPS), axis=-1).reshape(-1, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """A labelled 3D box.
+
+    Args:
+        track: The same number for the same object while it is followed.
+        label: What it is.
+        confidence: 0 to 1.
+        transform_box_to_world: Shape (4, 4), [m].
+        size: Edges of the box, shape (3,), [m].
+        velocity: In the world, shape (3,), [m/s].
+    """
+
+    track: int
+    label: str
+    confidence: float
+    transform_box_to_world: Floats
+    size: Floats
+    velocity: Floats
+
+
+@dataclass
+class Detector:
+    """Detects what is labelled in a world.
+
+    Args:
+        world: What there is to see.
+        pose: transform_sensor_to_world, (4, 4) in [m], or a function of robot time [s]; x ahead.
+        range_max: [m]
+        field_of_view: The whole angle around x, [rad].
+        noise: Standard deviation of places [m] and velocities [m/s].
+        miss_rate: Share of the objects in sight that are overlooked.
+        false_alarms: How many there are each time, on average.
+        keep: How long an object may be out of sight and keep its track, [s].
+        seed: The same seed gives the same detections.
+    """
+
+    world: World
+    pose: Pose
+    range_max: float = 20.0
+    field_of_view: float = 2 * np.pi
+    noise: float = 0.0
+    miss_rate: float = 0.0
+    false_alarms: float = 0.0
+    keep: float = 2.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_number("range_max [m]", self.range_max, above=0)
+        check_number("field_of_view [rad]", self.field_of_view, above=0, high=2 * np.pi)
+        check_number("miss_rate", self.miss_rate, low=0, high=1)
+        for name in ("noise", "false_alarms", "keep"):
+            check_number(name, getattr(self, name), low=0)
+        self._transform_at = pose_function("pose of the detector", self.pose)
+        self._tracks = dict[int, tuple[int, float]]()  # thing -> its track, when it was last seen [s]
+        self._last_track = 0
+
+    def detect(self, seconds: float) -> list[Detection]:
+        """Look at the world at a robot time since the start of the run [s]; call it with growing times."""
+        chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
+        found = list[Detection]()
+        for number, thing in enumerate(self.world.things):
+            missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
+            confidence = self.confidence(number, seconds) if thing.label else 0.0
+            if confidence and not missed:
+                found.append(self._detected(number, thing, confidence, seconds, errors))
+        alarms = chance.poisson(self.false_alarms)
+        return found + [self._false_alarm(seconds, chance) for _ in range(alarms)]
+
+    def confidence(self, number: int, seconds: float) -> float:
+        """Judge how well a thing is seen, 0 to 1: the share that is not hidden, half of it at the far end."""
+        transform_sensor_to_world = self._transform_at(seconds)
+        transform_thing_to_world = self.world.things[number].transform_at(seconds)
+        points = _POINTS * self.world.things[number].shape.size
+        in_world = points @ transform_thing_to_world[:3, :3].T + transform_thing_to_world[:3, 3]
+        rays = transform_sensor_to_world[:3, :3].T @ (in_world - transform_sensor_to_world[:3, 3]).T
+        length = np.linalg.norm(rays, axis=0)
+        middle = float(length[len(length) // 2])
+        rays = np.divide(rays, length, out=np.tile([[1.0], [0], [0]], len(length)), where=length > 0)
+        in_view = (rays[0] >= np.cos(self.field_of_view / 2) - 1e-12) & (length <= self.range_max)
+        hits = self.world.cast(transform_sensor_to_world, rays, seconds, self.range_max)
+        open_sight = (hits.thing == number) | (hits.distance >= length)
+        share = float(np.mean(in_view & open_sight))
+        return share * max(0.0, 1 - 0.5 * middle / self.range_max)
+
+    def _detected(
+        self, number: int, thing: Thing, confidence: float, seconds: float, errors: Floats
+    ) -> Detection:
+        track, last_seen = self._tracks.get(number, (0, -np.inf))
+        if seconds - last_seen > self.keep:
+            track = self._new_track()
+        self._tracks[number] = track, seconds
+        transform = thing.transform_at(seconds).copy()
+        transform[:3, 3] += errors[0]
+        return Detection(
+            track,
+            thing.label,
+            confidence,
+            transform,
+            thing.shape.size,
+            thing.velocity_at(seconds) + errors[1],
+        )
+
+    def _false_alarm(self, seconds: float, chance: np.random.Generator) -> Detection:
+        """Make up a box in sight, of a label that the world has."""
+        angle, away = chance.uniform(-0.5, 0.5) * self.field_of_view, chance.uniform(0.1, 1) * self.range_max
+        transform = np.eye(4)
+        transform[:3, 3] = away * np.cos(angle), away * np.sin(angle), 0
+        labels = sorted({thing.label for thing in self.world.things if thing.label}) or ["Unknown"]
+        label, confidence = labels[chance.integers(len(labels))], chance.uniform(0.1, 0.5)
+        transform, size = self._transform_at(seconds) @ transform, chance.uniform(0.3, 2.0, 3)
+        return Detection(self._new_track(), label, confidence, transform, size, np.zeros(3))
+
+    def _new_track(self) -> int:
+        self._last_track += 1
+        return self._last_track

@@ -1,0 +1,98 @@
+"""Laser scanners: one row of beams, or rings of them with colours; x ahead, z up."""
+
+from typing import Unpack
+
+import numpy as np
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan, PointCloud2, PointField
+from std_msgs.msg import Header
+
+from course_lib.sensors.checked import Floats, Pose, check_count, check_limits, check_number
+from course_lib.sensors.sensor_node import Common, SensorNode
+from course_lib.sensors.world import World
+
+_POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
+
+
+def beams_at(azimuth: Floats, elevation: Floats) -> Floats:
+    """Make unit vectors, shape (3, N), from angles [rad] around z from x, and up from the xy plane."""
+    level = np.cos(elevation)
+    return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
+
+
+class LaserScanNode(SensorNode):
+    """Publishes sensor_msgs/LaserScan: `beams` from `angle_min` to `angle_max` [rad], counter-clockwise."""
+
+    def __init__(
+        self,
+        world: World,
+        pose: Pose,
+        *,
+        topic: str = "scan",
+        beams: int = 720,
+        angle_min: float = -np.pi,
+        angle_max: float = np.pi,
+        range_min: float = 0.1,  # [m]
+        range_max: float = 30.0,  # [m]
+        **common: Unpack[Common],
+    ) -> None:
+        self.limits = check_limits("range [m]", range_min, range_max)
+        self.angles = np.linspace(
+            *check_limits("angle [rad]", angle_min, angle_max), check_count("beams", beams)
+        )
+        self.rays = beams_at(self.angles, np.zeros(beams))
+        super().__init__(world, pose, **(Common(name="lidar", frame_id="laser") | common))
+        self.publisher = self.create_publisher(LaserScan, topic, qos_profile_sensor_data)
+
+    def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
+        """Publish one scan; all its beams belong to the same time."""
+        hits = self.world.cast(self.transform_at(seconds), self.rays, seconds)
+        ranges = self.disturbed(hits.distance, self.limits, chance)
+        first, last = float(self.angles[0]), float(self.angles[-1])
+        scan = LaserScan(header=header, angle_min=first, angle_max=last, ranges=ranges, scan_time=self.period)
+        scan.angle_increment = (last - first) / max(len(ranges) - 1, 1)
+        scan.range_min, scan.range_max = self.limits
+        self.publisher.publish(scan)
+
+
+class PointCloudNode(SensorNode):
+    """Publishes sensor_msgs/PointCloud2: `columns` of rays around, `rings` within +-`opening` [rad]."""
+
+    def __init__(
+        self,
+        world: World,
+        pose: Pose,
+        *,
+        topic: str = "points",
+        columns: int = 360,
+        rings: int = 16,
+        opening: float = np.pi / 12,
+        range_min: float = 0.3,  # [m]
+        range_max: float = 30.0,  # [m]
+        **common: Unpack[Common],
+    ) -> None:
+        self.limits = check_limits("range [m]", range_min, range_max)
+        opening = check_number("opening [rad]", opening, low=0, high=np.pi / 2)
+        around = np.linspace(-np.pi, np.pi, check_count("columns", columns), endpoint=False)
+        up = np.linspace(-opening, opening, check_count("rings", rings))
+        self.rays = beams_at(np.tile(around, rings), np.repeat(up, columns))
+        super().__init__(world, pose, **(Common(name="lidar_3d", frame_id="laser") | common))
+        self.publisher = self.create_publisher(PointCloud2, topic, qos_profile_sensor_data)
+
+    def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
+        """Publish one cloud of the rays that met something."""
+        hits = self.world.cast(self.transform_at(seconds), self.rays, seconds)
+        distance = self.disturbed(hits.distance, self.limits, chance)
+        met = np.isfinite(distance)
+        points = np.empty(int(met.sum()), _POINT)
+        points["x"], points["y"], points["z"] = self.rays[:, met] * distance[met]
+        red, green, blue = np.rint(self.world.colors[hits.thing[met]].T * 255).astype(np.uint32)
+        points["rgb"] = red << 16 | green << 8 | blue
+        cloud = PointCloud2(header=header, height=1, width=len(points), is_dense=True)
+        cloud.fields = [
+            PointField(name=name, offset=4 * number, datatype=PointField.FLOAT32, count=1)
+            for number, name in enumerate(_POINT.names or ())
+        ]
+        cloud.point_step, cloud.row_step = _POINT.itemsize, points.nbytes
+        cloud.data = points.view(np.uint8)
+        self.publisher.publish(cloud)

@@ -1,0 +1,78 @@
+"""What all simulated sensors share: a place, a rate, noise that repeats."""
+
+import zlib
+from abc import ABC, abstractmethod
+from typing import TypedDict
+
+import numpy as np
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+from course_lib.ros.clock import START_NS
+from course_lib.sensors.checked import Floats, Pose, check_number, pose_function
+from course_lib.sensors.world import World
+
+
+class Common(TypedDict, total=False):
+    """Keyword arguments that every sensor has."""
+
+    name: str
+    frame_id: str
+    rate: float
+    noise: float
+    dropout: float
+    seed: int
+
+
+class SensorNode(Node, ABC):
+    """Measures at a rate; subclasses say what, in `measure`.
+
+    Args:
+        world: What there is to see.
+        pose: transform_sensor_to_world, (4, 4) in [m], or a function of robot time [s] that gives it.
+        name: Of the node.
+        frame_id: The sensor's frame in the messages.
+        rate: Measurements a second, [Hz].
+        noise: Standard deviation; of distances in [m], of colours in steps of 1/255.
+        dropout: Share of the values that get lost, 0 to 1.
+        seed: The same seed gives the same data.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        pose: Pose,
+        *,
+        name: str,
+        frame_id: str,
+        rate: float = 10.0,
+        noise: float = 0.0,
+        dropout: float = 0.0,
+        seed: int = 0,
+    ) -> None:
+        self.world, self.frame_id, self.seed = world, frame_id, seed
+        self.transform_at = pose_function(f"pose of {name}", pose)
+        self.noise = check_number("noise", noise, low=0)
+        self.dropout = check_number("dropout", dropout, low=0, high=1)
+        self.period = 1 / check_number("rate [Hz]", rate, above=0)  # [s]
+        super().__init__(name)
+        self.timer = self.create_timer(self.period, self._tick)
+
+    @abstractmethod
+    def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
+        """Measure at a robot time [s] since the start of the run and publish."""
+
+    def disturbed(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
+        """Add noise to distances [m], any shape; as REP 117 says, inf is too far, -inf too near, NaN lost."""
+        noisy = distance + self.noise * chance.standard_normal(distance.shape)
+        noisy[noisy > limits[1]] = np.inf
+        noisy[noisy < limits[0]] = -np.inf
+        noisy[chance.random(distance.shape) < self.dropout] = np.nan
+        return noisy
+
+    def _tick(self) -> None:
+        now = self.get_clock().now()
+        header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
+        # From the stamp, not from how often it was asked; other sensors have other noise.
+        chance = np.random.default_rng((self.seed, now.nanoseconds, zlib.crc32(self.get_name().encode())))
+        self.measure(header, (now.nanoseconds - START_NS) * 1e-9, chance)

@@ -1,0 +1,114 @@
+"""The simulated world: things with a shape, a colour and a place, and what rays meet in it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from course_lib.errors import CourseError
+from course_lib.sensors.checked import Floats, Pose, check_array, pose_function
+from course_lib.sensors.shapes import Shape
+
+SKY = (0.6, 0.75, 0.9)  # red, green, blue of nothing
+_STEP = 1e-4  # [s] of the difference that gives velocities
+
+
+@dataclass(frozen=True, eq=False)
+class Thing:
+    """One thing in the world.
+
+    Args:
+        shape: What it looks like.
+        pose: transform_thing_to_world, (4, 4) in [m], or a function of robot time [s] that gives it.
+        color: Red, green, blue, each 0 to 1.
+        label: What a detector calls it; without one, detectors leave it alone.
+    """
+
+    shape: Shape
+    pose: Pose
+    color: Sequence[float] = (0.7, 0.7, 0.7)
+    label: str = ""
+    transform_at: Callable[[float], Floats] = field(init=False, repr=False)  # robot time [s] -> (4, 4)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.shape, Shape):
+            known = "box(x, y, z), sphere(radius), cylinder(radius, height), plane() or mesh(vertices, faces)"
+            raise CourseError(f"shape is {self.shape!r}, which is none; give {known}.")
+        color = check_array("color", self.color, (3,))
+        if color.min() < 0 or color.max() > 1:
+            raise CourseError(f"color is {list(self.color)}; red, green and blue go from 0 to 1.")
+        if self.label and not np.isfinite(self.shape.size).all():
+            raise CourseError(
+                f"The plane is labelled {self.label!r}; planes are endless, label a box instead."
+            )
+        name = f"pose of {self.label or 'a thing'}"
+        object.__setattr__(self, "transform_at", pose_function(name, self.pose))
+
+    def velocity_at(self, seconds: float) -> Floats:
+        """How fast its frame moves in the world at a robot time [s], shape (3,), [m/s]."""
+        before, after = self.transform_at(seconds - _STEP), self.transform_at(seconds + _STEP)
+        return (after - before)[:3, 3] / (2 * _STEP)
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """What N rays met.
+
+    Args:
+        distance: Along each ray, shape (N,), [m]; inf for nothing.
+        thing: Number of the thing in `World.things`, shape (N,); -1 for nothing.
+    """
+
+    distance: Floats
+    thing: NDArray[np.intp]
+
+
+class World:
+    """Things that sensors see.
+
+    Args:
+        things: In the order of their numbers.
+    """
+
+    def __init__(self, things: Sequence[Thing]) -> None:
+        for number, thing in enumerate(things):
+            if not isinstance(thing, Thing):
+                raise CourseError(f"Number {number} of the world is {thing!r}; give Thing(shape, pose).")
+        self.things = tuple(things)
+        self._reach = np.array([thing.shape.reach for thing in things], float)
+        self.colors = np.array([*(thing.color for thing in things), SKY], float)  # (M + 1, 3): -1 is the sky
+
+    def cast(
+        self, transform_sensor_to_world: Floats, rays: Floats, seconds: float, far: float = np.inf
+    ) -> Hits:
+        """Find what rays from one point meet first.
+
+        Args:
+            transform_sensor_to_world: Rigid, shape (4, 4), [m].
+            rays: Unit vectors in the sensor's frame as columns, shape (3, N).
+            seconds: Robot time, [s].
+            far: Things beyond this need not be found, [m].
+        """
+        origin, rays = transform_sensor_to_world[:3, 3], transform_sensor_to_world[:3, :3] @ rays
+        distance, found = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
+        poses = np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
+        for number, chosen in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
+            if not len(chosen):
+                continue
+            to_thing = poses[number, :3, :3].T
+            start = to_thing @ (origin - poses[number, :3, 3])
+            length = self.things[number].shape.distances(start, to_thing @ rays[:, chosen])
+            closer = length < distance[chosen]
+            distance[chosen[closer]], found[chosen[closer]] = length[closer], number
+        return Hits(distance, found)
+
+    def _near(self, centers: Floats, rays: Floats, far: float) -> list[NDArray[np.intp]]:
+        """Per thing, the rays that may meet the sphere around it; centers (M, 3) from the sensor, [m]."""
+        away = np.linalg.norm(centers, axis=1)
+        inside = away <= self._reach
+        # A ray meets the sphere if it goes along its centre at least as far as the tangents do.
+        tangent = np.sqrt(np.where(inside, 0, away**2 - np.where(inside, 0, self._reach) ** 2))
+        least = np.where(inside, -np.inf, tangent - 1e-9 * (1 + away))
+        least[away - self._reach > far] = np.inf
+        return [np.flatnonzero(row) for row in centers @ rays >= least[:, None]]
