@@ -6,46 +6,62 @@ import warnings
 from enum import Enum, IntEnum
 from typing import Any, TypedDict, Unpack
 
+from course_lib.ros.qos import incompatible
 from rclpy.duration import Duration, Infinite
-from rclpy.impl.qos_policies import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSPolicyEnum,
-    QoSPolicyKind,
-    ReliabilityPolicy,
-    qos_policy_name_from_kind,
-)
 
-__all__ = [
-    "DeadlineBestAvailable",
-    "DurabilityPolicy",
-    "HistoryPolicy",
-    "InvalidQoSProfileException",
-    "LivelinessLeaseDurationeBestAvailable",
-    "LivelinessPolicy",
-    "QoSCompatibility",
-    "QoSDurabilityPolicy",
-    "QoSHistoryPolicy",
-    "QoSLivelinessPolicy",
-    "QoSPolicyEnum",
-    "QoSPolicyKind",
-    "QoSPresetProfiles",
-    "QoSProfile",
-    "QoSReliabilityPolicy",
-    "ReliabilityPolicy",
-    "qos_check_compatible",
-    "qos_policy_name_from_kind",
-    "qos_profile_action_status_default",
-    "qos_profile_best_available",
-    "qos_profile_default",
-    "qos_profile_parameter_events",
-    "qos_profile_parameters",
-    "qos_profile_sensor_data",
-    "qos_profile_services_default",
-    "qos_profile_system_default",
-    "qos_profile_unknown",
-]
+
+class QoSPolicyKind(IntEnum):
+    """Names a policy, as in the report of an incompatibility."""
+
+    INVALID = 1
+    DURABILITY = 2
+    DEADLINE = 4
+    LIVELINESS = 8
+    RELIABILITY = 16
+    HISTORY = 32
+    LIFESPAN = 64
+    DEPTH = 128
+    LIVELINESS_LEASE_DURATION = 256
+    AVOID_ROS_NAMESPACE_CONVENTIONS = 512
+
+
+class HistoryPolicy(IntEnum):
+    """How many samples are kept: the last `depth`, or all."""
+
+    SYSTEM_DEFAULT = 0
+    KEEP_LAST = 1
+    KEEP_ALL = 2
+    UNKNOWN = 3
+
+
+class ReliabilityPolicy(IntEnum):
+    """Whether lost samples are sent again."""
+
+    SYSTEM_DEFAULT = 0
+    RELIABLE = 1
+    BEST_EFFORT = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
+
+
+class DurabilityPolicy(IntEnum):
+    """Whether a subscription that comes late gets the last samples."""
+
+    SYSTEM_DEFAULT = 0
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
+
+
+class LivelinessPolicy(IntEnum):
+    """Who says that a publisher is alive."""
+
+    SYSTEM_DEFAULT = 0
+    AUTOMATIC = 1
+    MANUAL_BY_TOPIC = 3
+    UNKNOWN = 4
+    BEST_AVAILABLE = 5
 
 
 class InvalidQoSProfileException(Exception):
@@ -79,7 +95,7 @@ class QoSFields(TypedDict, total=False):
     avoid_ros_namespace_conventions: bool
 
 
-_POLICIES: dict[str, type[QoSPolicyEnum]] = {
+_POLICIES: dict[str, type[IntEnum]] = {
     "history": HistoryPolicy,
     "reliability": ReliabilityPolicy,
     "durability": DurabilityPolicy,
@@ -197,11 +213,6 @@ class QoSPresetProfiles(Enum):
     BEST_AVAILABLE = qos_profile_best_available
 
     @classmethod
-    def short_keys(cls) -> list[str]:
-        """List the presets as one types them at a command line."""
-        return [name.lower() for name in cls.__members__]
-
-    @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
         """Find a preset by its short name, in any case."""
         return cls[name.upper()].value
@@ -215,13 +226,26 @@ class QoSCompatibility(IntEnum):
     ERROR = 2
 
 
+# What a publisher offers that is too weak for a subscription that requests the other.
+_WEAK_AND_STRICT: dict[str, tuple[IntEnum, IntEnum]] = {
+    "reliability": (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE),
+    "durability": (DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL),
+    "liveliness": (LivelinessPolicy.AUTOMATIC, LivelinessPolicy.MANUAL_BY_TOPIC),
+}
+
+
 def qos_check_compatible(
     publisher_qos: QoSProfile, subscription_qos: QoSProfile
 ) -> tuple[QoSCompatibility, str]:
     """Say whether samples would flow from such a publisher to such a subscription, and if not, why."""
-    from rclpy.impl.qos_reasons import errors, warnings_
+    from rclpy.impl.qos_conversion import to_qos
 
-    if reason := errors(publisher_qos, subscription_qos):
-        return QoSCompatibility.ERROR, reason
-    reason = warnings_(publisher_qos, subscription_qos)
-    return (QoSCompatibility.WARNING if reason else QoSCompatibility.OK), reason
+    policy = incompatible(to_qos(publisher_qos, "pub", []), to_qos(subscription_qos, "sub", []))
+    if policy:
+        return QoSCompatibility.ERROR, f"ERROR: incompatible {policy};"
+    open_ = ("SYSTEM_DEFAULT", "UNKNOWN")  # left to the system, which may make it weak or strict
+    for name, (weak, strict) in _WEAK_AND_STRICT.items():
+        offered, requested = getattr(publisher_qos, name), getattr(subscription_qos, name)
+        if offered.name in (*open_, weak.name) and requested.name in (*open_, strict.name):
+            return QoSCompatibility.WARNING, f"WARNING: {name} is left to the system;"
+    return QoSCompatibility.OK, ""

@@ -1,35 +1,75 @@
 """ROS's rules for the names of nodes, namespaces and topics (rmw and rcl, validate_*.c)."""
 
 import re
+from collections.abc import Callable
 
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
 
-MAX_LENGTH = {"node name": 255, "namespace": 245, "topic": 247}  # rmw/validate_*.h
+Rules = tuple[tuple[str, str], ...]  # what must not be found, and the complaint; the first one counts
 
-_UNBALANCED = "topic name must not have unmatched (unbalanced) curly braces '{}'"
+# A match's group "at", or else its beginning, is the character that the complaint points at.
+NODE_NAME: Rules = (
+    (r"^\Z", "node name must not be empty"),
+    (r"[^A-Za-z0-9_]", "node name must not contain characters other than alphanumerics or '_'"),
+    (r"^[0-9]", "node name must not start with a number"),
+    (r"^.{254}(?P<at>.)(?=.)", "node name length should not exceed '255'"),
+)
+TOPIC_NAME: Rules = (
+    (r"^\Z", "topic name must not be empty string"),
+    (r"^[0-9]", "topic name token must not start with a number"),
+    (r"/\Z", "topic name must not end with a forward slash"),
+)
+TOPIC_TOKENS: Rules = (
+    (r"/(?P<at>[0-9])", "topic name token must not start with a number"),
+    (r"^~(?P<at>[^/])", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
+)
+_WORD = r"(?:[A-Za-z_][A-Za-z0-9_]*)?"
+_SOUND = rf"~?(?:[A-Za-z0-9_/]|{{{_WORD}}})*"  # a topic's name up to its first bad character
+_AFTER_SOUND: Rules = (
+    (rf"^{{{_WORD}\Z|^}}", "topic name must not have unmatched (unbalanced) curly braces '{}'"),
+    (r"^\{(?P<at>[0-9])", "substitution name must not start with a number"),
+    (rf"^({{{_WORD})?(?P<at>~)", "topic name must not have tilde '~' unless it is the first character"),
+    (
+        rf"^{{{_WORD}(?P<at>.)",
+        "substitution name must not contain characters other than alphanumerics or '_'",
+    ),
+    (r"^.", "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'"),
+)
 
-Finding = tuple[str, int]  # what is wrong, and the index of the character
+
+def _absolute(what: str, unless: str, length: str, limit: int) -> Rules:
+    return (
+        (r"^\Z", f"{what} must not be empty"),
+        (r"^[^/]", f"{what} must be absolute, it must lead with a '/'"),
+        (r"/\Z", f"{what} must not end with a '/'{unless}"),
+        (r"[^A-Za-z0-9_/]", f"{what} must not contain characters other than alphanumerics, '_', or '/'"),
+        (r"/(?P<at>/)", f"{what} must not contain repeated '/'"),
+        (r"/(?P<at>[0-9])", f"{what} must not have a token that starts with a number"),
+        (rf"^.{{{limit - 1}}}(?P<at>.)(?=.)", f"{length} should not exceed '{limit}'"),
+    )
+
+
+NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245)
+FULL_TOPIC = _absolute("topic name", "", "topic length", 247)
 
 
 def validate_node_name(name: str) -> None:
     """Raise InvalidNodeNameException unless `name` may be a node's name."""
-    finding = _node_name_error(name)
-    if finding:
-        raise InvalidNodeNameException(name, *finding)
+    _refuse(name, NODE_NAME, InvalidNodeNameException)
 
 
 def validate_namespace(namespace: str) -> None:
     """Raise InvalidNamespaceException unless `namespace` is a valid absolute namespace."""
-    finding = None if namespace == "/" else _full_name_error(namespace, "namespace")
-    if finding:
-        raise InvalidNamespaceException(namespace, *finding)
+    if namespace != "/":
+        _refuse(namespace, NAMESPACE, InvalidNamespaceException)
 
 
 def validate_topic_name(name: str) -> None:
     """Raise InvalidTopicNameException unless `name` may be written for a topic."""
-    finding = _topic_name_error(name)
-    if finding:
-        raise InvalidTopicNameException(name, *finding)
+    _refuse(name, TOPIC_NAME, InvalidTopicNameException)
+    sound = re.match(_SOUND, name)
+    _refuse(name, _AFTER_SOUND, InvalidTopicNameException, sound.end() if sound else 0)
+    _refuse(name, TOPIC_TOKENS, InvalidTopicNameException)
 
 
 def expand_topic_name(topic: str, node_name: str, namespace: str) -> str:
@@ -43,9 +83,7 @@ def expand_topic_name(topic: str, node_name: str, namespace: str) -> str:
             raise ValueError(f"topic name '{topic}' is invalid: unknown substitution: {{{word}}}")
         expanded = expanded.replace(f"{{{word}}}", known[word])
     full = expanded if expanded.startswith("/") else f"{prefix}/{expanded}"
-    finding = _full_name_error(full, "topic")
-    if finding:
-        raise InvalidTopicNameException(full, *finding)
+    _refuse(full, FULL_TOPIC, InvalidTopicNameException)
     return full
 
 
@@ -54,76 +92,8 @@ def join(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def _node_name_error(name: str) -> Finding | None:
-    if not name:
-        return "node name must not be empty", 0
-    if strange := re.search(r"[^A-Za-z0-9_]", name):
-        return "node name must not contain characters other than alphanumerics or '_'", strange.start()
-    if name[0].isdigit():
-        return "node name must not start with a number", 0
-    return _length_error(name, "node name")
-
-
-def _full_name_error(name: str, kind: str) -> Finding | None:
-    what = "topic name" if kind == "topic" else kind
-    if not name:
-        return f"{what} must not be empty", 0
-    if not name.startswith("/"):
-        return f"{what} must be absolute, it must lead with a '/'", 0
-    if name.endswith("/"):
-        unless = ", unless only a '/'" if kind == "namespace" else ""
-        return f"{what} must not end with a '/'{unless}", len(name) - 1
-    if strange := re.search(r"[^A-Za-z0-9_/]", name):
-        return f"{what} must not contain characters other than alphanumerics, '_', or '/'", strange.start()
-    if bad := re.search(r"/([/0-9])", name):
-        repeated = bad.group(1) == "/"
-        fault = "contain repeated '/'" if repeated else "have a token that starts with a number"
-        return f"{what} must not {fault}", bad.start() + 1
-    return _length_error(name, kind)
-
-
-def _topic_name_error(name: str) -> Finding | None:
-    if not name:
-        return "topic name must not be empty string", 0
-    if name[0].isdigit():
-        return "topic name token must not start with a number", 0
-    if name.endswith("/"):
-        return "topic name must not end with a forward slash", len(name) - 1
-    if finding := _character_error(name):
-        return finding
-    if number := re.search(r"/[0-9]", name):
-        return "topic name token must not start with a number", number.start() + 1
-    if re.match(r"~[^/]", name):
-        return "topic name must not have a tilde '~' that is not followed by a forward slash '/'", 1
-    return None
-
-
-def _character_error(name: str) -> Finding | None:
-    opened: int | None = None  # where the substitution begins that we are in
-    for index, character in enumerate(name):
-        if character.isascii() and (character.isalnum() or character == "_"):
-            if character.isdigit() and opened is not None and opened == index - 1:
-                return "substitution name must not start with a number", index
-        elif character == "~":
-            if index > 0:
-                return "topic name must not have tilde '~' unless it is the first character", index
-        elif character == "}":
-            if opened is None:
-                return _UNBALANCED, index
-            opened = None
-        elif opened is not None:
-            return "substitution name must not contain characters other than alphanumerics or '_'", index
-        elif character == "{":
-            opened = index
-        elif character != "/":
-            allowed = "alphanumerics, '_', '~', '{', or '}'"
-            return f"topic name must not contain characters other than {allowed}", index
-    return None if opened is None else (_UNBALANCED, opened)
-
-
-def _length_error(name: str, kind: str) -> Finding | None:
-    limit = MAX_LENGTH[kind]
-    if len(name) <= limit:
-        return None
-    words = {"namespace": "namespace", "topic": "topic length"}.get(kind, "node name length")
-    return f"{words} should not exceed '{limit}'", limit - 1
+def _refuse(name: str, rules: Rules, error: Callable[[str, str, int], Exception], start: int = 0) -> None:
+    for pattern, complaint in rules:
+        found = re.search(pattern, name[start:], re.DOTALL)
+        if found:
+            raise error(name, complaint, start + found.start("at" if "at" in found.groupdict() else 0))
