@@ -15,11 +15,18 @@ from course_lib.ros.messages.definitions import (
     definition,
     type_names,
 )
-from course_lib.ros.messages.message import snake_case
 from course_lib.ros.messages.primitives import PRIMITIVES
 
 STANDIN = Path(__file__).parent.parent / "standin"
 _HEADER = "# Written by `python -m course_lib.ros.messages.stubs`; don't edit.\n"
+_BASE = "from course_lib.ros.messages.message import Message"
+_STANDARD = (  # what a stub imports if it holds the word
+    ("array[", "from array import array"),
+    ("Sequence[", "from collections.abc import Sequence"),
+    ("NDArray[Any]", "from typing import Any"),
+    ("Final", "from typing import Final"),
+)
+_NUMPY = (("np.", "import numpy as np"), ("NDArray[", "from numpy.typing import NDArray"))
 _MODULE = '''"""The message types of {package}."""
 
 from course_lib.ros.messages.registry import import_messages as _import_messages
@@ -31,69 +38,40 @@ globals().update(_import_messages(__name__))
 def files() -> dict[Path, str]:
     """Give the text of every file of the message packages, by its path below the stand-in folder."""
     texts: dict[Path, str] = {}
-    packages: dict[str, list[str]] = {}
+    packages: dict[str, list[MessageDefinition]] = {}
     for type_name in type_names():
-        package, _, name = type_name.split("/")
-        packages.setdefault(package, []).append(name)
-        texts[Path(package, "msg", f"_{snake_case(name)}.pyi")] = message_stub(definition(type_name))
-    for package, names in packages.items():
-        imports = [f"from ._{snake_case(name)} import {name} as {name}\n" for name in names]
+        packages.setdefault(type_name.split("/")[0], []).append(definition(type_name))
+    for package, messages in packages.items():
         texts[Path(package, "__init__.py")] = f'"""Stand-in for ROS 2\'s {package}."""\n'
         texts[Path(package, "py.typed")] = ""
         texts[Path(package, "msg", "__init__.py")] = _MODULE.format(package=package)
-        texts[Path(package, "msg", "__init__.pyi")] = f"{_HEADER}\n{''.join(imports)}"
+        texts[Path(package, "msg", "__init__.pyi")] = package_stub(messages)
     return texts
 
 
-def message_stub(message: MessageDefinition) -> str:
-    """Give the text of one message's stub."""
+def package_stub(messages: list[MessageDefinition]) -> str:
+    """Give the stub of one package's messages."""
+    body = "".join(f"\n{_class(message)}" for message in messages)
+    packages = {f.base.split("/")[0] for message in messages for f in message.fields if f.is_message}
+    blocks = (
+        [line for word, line in _STANDARD if word in body],
+        [line for word, line in _NUMPY if word in body],
+        sorted([_BASE, *(f"import {package}.msg" for package in packages)]),
+    )
+    imports = "\n\n".join("\n".join(block) for block in blocks if block)
+    return f"{_HEADER}\n{imports}\n{body}"
+
+
+def _class(message: MessageDefinition) -> str:
     fields = [field for field in message.fields if field.name != PLACEHOLDER]
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
-    constants = {**message.constants, **defaults}
-    body = [f"{name}: Final = {_literal(value)}" for name, value in constants.items()]
-    for field in fields:
-        body += _field_lines(field)
-    arguments = [f"    {field.name}: {_accepted(field)} = ...," for field in fields]
-    body += [
-        "def __init__(",
-        "    self,",
-        "    *,",
-        *arguments,
-        "    check_fields: bool = ...,",
-        ") -> None: ...",
-    ]
+    body = [f"{name}: Final = {_literal(value)}" for name, value in {**message.constants, **defaults}.items()]
+    body += [line for field in fields for line in _field_lines(field)]
+    body += ["def __init__(", "    self,", "    *,"]
+    body += [f"    {field.name}: {_accepted(field)} = ...," for field in fields]
+    body += ["    check_fields: bool = ...,", ") -> None: ..."]
     name = message.type_name.rsplit("/", 1)[1]
-    lines = "".join(f"    {line}\n" for line in body)
-    return f"{_head(fields, bool(constants))}\nclass {name}(Message):\n{lines}"
-
-
-def _head(fields: list[FieldDefinition], constants: bool) -> str:
-    """Give the comment and the imports that the annotations need."""
-    text = " ".join(f"{_given(field)} {_accepted(field)}" for field in fields)
-    standard = [
-        "from array import array" if "array[" in text else "",
-        "from collections.abc import Sequence" if "Sequence[" in text else "",
-        _import("typing", [name for name, used in (("Any", "Any" in text), ("Final", constants)) if used]),
-    ]
-    third = [
-        "import numpy as np" if "np." in text else "",
-        "from numpy.typing import NDArray" if "NDArray[" in text else "",
-    ]
-    own = {"from course_lib.ros.messages.message import Message", *map(_message_import, fields)}
-    blocks = [[line for line in block if line] for block in (standard, third, sorted(own))]
-    imports = "\n\n".join("\n".join(block) for block in blocks if block)
-    return f"{_HEADER}\n{imports}\n"
-
-
-def _import(module: str, names: list[str]) -> str:
-    return f"from {module} import {', '.join(names)}" if names else ""
-
-
-def _message_import(field: FieldDefinition) -> str:
-    if not field.is_message:
-        return ""
-    package, _, name = field.base.split("/")
-    return f"from {package}.msg._{snake_case(name)} import {name}"
+    return f"class {name}(Message):\n" + "".join(f"    {line}\n" for line in body)
 
 
 def _field_lines(field: FieldDefinition) -> list[str]:
@@ -110,7 +88,7 @@ def _field_lines(field: FieldDefinition) -> list[str]:
 
 
 def _item(field: FieldDefinition) -> str:
-    return field.base.rsplit("/", 1)[1] if field.is_message else PRIMITIVES[field.base].python.__name__
+    return field.base.replace("/", ".") if field.is_message else PRIMITIVES[field.base].python.__name__
 
 
 def _packed(field: FieldDefinition) -> bool:

@@ -13,7 +13,7 @@ def test_a_stale_stub_is_named(
 ) -> None:
     monkeypatch.setattr(stubs, "STANDIN", tmp_path)
     assert stubs.main(["--check"]) == 1
-    assert "std_msgs/msg/_string.pyi is not what" in capsys.readouterr().out
+    assert "std_msgs/msg/__init__.pyi is not what" in capsys.readouterr().out
     assert stubs.main([]) == 0
     assert stubs.main(["--check"]) == 0
 

@@ -1,4 +1,25 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
-from ._duration import Duration as Duration
-from ._time import Time as Time
+from course_lib.ros.messages.message import Message
+
+class Duration(Message):
+    sec: int
+    nanosec: int
+    def __init__(
+        self,
+        *,
+        sec: int = ...,
+        nanosec: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Time(Message):
+    sec: int
+    nanosec: int
+    def __init__(
+        self,
+        *,
+        sec: int = ...,
+        nanosec: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...

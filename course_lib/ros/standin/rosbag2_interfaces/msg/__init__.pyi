@@ -1,4 +1,29 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
-from ._read_split_event import ReadSplitEvent as ReadSplitEvent
-from ._write_split_event import WriteSplitEvent as WriteSplitEvent
+from course_lib.ros.messages.message import Message
+
+class ReadSplitEvent(Message):
+    closed_file: str
+    opened_file: str
+    node_name: str
+    def __init__(
+        self,
+        *,
+        closed_file: str = ...,
+        opened_file: str = ...,
+        node_name: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class WriteSplitEvent(Message):
+    closed_file: str
+    opened_file: str
+    node_name: str
+    def __init__(
+        self,
+        *,
+        closed_file: str = ...,
+        opened_file: str = ...,
+        node_name: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...

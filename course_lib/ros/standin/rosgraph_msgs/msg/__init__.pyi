@@ -1,3 +1,13 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
-from ._clock import Clock as Clock
+from course_lib.ros.messages.message import Message
+import builtin_interfaces.msg
+
+class Clock(Message):
+    clock: builtin_interfaces.msg.Time
+    def __init__(
+        self,
+        *,
+        clock: builtin_interfaces.msg.Time = ...,
+        check_fields: bool = ...,
+    ) -> None: ...

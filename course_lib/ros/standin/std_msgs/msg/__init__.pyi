@@ -1,32 +1,345 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
-from ._bool import Bool as Bool
-from ._byte import Byte as Byte
-from ._byte_multi_array import ByteMultiArray as ByteMultiArray
-from ._char import Char as Char
-from ._color_rgba import ColorRGBA as ColorRGBA
-from ._empty import Empty as Empty
-from ._float32 import Float32 as Float32
-from ._float32_multi_array import Float32MultiArray as Float32MultiArray
-from ._float64 import Float64 as Float64
-from ._float64_multi_array import Float64MultiArray as Float64MultiArray
-from ._header import Header as Header
-from ._int16 import Int16 as Int16
-from ._int16_multi_array import Int16MultiArray as Int16MultiArray
-from ._int32 import Int32 as Int32
-from ._int32_multi_array import Int32MultiArray as Int32MultiArray
-from ._int64 import Int64 as Int64
-from ._int64_multi_array import Int64MultiArray as Int64MultiArray
-from ._int8 import Int8 as Int8
-from ._int8_multi_array import Int8MultiArray as Int8MultiArray
-from ._multi_array_dimension import MultiArrayDimension as MultiArrayDimension
-from ._multi_array_layout import MultiArrayLayout as MultiArrayLayout
-from ._string import String as String
-from ._u_int16 import UInt16 as UInt16
-from ._u_int16_multi_array import UInt16MultiArray as UInt16MultiArray
-from ._u_int32 import UInt32 as UInt32
-from ._u_int32_multi_array import UInt32MultiArray as UInt32MultiArray
-from ._u_int64 import UInt64 as UInt64
-from ._u_int64_multi_array import UInt64MultiArray as UInt64MultiArray
-from ._u_int8 import UInt8 as UInt8
-from ._u_int8_multi_array import UInt8MultiArray as UInt8MultiArray
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from course_lib.ros.messages.message import Message
+import builtin_interfaces.msg
+import std_msgs.msg
+
+class Bool(Message):
+    data: bool
+    def __init__(
+        self,
+        *,
+        data: bool = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Byte(Message):
+    data: bytes
+    def __init__(
+        self,
+        *,
+        data: bytes = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class ByteMultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    data: list[bytes]
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: list[bytes] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Char(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class ColorRGBA(Message):
+    r: float
+    g: float
+    b: float
+    a: float
+    def __init__(
+        self,
+        *,
+        r: float = ...,
+        g: float = ...,
+        b: float = ...,
+        a: float = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Empty(Message):
+    def __init__(
+        self,
+        *,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Float32(Message):
+    data: float
+    def __init__(
+        self,
+        *,
+        data: float = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Float32MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[float]: ...
+    @data.setter
+    def data(self, value: Sequence[float] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[float] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Float64(Message):
+    data: float
+    def __init__(
+        self,
+        *,
+        data: float = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Float64MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[float]: ...
+    @data.setter
+    def data(self, value: Sequence[float] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[float] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Header(Message):
+    stamp: builtin_interfaces.msg.Time
+    frame_id: str
+    def __init__(
+        self,
+        *,
+        stamp: builtin_interfaces.msg.Time = ...,
+        frame_id: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int16(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int16MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int32(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int32MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int64(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int64MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int8(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class Int8MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class MultiArrayDimension(Message):
+    label: str
+    size: int
+    stride: int
+    def __init__(
+        self,
+        *,
+        label: str = ...,
+        size: int = ...,
+        stride: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class MultiArrayLayout(Message):
+    dim: list[std_msgs.msg.MultiArrayDimension]
+    data_offset: int
+    def __init__(
+        self,
+        *,
+        dim: list[std_msgs.msg.MultiArrayDimension] = ...,
+        data_offset: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class String(Message):
+    data: str
+    def __init__(
+        self,
+        *,
+        data: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt16(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt16MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt32(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt32MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt64(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt64MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt8(Message):
+    data: int
+    def __init__(
+        self,
+        *,
+        data: int = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class UInt8MultiArray(Message):
+    layout: std_msgs.msg.MultiArrayLayout
+    @property
+    def data(self) -> array[int]: ...
+    @data.setter
+    def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
+    def __init__(
+        self,
+        *,
+        layout: std_msgs.msg.MultiArrayLayout = ...,
+        data: Sequence[int] | NDArray[Any] = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
