@@ -2,7 +2,8 @@
 
 import socket
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import msgpack
@@ -52,13 +53,8 @@ class Channel:
         """
         self.queue(frame)
         data, self._unsent = b"".join(self._unsent), []
-        self._set_timeout()
-        try:
+        with self._in_time():
             self._socket.sendall(data)
-        except TimeoutError as error:
-            raise ChannelTimeoutError("The other process takes no more data.") from error
-        except OSError as error:
-            raise ChannelClosedError("The other process is gone.") from error
 
     def receive(self) -> list[Any]:
         """Receive the next frame.
@@ -86,29 +82,23 @@ class Channel:
 
     def _read(self, size: int) -> bytes:
         data = bytearray()
-        for chunk in self._chunks(size):
+        while len(data) < size:
+            with self._in_time():
+                chunk = self._socket.recv(min(size - len(data), 2**20))
+            if not chunk:
+                raise ChannelClosedError("The other process is gone.")
             data += chunk
         return bytes(data)
 
-    def _chunks(self, missing: int) -> Iterable[bytes]:
-        while missing:
-            self._set_timeout()
-            try:
-                chunk = self._socket.recv(min(missing, 2**20))
-            except TimeoutError as error:
-                raise ChannelTimeoutError("The other process did not answer in time.") from error
-            except OSError as error:
-                raise ChannelClosedError("The other process is gone.") from error
-            if not chunk:
-                raise ChannelClosedError("The other process is gone.")
-            missing -= len(chunk)
-            yield chunk
-
-    def _set_timeout(self) -> None:
-        if self.deadline is None:
-            self._socket.settimeout(None)
-            return
-        left = self.deadline - wall.monotonic()
-        if left <= 0:
-            raise ChannelTimeoutError("The other process did not answer in time.")
-        self._socket.settimeout(left)
+    @contextmanager
+    def _in_time(self) -> Iterator[None]:
+        left = None if self.deadline is None else self.deadline - wall.monotonic()
+        try:
+            if left is not None and left <= 0:
+                raise TimeoutError
+            self._socket.settimeout(left)
+            yield
+        except TimeoutError as error:
+            raise ChannelTimeoutError("The other process did not answer in time.") from error
+        except OSError as error:
+            raise ChannelClosedError("The other process is gone.") from error

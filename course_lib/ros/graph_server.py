@@ -10,7 +10,7 @@ from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
 
 MAX_NAME = 1_000  # characters of a topic, type or node
-MAX_ENTITIES = 10_000  # nodes and endpoints
+MAX_ENTITIES = 10_000  # nodes, endpoints and events to come
 MAX_SAMPLES = 1_000_000
 MAX_BYTES = 256 * 2**20  # [B] of all samples
 
@@ -128,6 +128,7 @@ class GraphServer:
             self._wake(["fire", self.graph.now_ns, number])
 
         self._check(number not in self._alarms, "alarm", number)
+        self._count_entity()
         self._alarms[number] = self.graph.call_at(due_ns, fire, node=node, entity=entity)
 
     def _cancel(self, number: int) -> None:
@@ -142,9 +143,10 @@ class GraphServer:
             self.serve()
 
     def _count_entity(self, *names: str) -> None:
-        if len(self.nodes) + len(self._endpoints) >= MAX_ENTITIES or any(len(n) > MAX_NAME for n in names):
+        count = len(self.nodes) + len(self._endpoints) + len(self._alarms)
+        if count >= MAX_ENTITIES or any(len(name) > MAX_NAME for name in names):
             raise ChannelError(
-                f"More than {MAX_ENTITIES} nodes and topics were asked for, "
+                f"More than {MAX_ENTITIES} nodes, topics and timers were asked for, "
                 f"or a name of over {MAX_NAME} characters."
             )
 

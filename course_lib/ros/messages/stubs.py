@@ -27,12 +27,10 @@ _STANDARD = (  # what a stub imports if it holds the word
     ("Final", "from typing import Final"),
 )
 _NUMPY = (("np.", "import numpy as np"), ("NDArray[", "from numpy.typing import NDArray"))
-_MODULE = '''"""The message types of {package}."""
-
-from course_lib.ros.messages.registry import import_messages as _import_messages
+_MODULE = """from course_lib.ros.messages.registry import import_messages as _import_messages
 
 globals().update(_import_messages(__name__))
-'''
+"""
 
 
 def files() -> dict[Path, str]:
@@ -42,9 +40,8 @@ def files() -> dict[Path, str]:
     for type_name in type_names():
         packages.setdefault(type_name.split("/")[0], []).append(definition(type_name))
     for package, messages in packages.items():
-        texts[Path(package, "__init__.py")] = f'"""Stand-in for ROS 2\'s {package}."""\n'
-        texts[Path(package, "py.typed")] = ""
-        texts[Path(package, "msg", "__init__.py")] = _MODULE.format(package=package)
+        texts |= {Path(package, name): "" for name in ("__init__.py", "py.typed")}
+        texts[Path(package, "msg", "__init__.py")] = _MODULE
         texts[Path(package, "msg", "__init__.pyi")] = package_stub(messages)
     return texts
 

@@ -15,6 +15,7 @@ from rclpy.qos import (
     QoSReliabilityPolicy,
     ReliabilityPolicy,
     qos_check_compatible,
+    qos_policy_name_from_kind,
     qos_profile_best_available,
     qos_profile_sensor_data,
     qos_profile_system_default,
@@ -73,6 +74,10 @@ def test_long_and_short_names_are_the_same_policies() -> None:
     assert (QoSHistoryPolicy, QoSReliabilityPolicy) == (HistoryPolicy, ReliabilityPolicy)
     assert QoSDurabilityPolicy is DurabilityPolicy
     assert QoSLivelinessPolicy is LivelinessPolicy
+    assert ReliabilityPolicy.short_keys()[:2] == ["system_default", "reliable"]
+    assert ReliabilityPolicy.get_from_short_key("best_effort") == 2
+    assert ReliabilityPolicy.BEST_EFFORT.short_key == "best_effort"
+    assert qos_policy_name_from_kind(16) == "RELIABILITY"
 
 
 @pytest.mark.parametrize(

@@ -36,29 +36,28 @@ class ROSInterruptException(Exception):
 class NameValidationException(Exception):
     """A name breaks the rules; the message points at the character."""
 
-    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
+    _kind = "name"
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__(f"Invalid {self._kind}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
 
 
 class InvalidNamespaceException(NameValidationException):
     """A namespace breaks the rules."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("namespace", name, error_msg, invalid_index)
+    _kind = "namespace"
 
 
 class InvalidNodeNameException(NameValidationException):
     """A node's name breaks the rules."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("node name", name, error_msg, invalid_index)
+    _kind = "node name"
 
 
 class InvalidTopicNameException(NameValidationException):
     """A topic's name breaks the rules."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("topic name", name, error_msg, invalid_index)
+    _kind = "topic name"
 
 
 class ParameterException(Exception):

@@ -25,7 +25,31 @@ class QoSPolicyKind(IntEnum):
     AVOID_ROS_NAMESPACE_CONVENTIONS = 512
 
 
-class HistoryPolicy(IntEnum):
+def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
+    """Return the name of a policy."""
+    return QoSPolicyKind(policy_kind).name
+
+
+class QoSPolicyEnum(IntEnum):
+    """The base of the policies; short keys are what one types at a command line."""
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """List the short keys."""
+        return [name.lower() for name in cls.__members__]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> int:
+        """Find a value by its short key, in any case."""
+        return cls[name.upper()].value
+
+    @property
+    def short_key(self) -> str:
+        """The short key of this value."""
+        return self.name.lower()
+
+
+class HistoryPolicy(QoSPolicyEnum):
     """How many samples are kept: the last `depth`, or all."""
 
     SYSTEM_DEFAULT = 0
@@ -34,7 +58,7 @@ class HistoryPolicy(IntEnum):
     UNKNOWN = 3
 
 
-class ReliabilityPolicy(IntEnum):
+class ReliabilityPolicy(QoSPolicyEnum):
     """Whether lost samples are sent again."""
 
     SYSTEM_DEFAULT = 0
@@ -44,7 +68,7 @@ class ReliabilityPolicy(IntEnum):
     BEST_AVAILABLE = 4
 
 
-class DurabilityPolicy(IntEnum):
+class DurabilityPolicy(QoSPolicyEnum):
     """Whether a subscription that comes late gets the last samples."""
 
     SYSTEM_DEFAULT = 0
@@ -54,7 +78,7 @@ class DurabilityPolicy(IntEnum):
     BEST_AVAILABLE = 4
 
 
-class LivelinessPolicy(IntEnum):
+class LivelinessPolicy(QoSPolicyEnum):
     """Who says that a publisher is alive."""
 
     SYSTEM_DEFAULT = 0
@@ -211,6 +235,11 @@ class QoSPresetProfiles(Enum):
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
     BEST_AVAILABLE = qos_profile_best_available
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """List the presets as one types them at a command line."""
+        return [name.lower() for name in cls.__members__]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:

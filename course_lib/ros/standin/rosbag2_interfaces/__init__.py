@@ -1,1 +1,0 @@
-"""Stand-in for ROS 2's rosbag2_interfaces."""

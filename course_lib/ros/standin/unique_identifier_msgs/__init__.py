@@ -1,1 +1,0 @@
-"""Stand-in for ROS 2's unique_identifier_msgs."""

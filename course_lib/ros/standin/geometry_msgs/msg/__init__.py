@@ -1,5 +1,3 @@
-"""The message types of geometry_msgs."""
-
 from course_lib.ros.messages.registry import import_messages as _import_messages
 
 globals().update(_import_messages(__name__))
