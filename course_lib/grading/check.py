@@ -18,6 +18,7 @@ from course_lib.grading.task import HINTS, Task
 
 STRICT = "COURSE_STRICT"
 GHOST_HEIGHT = 260  # [px]
+FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."
 NO_ID = "No student ID is known, so your own values are a guest's. In week 0 type: set_identity('your-id')"
 
 _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
@@ -63,7 +64,9 @@ def table_of(task: Task, result: TaskResult, student: str | None) -> Table:
     """The result as a table, with the next hint if a check failed; progress and hints shown are kept."""
     state, notes = student_state(), []
     state.put("progress", task.id, {"score": result.score, "of": result.points})
-    if task.scenarios and not result.passed:
+    if result.untouched:
+        notes.append(FILL_IN)
+    elif task.scenarios and not result.passed:
         failures = min(state.get("hints", task.id, 0) + 1, HINTS)
         state.put("hints", task.id, failures)
         notes.append(f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}")

@@ -16,7 +16,11 @@ OTHERS = (str(Path(course_lib.__file__).parent), *sysconfig.get_paths().values()
 def describe(error: BaseException) -> str:
     """Say what was raised and where: "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)"."""
     where = _place(error)
-    said = f"{_what(error)[:MAX_LENGTH]}{where and f' ({where})'}"
+    what = _what(error)[:MAX_LENGTH]
+    place, is_raise, _ = where.partition(": raise ")
+    if is_raise:  # that line says nothing that the text does not say
+        where = place
+    said = f"{what}{where and f' ({where})'}"
     return said.encode("utf-8", "replace").decode()  # half of a surrogate pair can't leave the process
 
 

@@ -137,7 +137,8 @@ class Baton:
             heir = None  # without the main thread time stands still
             if not me.main:
                 heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
-            self._give(heir)
+            if self._holder is me:  # else an impatient interrupt took it
+                self._give(heir)
 
     def wait(
         self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
@@ -252,15 +253,18 @@ class Baton:
         self._await_turn(me)
 
     def _await_turn(self, me: ProgramThread) -> None:
-        """Block until the baton is handed over; an interrupt is raised only with the baton in hand."""
+        """Block until the baton is handed over; an interrupt is raised with the baton in hand."""
         waiting = True
         while waiting:
             try:
                 me.turn.acquire()
                 waiting = False
             except KeyboardInterrupt as interrupt:
+                again = isinstance(me.raises, KeyboardInterrupt)
                 me.raises = interrupt
                 with self._mutex:
+                    if again:  # a second one: whoever has the baton is stuck outside the kit
+                        self._holder = me
                     waiting = self._holder is not me
                     if not waiting:
                         me.turn.acquire(False)  # unless the interrupt came just after it was taken

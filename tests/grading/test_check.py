@@ -62,6 +62,17 @@ def test_each_failure_shows_the_next_hint_and_the_last_one_stays(
     assert "0.50 m too low" in said[0][1]
 
 
+def test_an_untouched_stub_uses_up_no_hint(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    stub = red_cube("self.publisher.publish(marker)", "raise NotImplementedError('publish it')")
+    check("week01.red_cube", stub)
+    said = capsys.readouterr().out
+    assert "Nothing is filled in yet" in said
+    assert said.count("publish it") == 1
+    assert student_state().get("hints", "week01.red_cube") is None
+
+
 def test_an_exception_is_shown_with_the_students_line_and_no_traceback(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
