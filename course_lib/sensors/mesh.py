@@ -47,7 +47,7 @@ def load_mesh(path: Path | str) -> Shape:
         model = coal.MeshLoader().load(str(path), np.ones(3))
     except (RuntimeError, ValueError) as error:
         raise CourseError(
-            f"{path} cannot be read as a mesh: {error} Give an STL, OBJ or DAE file."
+            f"{path} cannot be read as a mesh. Give an STL, OBJ or DAE file that exists."
         ) from error
     triangles = [model.tri_indices(number) for number in range(model.num_tris)]
     return mesh(model.vertices(), [[triangle[corner] for corner in range(3)] for triangle in triangles])
@@ -113,7 +113,7 @@ class _Triangles:
         scale, u, v = (np.einsum("ij,ij->j", rays, normal.T[:, face]) for normal in normals)
         with np.errstate(divide="ignore", invalid="ignore"):  # parallel to the triangle: NaN, a miss
             u, v, along = u / scale, v / scale, height[face] / scale
-        inside = (u >= -_RIM) & (v >= -_RIM) & (u + v <= 1 + _RIM)
+            inside = (u >= -_RIM) & (v >= -_RIM) & (u + v <= 1 + _RIM)
         return np.where(inside & (along >= 0), along, np.inf)
 
 
@@ -121,7 +121,7 @@ def _boxes_met(low: Floats, high: Floats, slopes: Floats) -> NDArray[np.bool_]:
     """Tell which rays meet their box; corners from the rays' origin, all shape (3, pairs)."""
     with np.errstate(invalid="ignore"):  # along a wall: 0 * inf
         one, other = low * slopes, high * slopes
-    enter, leave = np.fmin(one, other).max(axis=0), np.fmax(one, other).min(axis=0)
-    # A hair of room, since a box may be as flat as its triangle.
-    met: NDArray[np.bool_] = (enter <= leave + 1e-9 * (1 + np.abs(leave))) & (leave >= -1e-9)
+        enter, leave = np.fmin(one, other).max(axis=0), np.fmax(one, other).min(axis=0)
+        # A hair of room, since a box may be as flat as its triangle.
+        met: NDArray[np.bool_] = (enter <= leave + 1e-9 * (1 + np.abs(leave))) & (leave >= -1e-9)
     return met

@@ -1,0 +1,76 @@
+import io
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from PIL import Image as Pictures
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from course_lib.errors import CourseError
+from course_lib.sensors.camera import CameraNode
+from course_lib.sensors.motion import placed
+from course_lib.sensors.pinhole import Pinhole
+from course_lib.sensors.shapes import box
+from course_lib.sensors.world import Thing, World
+from tests.sensors.scenes import TRANSFORM_OPTICAL_TO_WORLD, published
+
+SMALL = Pinhole(40, 30, 40.0)
+# Red is to the left (+y) and up, green to the right and down.
+WORLD = World([
+    Thing(box(1, 1, 1), placed(5, 1, 0.8), (1, 0, 0)),
+    Thing(box(1, 1, 1), placed(5, -1, -0.8), (0, 1, 0)),
+])  # fmt: skip
+
+
+def seen(message: type, **settings: Any) -> Any:
+    node = lambda: CameraNode(WORLD, TRANSFORM_OPTICAL_TO_WORLD, pinhole=SMALL, **settings)  # noqa: E731  # one use
+    return published(node, message)[0]
+
+
+def pixels(image: Any) -> Any:
+    return np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
+
+
+def test_left_is_left_and_up_is_up() -> None:
+    image = seen(Image)
+    assert (image.encoding, image.step, len(image.data)) == ("rgb8", 120, 3600)
+    red, green = ((pixels(image)[..., a] > 50) & (pixels(image)[..., b] == 0) for a, b in ((0, 1), (1, 0)))
+    (red_v, red_u), (green_v, green_u) = np.nonzero(red), np.nonzero(green)
+    assert red_u.max() < 20 < green_u.min()
+    assert red_v.max() < 15 < green_v.min()
+
+
+def test_what_faces_the_camera_is_bright_and_the_sky_is_even() -> None:
+    picture = pixels(seen(Image))
+    v, u = np.rint(SMALL.matrix[:2] @ (-1 / 4.5, -0.8 / 4.5, 1))[::-1].astype(int)
+    assert picture[v, u, 0] > 200
+    assert picture[-1, 0].tolist() == [153, 191, 230]
+
+
+@pytest.mark.parametrize(("kind", "error"), [("png", 0), ("jpeg", 40)])
+def test_compressed_pictures_show_the_same(kind: Literal["png", "jpeg"], error: float) -> None:
+    message = seen(CompressedImage, compressed=kind)
+    assert message.format == f"rgb8; {kind} compressed bgr8"
+    unpacked = np.asarray(Pictures.open(io.BytesIO(bytes(message.data))), int)
+    assert np.abs(unpacked - pixels(seen(Image))).mean() <= error
+
+
+def test_without_compression_there_is_none() -> None:
+    with pytest.raises(IndexError):
+        seen(CompressedImage, compressed=None)
+
+
+def test_camera_info_has_the_picture_s_stamp_and_frame() -> None:
+    assert seen(CameraInfo).header == seen(Image).header
+    assert seen(CameraInfo).header.frame_id == "camera_optical_frame"
+
+
+def test_noise_changes_colours_and_dropouts_are_black() -> None:
+    clean, noisy = pixels(seen(Image)), pixels(seen(Image, noise=5.0))
+    assert 2 < np.abs(clean.astype(int) - noisy).mean() < 8
+    assert (pixels(seen(Image, dropout=1.0)) == 0).all()
+
+
+def test_an_unknown_compression_is_named() -> None:
+    with pytest.raises(CourseError, match="compressed is 'gif'; give 'png', 'jpeg' or None"):
+        seen(Image, compressed="gif")
