@@ -10,7 +10,7 @@ from course_lib.sensors.checked import Floats, check_array
 from course_lib.sensors.shapes import Shape
 
 _LEAF = 4  # triangles
-_CHUNK = 8192  # rays at a time: bounds the memory of the pairs
+_CHUNK = 2048  # rays at a time: bounds the memory of the pairs
 _RIM = 1e-12  # no gap between neighbours
 
 

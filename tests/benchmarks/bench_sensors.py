@@ -1,0 +1,76 @@
+"""How long sensors look: `python tests/benchmarks/bench_sensors.py`, the median wall time, without noise."""
+
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from course_lib.ros.standin_path import install
+
+install()
+
+from course_lib.sensors.lidar import beams_at  # noqa: E402  # needs the stand-in's packages
+from course_lib.sensors.mesh import mesh  # noqa: E402  # as above
+from course_lib.sensors.motion import circle, placed  # noqa: E402  # as above
+from course_lib.sensors.pinhole import Pinhole  # noqa: E402  # as above
+from course_lib.sensors.shapes import Shape, box, cylinder, plane, sphere  # noqa: E402  # as above
+from course_lib.sensors.world import Thing, World  # noqa: E402  # as above
+
+RUNS = 30
+OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], float)  # looks along x
+
+
+def room() -> World:
+    """Make a floor and 20 things around the sensor, four of which move."""
+    chance, solids = np.random.default_rng(1), (box(1, 0.6, 1.8), cylinder(0.4, 1.5), sphere(0.5))
+    things = [Thing(plane(), placed(0, 0, 0))]
+    for number in range(20):
+        angle, away = 2 * np.pi * number / 20, chance.uniform(2, 9)
+        x, y = away * np.cos(angle), away * np.sin(angle)
+        pose = circle((x, y, 0.5), 0.5, 9.0) if number % 5 == 0 else placed(x, y, 0.5, angle)
+        things.append(Thing(solids[number % 3], pose))
+    return World(things)
+
+
+def ball(rows: int) -> Shape:
+    """Make a ball of 4 * rows^2 triangles."""
+    up, around = np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, 2 * rows + 1)
+    grid = [(np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)) for a in up for b in around]
+    wide, faces = len(around), list[tuple[int, int, int]]()
+    for corner in (row * wide + column for row in range(rows) for column in range(2 * rows)):
+        below = corner + wide
+        faces += [(corner, below, corner + 1), (below, below + 1, corner + 1)]
+    return mesh(grid, faces)
+
+
+def milliseconds(action: Callable[[], object]) -> float:
+    """Median wall time of an action, [ms]."""
+    times = []
+    for _ in range(RUNS):
+        start = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - start)
+    return 1000 * statistics.median(times)
+
+
+def main() -> None:
+    """Print one line per measurement."""
+    angles = np.linspace(-np.pi, np.pi, 720)
+    scan, image = beams_at(angles, np.zeros(720)), Pinhole(320, 240, 277.0).rays
+    world, laser = room(), placed(0, 0, 0.4)
+    cases: list[tuple[str, Callable[[], object]]] = [
+        ("720-beam scan, 21 things (goal 1 ms)", lambda: world.cast(laser, scan, 1.0)),
+        ("320x240 depth image, 21 things (goal 50 ms)", lambda: world.cast(OPTICAL, image, 1.0)),
+    ]
+    for rows in (5, 15, 50):
+        only = World([Thing(ball(rows), placed(3, 0, 1))])
+        name = f"of a mesh of {4 * rows**2} triangles"
+        cases.append((f"320x240 {name}", lambda only=only: only.cast(OPTICAL, image, 0.0)))  # type: ignore[misc]  # binds the loop's world
+        cases.append((f"720 beams {name}", lambda only=only: only.cast(laser, scan, 0.0)))  # type: ignore[misc]  # binds the loop's world
+    for name, action in cases:
+        print(f"{name:45} {milliseconds(action):8.2f} ms")
+
+
+if __name__ == "__main__":
+    main()
