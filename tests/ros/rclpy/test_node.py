@@ -22,7 +22,7 @@ def test_a_node_knows_its_names(begun: Graph) -> None:
     assert node.get_namespace() == "/robot/left"
     assert node.get_fully_qualified_name() == "/robot/left/talker"
     assert node.get_logger().name == "robot.left.talker"
-    assert Node("root").get_fully_qualified_name() == "/root"
+    assert Node("leader").get_fully_qualified_name() == "/leader"
 
 
 def test_bad_names_are_refused_as_in_ros(begun: Graph) -> None:
