@@ -39,10 +39,10 @@ def check_count(name: str, value: Any) -> int:
     return int(value)
 
 
-def check_limits(name: str, low: Any, high: Any) -> tuple[float, float]:
+def check_limits(name: str, unit: str, low: Any, high: Any) -> tuple[float, float]:
     """Give two numbers of which the first is the smaller, or raise a CourseError that names them."""
-    lower = check_number(f"{name}_min", low)
-    return lower, check_number(f"{name}_max (with {name}_min={low!r})", high, above=lower)
+    lower = check_number(f"{name}_min [{unit}]", low)
+    return lower, check_number(f"{name}_max [{unit}]", high, above=lower)
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -80,6 +80,20 @@ def check_transform(name: str, value: ArrayLike) -> Floats:
             "must have length 1, be at right angles and right-handed. Start from numpy.eye(4)."
         )
     return matrix
+
+
+def check_rays(value: ArrayLike) -> Floats:
+    """Give unit vectors as columns, shape (3, N), N > 0, or raise a CourseError that says what is wrong."""
+    rays = np.asarray(value, float)
+    if rays.ndim != 2 or rays.shape[0] != 3 or not rays.shape[1]:
+        raise CourseError(f"rays have shape {rays.shape}; give one or more as columns, shape (3, N).")
+    square = np.einsum("ij,ij->j", rays, rays)
+    if not np.allclose(square, 1, rtol=0, atol=1e-6):  # also where one is NaN
+        worst = rays[:, np.nanargmax(np.where(np.isnan(square), np.inf, np.abs(square - 1)))]
+        raise CourseError(
+            f"A ray is {worst.tolist()}; divide rays by their length: rays / norm(rays, axis=0)."
+        )
+    return rays
 
 
 def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:

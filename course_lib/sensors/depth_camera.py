@@ -18,7 +18,7 @@ class DepthCameraNode(SensorNode):
     """Publishes depth along z: `<prefix>/image_raw` and `<prefix>/camera_info`.
 
     Args:
-        encoding: "32FC1" in [m] or "16UC1" in [mm]; there 0 stands for what is not finite (REP 118).
+        encoding: "32FC1" in [m] or "16UC1" in [mm]; there 0 stands for what is not known (REP 118).
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class DepthCameraNode(SensorNode):
     ) -> None:
         if encoding not in ("32FC1", "16UC1"):
             raise CourseError(f"encoding is {encoding!r}; give '32FC1' (metres) or '16UC1' (millimetres).")
-        self.limits = check_limits("range [m]", range_min, range_max)
+        self.limits = check_limits("range", "m", range_min, range_max)
         self.pinhole, self.encoding = pinhole or Pinhole(), encoding
         super().__init__(world, pose, **(Common(name="depth", frame_id="camera_optical_frame") | common))
         self.images = self.create_publisher(Image, f"{prefix}/image_raw", qos_profile_sensor_data)
@@ -47,7 +47,7 @@ class DepthCameraNode(SensorNode):
         hits = self.world.cast(self.transform_at(seconds), camera.rays, seconds)
         depth = self.disturbed(hits.distance * camera.rays[2], self.limits, chance)
         if self.encoding == "16UC1":
-            depth = np.rint(np.where(np.isfinite(depth), np.minimum(depth * 1000, 65535), 0))  # [mm]
+            depth = np.rint(np.where((depth > 0) & (depth < 65.5), depth * 1000, 0))  # [mm], 16 bits
         pixels = depth.astype("<f4" if self.encoding == "32FC1" else "<u2")
         self.infos.publish(camera.info(header))
         self.images.publish(camera.message(header, pixels.reshape(camera.height, -1), self.encoding))

@@ -62,7 +62,7 @@ class Detector:
         check_number("range_max [m]", self.range_max, above=0)
         check_number("field_of_view [rad]", self.field_of_view, above=0, high=2 * np.pi)
         check_number("miss_rate", self.miss_rate, low=0, high=1)
-        for name in ("noise", "false_alarms", "keep"):
+        for name in ("noise", "false_alarms", "keep", "seed"):
             check_number(name, getattr(self, name), low=0)
         self._transform_at = pose_function("pose of the detector", self.pose)
         self._tracks = dict[int, tuple[int, float]]()  # thing -> its track, when it was last seen [s]

@@ -36,9 +36,9 @@ class LaserScanNode(SensorNode):
         range_max: float = 30.0,  # [m]
         **common: Unpack[Common],
     ) -> None:
-        self.limits = check_limits("range [m]", range_min, range_max)
+        self.limits = check_limits("range", "m", range_min, range_max)
         self.angles = np.linspace(
-            *check_limits("angle [rad]", angle_min, angle_max), check_count("beams", beams)
+            *check_limits("angle", "rad", angle_min, angle_max), check_count("beams", beams)
         )
         self.rays = beams_at(self.angles, np.zeros(beams))
         super().__init__(world, pose, **(Common(name="lidar", frame_id="laser") | common))
@@ -71,7 +71,7 @@ class PointCloudNode(SensorNode):
         range_max: float = 30.0,  # [m]
         **common: Unpack[Common],
     ) -> None:
-        self.limits = check_limits("range [m]", range_min, range_max)
+        self.limits = check_limits("range", "m", range_min, range_max)
         opening = check_number("opening [rad]", opening, low=0, high=np.pi / 2)
         around = np.linspace(-np.pi, np.pi, check_count("columns", columns), endpoint=False)
         up = np.linspace(-opening, opening, check_count("rings", rings))

@@ -36,7 +36,7 @@ class RangeNode(SensorNode):
         radiation_type: int = Range.ULTRASOUND,
         **common: Unpack[Common],
     ) -> None:
-        self.limits = check_limits("range [m]", range_min, range_max)
+        self.limits = check_limits("range", "m", range_min, range_max)
         self.field_of_view = check_number("field_of_view [rad]", field_of_view, above=0, high=np.pi)
         self.rays = cone_rays(self.field_of_view, check_count("rays", rays))
         self.radiation_type = radiation_type

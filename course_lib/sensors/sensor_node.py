@@ -50,7 +50,8 @@ class SensorNode(Node, ABC):
         dropout: float = 0.0,
         seed: int = 0,
     ) -> None:
-        self.world, self.frame_id, self.seed = world, frame_id, seed
+        self.world, self.frame_id = world, frame_id
+        self.seed = int(check_number("seed", seed, low=0))
         self.transform_at = pose_function(f"pose of {name}", pose)
         self.noise = check_number("noise", noise, low=0)
         self.dropout = check_number("dropout", dropout, low=0, high=1)

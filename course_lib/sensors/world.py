@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats, Pose, check_array, pose_function
+from course_lib.sensors.checked import Floats, Pose, check_array, check_rays, check_transform, pose_function
 from course_lib.sensors.shapes import Shape
 
 SKY = (0.6, 0.75, 0.9)  # red, green, blue of nothing
@@ -80,9 +80,9 @@ class World:
         self.colors = np.array([*(thing.color for thing in things), SKY], float)  # (M + 1, 3): -1 is the sky
 
     def cast(
-        self, transform_sensor_to_world: Floats, rays: Floats, seconds: float, far: float = np.inf
+        self, transform_sensor_to_world: ArrayLike, rays: ArrayLike, seconds: float, far: float = np.inf
     ) -> Hits:
-        """Find what rays from one point meet first.
+        """Find what rays from one point meet first; sensor and rays are checked.
 
         Args:
             transform_sensor_to_world: Rigid, shape (4, 4), [m].
@@ -90,7 +90,8 @@ class World:
             seconds: Robot time, [s].
             far: Things beyond this need not be found, [m].
         """
-        origin, rays = transform_sensor_to_world[:3, 3], transform_sensor_to_world[:3, :3] @ rays
+        pose = check_transform("transform_sensor_to_world", transform_sensor_to_world)
+        origin, rays = pose[:3, 3], pose[:3, :3] @ check_rays(rays)
         distance, found = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
         poses = np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
         for number, chosen in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):

@@ -9,6 +9,7 @@ from course_lib.sensors.checked import (
     check_count,
     check_limits,
     check_number,
+    check_rays,
     check_transform,
     pose_function,
 )
@@ -59,5 +60,19 @@ def test_counts_are_whole_numbers_from_one(count: Any) -> None:
 def test_numbers_outside_their_limits_are_named() -> None:
     with pytest.raises(CourseError, match="dropout is 2; give a number >= 0 and <= 1"):
         check_number("dropout", 2, low=0, high=1)
-    with pytest.raises(CourseError, match=r"range_max \(with range_min=3\) is 1; give a number > 3"):
-        check_limits("range", 3, 1)
+    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 3"):
+        check_limits("range", "m", 3, 1)
+
+
+@pytest.mark.parametrize(
+    ("rays", "text"),
+    [
+        (np.ones((720, 3)), r"rays have shape \(720, 3\); give one or more as columns, shape \(3, N\)"),
+        (np.empty((3, 0)), r"rays have shape \(3, 0\)"),
+        ([[1, 2], [0, 0], [0, 0]], r"A ray is \[2.0, 0.0, 0.0\]; divide rays by their length"),
+        ([[1, np.nan], [0, 0], [0, 0]], r"A ray is \[nan, 0.0, 0.0\]"),
+    ],
+)
+def test_rays_that_are_none_are_named(rays: Any, text: str) -> None:
+    with pytest.raises(CourseError, match=text):
+        check_rays(rays)

@@ -15,9 +15,9 @@ from tests.sensors.scenes import TRANSFORM_OPTICAL_TO_WORLD, published
 WALL = World([Thing(box(1, 100, 2), placed(3.5, 0, 0))])
 
 
-def image(**settings: Any) -> Any:
+def image(world: World = WALL, **settings: Any) -> Any:
     pinhole = Pinhole(32, 24, 20.0)
-    node = lambda: DepthCameraNode(WALL, TRANSFORM_OPTICAL_TO_WORLD, pinhole=pinhole, **settings)  # noqa: E731  # one use
+    node = lambda: DepthCameraNode(world, TRANSFORM_OPTICAL_TO_WORLD, pinhole=pinhole, **settings)  # noqa: E731  # one use
     return published(node, Image)[0]
 
 
@@ -38,6 +38,11 @@ def test_millimetres_have_0_for_what_is_not_known() -> None:
     assert (message.encoding, message.step) == ("16UC1", 64)
     assert (depth(message)[8:16] == 3000).all()
     assert (depth(message)[0] == 0).all()
+
+
+def test_what_16_bits_cannot_say_is_not_known() -> None:
+    far = World([Thing(box(1, 1000, 1000), placed(80, 0, 0))])
+    assert (depth(image(far, encoding="16UC1", range_max=100.0)) == 0).all()
 
 
 def test_limits_and_lost_values_are_as_rep_117_and_118_say() -> None:

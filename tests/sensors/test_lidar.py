@@ -57,7 +57,7 @@ def test_a_cloud_of_nothing_is_empty() -> None:
 
 
 def test_limits_that_are_none_are_named() -> None:
-    with pytest.raises(CourseError, match=r"range \[m\]_max .*range \[m\]_min=5.* is 1; give a number > 5"):
+    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 5"):
         published(lambda: LaserScanNode(WALL, AT_ORIGIN, range_min=5, range_max=1), LaserScan)
     with pytest.raises(CourseError, match="rings is 0; give a whole number"):
         published(lambda: PointCloudNode(WALL, AT_ORIGIN, rings=0), PointCloud2)

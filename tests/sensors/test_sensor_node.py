@@ -54,6 +54,7 @@ def test_a_sensor_that_moves_sees_from_where_it_is() -> None:
         ({"rate": 0}, r"rate \[Hz\] is 0; give a number > 0"),
         ({"noise": -1}, "noise is -1; give a number >= 0"),
         ({"dropout": 1.5}, "dropout is 1.5; give a number >= 0 and <= 1"),
+        ({"seed": -1}, "seed is -1; give a number >= 0"),
         ({"beams": 0}, "beams is 0; give a whole number"),
     ],
 )
