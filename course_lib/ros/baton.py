@@ -123,9 +123,7 @@ class Baton:
             self._threads[_thread.get_ident()] = me
             if me.graph is None:
                 self.line_up(me)
-            free = self._holder is None
-            if free:
-                self._give(me)
+            self._give(None, me)
         self._await_turn(me)
         self._stop_waiting(me)
 
@@ -137,8 +135,7 @@ class Baton:
             heir = None  # without the main thread time stands still
             if not me.main:
                 heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
-            if self._holder is me:  # else an impatient interrupt took it
-                self._give(heir)
+            self._give(me, heir)
 
     def wait(
         self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
@@ -249,7 +246,7 @@ class Baton:
     def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
         """Give the baton to `other`, or put it down until the main thread is back; block until it returns."""
         with self._mutex:
-            self._give(other or self._runnable(me, current_graph()))
+            self._give(me, other or self._runnable(me, current_graph()))
         self._await_turn(me)
 
     def _await_turn(self, me: ProgramThread) -> None:
@@ -269,11 +266,12 @@ class Baton:
                     if not waiting:
                         me.turn.acquire(False)  # unless the interrupt came just after it was taken
 
-    def _give(self, thread: ProgramThread | None) -> None:
-        """Make a thread the holder; the mutex makes that one step with its turn's release."""
-        self._holder = thread
-        if thread is not None:
-            thread.turn.release()
+    def _give(self, giver: ProgramThread | None, heir: ProgramThread | None) -> None:
+        """Hand the baton on under the mutex, unless an impatient interrupt took it from the giver."""
+        if self._holder is giver:
+            self._holder = heir
+            if heir is not None:
+                heir.turn.release()
 
     def _stop_waiting(self, me: ProgramThread) -> None:
         if me in self._waiting:

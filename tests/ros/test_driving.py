@@ -101,6 +101,29 @@ def test_an_interrupt_ends_it_with_one_line_while_a_thread_of_the_program_has_th
     assert capsys.readouterr().out.startswith("Stopped after 0.")
 
 
+def test_a_thread_that_lost_the_baton_to_a_second_interrupt_waits_for_its_turn(notebook: Graph) -> None:
+    node, held = Node("talker"), []
+
+    def stuck() -> None:
+        with baton.known():
+            time.sleep(0.5)
+            end = wall.monotonic() + 0.6
+            while wall.monotonic() < end:  # outside of the kit
+                pass
+            time.sleep(0.5)
+            held.append(baton._holder is baton._threads[threading.get_ident()])
+
+    thread = threading.Thread(target=stuck, daemon=True)
+    thread.start()
+    for delay in (0.2, 0.4):
+        threading.Timer(delay, interrupt_main).start()
+    spin_for(10.0, node)
+    wall.sleep(0.8)
+    spin_for(10.0, node)
+    thread.join(5)
+    assert held == [True]
+
+
 def test_the_pace_lets_others_look_again_after_a_slice() -> None:
     graph = Graph()
     paced = pace.WallPace(graph)
