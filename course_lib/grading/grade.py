@@ -55,6 +55,9 @@ def grade(
     _check_writable(out)
     todo = [s for s in chosen if not (resume and _is_done(s, out))]
     rows = _grade_all(todo, course, out, jobs or os.cpu_count() or 1)
+    for submission in todo:
+        for note in submission.notes:
+            _say(f"{submission.student}  {submission.exercise}  note: {note}")
     _say_summary(rows, write_gradebook(out))
     return all(row["status"] in GRADED for row in rows)
 

@@ -107,6 +107,20 @@ def test_the_same_submission_gives_the_same_files_again(
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 
 
+def test_staff_are_told_where_a_file_names_somebody_else(
+    course: Course,
+    right: str,
+    hand_in: Callable[..., Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    submissions = hand_in({"ada": right})
+    (submissions / "ada").rename(submissions / "mallory")
+    grade(submissions, tmp_path / "out", jobs=1, course=course)
+    expected = "mallory  week01_exercise  note: the file names ada, but mallory handed it in"
+    assert expected in capsys.readouterr().out
+
+
 def test_late_days_cost_ten_percent_each(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -70,6 +70,11 @@ def test_an_invisible_cube_is_named_as_such(evidence: MakeEvidence, cube: MakeCu
     assert "nobody can see it" in verdict.message
 
 
+def test_a_color_up_to_255_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__r=255.0))))
+    assert "colors go from 0 to 1, not to 255" in verdict.message
+
+
 @pytest.mark.parametrize("field", ["pose__position__z", "scale__x", "color__r"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_nan_and_infinity_never_pass(

@@ -119,8 +119,9 @@ def _color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
     channels = "rgba"[: len(expected)]
     value = [getattr(marker.color, channel) for channel in channels]
     if not all(close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
-        unseen = " (with a = 0 nobody can see it)" if marker.color.a == 0 else ""
-        yield f"'s color {channels} is {_named(value)}, expected {_named(expected)}{unseen}"
+        hint = " (with a = 0 nobody can see it)" if marker.color.a == 0 else ""
+        hint = " (colors go from 0 to 1, not to 255)" if max(value) > 1 else hint
+        yield f"'s color {channels} is {_named(value)}, expected {_named(expected)}{hint}"
 
 
 def _named(color: Sequence[float]) -> str:
