@@ -8,7 +8,8 @@ from typing import Any
 
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import exercises_dir, lessons_dir
-from course_lib.course.state import State, write_atomically
+from course_lib.course.state import State
+from course_lib.course.whole_file import write_whole
 
 CONTENTS_FILE = "contents.md"
 
@@ -90,5 +91,5 @@ def contents_page(state: State) -> str:
 def write_contents(folder: Path) -> Path:
     """Write the page into the student's folder."""
     path = folder / CONTENTS_FILE
-    write_atomically(path, contents_page(State(folder)))
+    write_whole(path, contents_page(State(folder)).encode())
     return path

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from course_lib.course.exercise_file import Notebook, notebook_text, read_notebook, source
 from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.course.state import write_atomically
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
@@ -65,7 +65,7 @@ def write_exercises() -> list[Path]:
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
         text, path = notebook_text(exercise_from(read_notebook(solution))), exercise_path(solution)
         if not path.exists() or path.read_text(encoding="utf-8") != text:
-            write_atomically(path, text)
+            write_whole(path, text.encode())
             changed.append(path)
     return changed
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.state import write_atomically
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 
 Notebook = dict[str, Any]
@@ -53,5 +53,5 @@ def stamp_exercises(folder: Path, student: str) -> list[Path]:
         except CourseError:
             continue  # `course check` names what is wrong with it; an ID can still be given
         if stamp(notebook, student):
-            write_atomically(path, notebook_text(notebook))
+            write_whole(path, notebook_text(notebook).encode())
     return exercises

@@ -1,11 +1,10 @@
 """What the kit remembers for one student, as small JSON files in `WORK_DIR/.course/`."""
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 
 STATE_FOLDER = ".course"
@@ -15,18 +14,6 @@ def find_student_folder(start: Path | None = None) -> Path | None:
     """The student's folder that holds `start` (default: the working directory), or None."""
     here = (start or Path.cwd()).resolve()
     return next((folder for folder in (here, *here.parents) if (folder / STATE_FOLDER).is_dir()), None)
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Write `path` so that a crash leaves the old file or the new one, never half of it."""
-    with tempfile.NamedTemporaryFile(
-        "w", encoding="utf-8", newline="\n", dir=path.parent, prefix=f".{path.name}.", delete=False
-    ) as draft:
-        draft.write(text)
-        draft.flush()
-        os.fsync(draft.fileno())
-    os.chmod(draft.name, 0o644)  # the draft is private to its maker; a notebook is not
-    os.replace(draft.name, path)
 
 
 class State:
@@ -60,8 +47,8 @@ class State:
         if path is None:
             self._memory[name] = section
         else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, json.dumps(section, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
+            text = json.dumps(section, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+            write_whole(path, text.encode())
 
     def _path(self, name: str) -> Path | None:
         return self.folder and self.folder / STATE_FOLDER / f"{name}.json"

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.grade_one import Course, catalog_of, grade_one, our_fault, stored
 from course_lib.grading.gradebook import write_gradebook
 from course_lib.grading.result import ISOLATION, read_result, result_path
-from course_lib.grading.store import write_whole
 from course_lib.grading.submission import Submission, find_submissions
 
 Row = dict[str, Any]  # of the gradebook

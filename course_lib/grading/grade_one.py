@@ -5,12 +5,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from course_lib.course.whole_file import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.exercise_run import ExerciseRun, judge_exercise, run_scenarios
 from course_lib.grading.marks import count_days_late, mark
 from course_lib.grading.report import write_report
 from course_lib.grading.result import Result, Status
-from course_lib.grading.store import evidence_bytes, write_whole
+from course_lib.grading.store import evidence_bytes
 from course_lib.grading.submission import Submission
 
 

@@ -5,8 +5,8 @@ import io
 from pathlib import Path
 from typing import Any
 
+from course_lib.course.whole_file import write_whole
 from course_lib.grading.result import COLUMNS, read_result
-from course_lib.grading.store import write_whole
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_lib.course.whole_file import write_whole
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.ghost import expected
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.result import ISOLATION, Result
-from course_lib.grading.store import write_whole
 from course_lib.grading.table import fill, rows
 from course_lib.grading.task import Task
 from course_lib.recording import Recording

@@ -5,10 +5,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.marks import Mark
-from course_lib.grading.store import write_whole
 from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]

@@ -1,9 +1,7 @@
-"""Files that a crash leaves whole or not at all, and evidence as such a file."""
+"""Evidence as bytes."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -11,17 +9,6 @@ import msgpack
 from course_lib.grading.judge import Run
 
 VERSION = 1
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file aside, on the disk for certain, then rename it; its folder is made."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    with draft.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(path)
 
 
 def evidence_bytes(runs: Sequence[Run]) -> bytes:

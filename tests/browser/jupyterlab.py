@@ -71,6 +71,9 @@ class Notebook:
         """Run all cells as the Run menu does."""
         self.page.evaluate("() => jupyterapp.commands.execute('runmenu:run-all')")
         self.wait_idle()
+        all_ran = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
+            .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
+        self.page.wait_for_function(all_ran, timeout=PATIENCE)
 
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""

@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.state import State, find_student_folder, student_state, write_atomically
+from course_lib.course.state import State, find_student_folder, student_state
+from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 
 
@@ -49,7 +50,7 @@ def test_a_failed_write_leaves_the_old_file(folder: Path) -> None:
 def test_an_atomic_write_leaves_no_draft_behind(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
     for text in ("one", "two"):
-        write_atomically(path, text)
+        write_whole(path, text.encode())
     assert [file.name for file in tmp_path.iterdir()] == ["page.md"]
     assert path.read_text() == "two"
 
