@@ -81,7 +81,7 @@ class Panel:
 
     def _is_there(self) -> bool:
         """Say whether a page shows the scene."""
-        return self._box is not None and bool(self._box.children[0].ready)
+        return self._box is not None and bool(self._box.children[0].link.ready)
 
     def _write(self) -> None:
         self._waiting = False

@@ -3,8 +3,9 @@ import pytest
 
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.page_link import Click
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.widget import Click, SceneWidget
+from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, count
 
 pytestmark = pytest.mark.browser
@@ -34,7 +35,7 @@ def shown(host: Host, scene: Scene) -> SceneWidget:
 def test_changes_reach_the_page_while_it_is_open(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
-    assert widget.ready
+    assert widget.link.ready
     scene.set_object("a/box", box(RED))
     widget.flush()
     host.carry()
@@ -127,7 +128,7 @@ def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
     scene.set_object("marker/7", box(RED))
     widget = shown(host, scene)
     clicks: list[Click] = []
-    widget.on_click.append(clicks.append)
+    widget.link.on_click.append(clicks.append)
     host.page.mouse.click(200, 150)
     host.page.mouse.click(10, 10)
     host.carry()
@@ -157,7 +158,7 @@ def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawabl
     scene.set_object("thing", drawable)
     widget = shown(host, scene)
     clicks: list[Click] = []
-    widget.on_click.append(clicks.append)
+    widget.link.on_click.append(clicks.append)
     assert count(host.pixels(), RED, within=120) > 50  # a pixel line may lie between two rows
     host.page.mouse.click(200, 150)
     host.carry()

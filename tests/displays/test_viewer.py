@@ -220,9 +220,9 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     shell = SimpleNamespace(user_ns=names, user_ns_hidden={"_7": viewer}, displayhook=hook)
     monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
     del viewer
-    view._receive(view, {"type": "views", "count": 1}, [])
+    view.link.receive({"type": "views", "count": 1})
     assert known() is not None
-    view._receive(view, {"type": "views", "count": 0}, [])
+    view.link.receive({"type": "views", "count": 0})
     assert known() is None
     assert graph._taps == []
     assert (names, history) == ({"_": "", "_oh": {8: None}}, {8: None})
@@ -234,10 +234,10 @@ def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(grap
     viewer._repr_mimebundle_()
     assert viewer._panel._box is not None
     view = viewer._panel._box.children[0]
-    view._receive(view, {"type": "views", "count": 0}, [])
+    view.link.receive({"type": "views", "count": 0})
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
     assert shown(viewer) == {"Grid", "Marker"}
-    view._receive(view, {"type": "views", "count": 1}, [])
+    view.link.receive({"type": "views", "count": 1})
     assert view.keeps is viewer
     viewer.close()

@@ -58,7 +58,7 @@ def test_no_page_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(widget, "send", lambda *_: pytest.fail("sent to nobody"))
     scene.set_object("other", RED_BOX)
     widget.flush()
-    assert not widget.ready
+    assert not widget.link.ready
 
 
 def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
@@ -76,7 +76,7 @@ def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
 def test_what_a_page_must_not_say_is_passed_over(scene: Scene) -> None:
     widget = SceneWidget(scene)
     for content in ({}, {"type": "format_disk"}, {"type": "ready", "number": "first"}):
-        widget._receive(widget, content, [])
+        widget.link.receive(content)
 
 
 def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
@@ -87,7 +87,7 @@ def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
         "from course_lib.viewer.widget import SceneWidget\n"
         "scene = Scene()\n"
         "widget = SceneWidget(scene)\n"
-        "widget._receive(widget, {'type': 'ready', 'number': 0}, [])\n"
+        "widget.link.receive({'type': 'ready', 'number': 0})\n"
         "for x in range(50):\n"
         "    scene.set_transform('a', np.eye(4))\n"
     )

@@ -2,7 +2,10 @@ import { bytesOf } from "./decode.js";
 import { Mirror } from "./mirror.js";
 import { View } from "./view.js";
 
-/** Keeps a mirror equal to the scene in the kernel, over a widget's model. */
+/**
+ * Keeps a mirror equal to the scene in the kernel.
+ * Of the model, an anywidget's or one that stands for it, get, set, on, off and send are used.
+ */
 export class Link {
   /** @param {any} model its state holds a snapshot, and the number of the last batch in it */
   constructor(model) {
@@ -10,18 +13,22 @@ export class Link {
     this.mirror = new Mirror();
     this.number = model.get("number");
     this.mirror.apply(bytesOf(model.get("snapshot")));
+    /** @type {Record<string, (message: any, buffers: DataView[]) => void>} what is done with which message */
+    this.orders = {
+      reset: ({ number }, [scene]) => {
+        this.number = number;
+        this.mirror.reset(bytesOf(scene));
+      },
+      batch: ({ number }, [changes]) => {
+        if (number <= this.number) return;
+        if (number > this.number + 1) return model.send({ type: "resync" }); // one was lost
+        this.number = number;
+        this.mirror.apply(bytesOf(changes));
+      },
+    };
+    this.receive = (message, buffers) => this.orders[message.type]?.(message, buffers ?? []);
+    model.on("msg:custom", this.receive);
     model.send({ type: "ready", number: this.number });
-  }
-
-  /** @param {{type: string, number: number}} message @param {DataView[]} buffers */
-  receive(message, buffers) {
-    if (message.type === "reset") {
-      this.number = message.number;
-      this.mirror.reset(bytesOf(buffers[0]));
-    } else if (message.number === this.number + 1) {
-      this.number = message.number;
-      this.mirror.apply(bytesOf(buffers[0]));
-    } else if (message.number > this.number) this.model.send({ type: "resync" }); // one was lost
   }
 
   /** @param {HTMLElement} element @returns {() => void} removes the view */
@@ -45,6 +52,7 @@ export class Link {
   }
 
   close() {
+    this.model.off("msg:custom", this.receive);
     for (const view of [...this.mirror.views]) view.dispose();
     this.mirror.clear("");
   }

@@ -20,8 +20,8 @@ export default {
   initialize({ model }) {
     const early = [];
     let link = null;
-    const receive = (...message) => (link ? link.receive(...message) : early.push(message));
-    model.on("msg:custom", receive);
+    const keep = (...message) => early.push(message);
+    model.on("msg:custom", keep);
     const pending = (globalThis["__KEY__loading"] ??= load(model).catch((error) => {
       delete globalThis["__KEY__loading"]; // the next widget may have more luck
       throw error;
@@ -29,15 +29,13 @@ export default {
     links.set(
       model.get("name"),
       pending.then((viewer) => {
+        model.off("msg:custom", keep);
         link = new viewer.Link(model);
         for (const message of early) link.receive(...message);
         return link;
       }),
     );
-    return () => {
-      model.off("msg:custom", receive);
-      link?.close();
-    };
+    return () => link?.close();
   },
   async render({ model, el }) {
     try {
