@@ -96,7 +96,9 @@ def test_ns_and_id_select_a_marker(evidence: MakeEvidence, cube: MakeCube) -> No
 
 def test_what_is_deleted_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube()), (2, TOPIC, cube(action=Marker.DELETE))))
-    assert verdict.message == f"{TOPIC} shows no marker at the end: all were deleted"
+    assert (
+        verdict.message == f"{TOPIC} shows no marker at the end: all were deleted, or their lifetime is over"
+    )
 
 
 def test_marker_arrays_count_as_markers(evidence: MakeEvidence, cube: MakeCube) -> None:
@@ -161,3 +163,22 @@ def test_bytes_that_are_no_message_count_as_silence(evidence: MakeEvidence, cube
     came = evidence((1, TOPIC, cube()))
     broken = replace(came, samples=tuple(replace(s, cdr=b"\0\1\0\0\xff\xff") for s in came.samples))
     assert RED_CUBE.judge(broken).score == 0
+
+
+def seconds(duration: float) -> dict[str, Any]:
+    return {"lifetime__sec": int(duration), "lifetime__nanosec": round(duration % 1 * 1e9)}
+
+
+def test_a_marker_whose_lifetime_is_over_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
+    brief = evidence((1, TOPIC, cube(**seconds(0.5))))
+    assert RED_CUBE.judge(brief).mistake == "no marker is left at the end"
+    renewed = evidence((0, TOPIC, cube(**seconds(0.5))), (1, TOPIC, cube()))
+    assert RED_CUBE.judge(renewed).score == 1
+
+
+def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check = expect_marker(TOPIC, lifetime=1.0)
+    assert check.judge(evidence((2.5, TOPIC, cube(lifetime__sec=1)))).score == 1
+    verdict = check.judge(evidence((1, TOPIC, cube())))
+    assert verdict.message == "the cube's lifetime is 0.00 s, expected 1.00 s"
+    assert verdict.mistake == "the lifetime of a marker is wrong"

@@ -35,16 +35,23 @@ def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
 
 
 def shown(evidence: Evidence, topic: str) -> list[Any]:
-    """The markers that are there at the end, each as last added; lifetimes are not looked at."""
+    """The markers that are there at the end, each as last added, unless its lifetime was over before."""
     markers: dict[tuple[str, int], Any] = {}
-    for _, marker in each(evidence, topic):
+    for seconds, marker in each(evidence, topic):
         if marker.action == ADD:
             markers[marker.ns, marker.id] = marker
+            if 0 < lifetime(marker) < evidence.seconds - seconds - 1e-6:
+                del markers[marker.ns, marker.id]  # nothing that came later has kept it
         elif marker.action == DELETE:
             markers.pop((marker.ns, marker.id), None)
         elif marker.action == DELETE_ALL:
             markers.clear()
     return list(markers.values())
+
+
+def lifetime(marker: Any) -> float:
+    """How long a marker stays after it has come, [s]; 0 is for ever."""
+    return float(marker.lifetime.sec + marker.lifetime.nanosec / 1e9)
 
 
 def no_markers(evidence: Evidence, topic: str) -> list[Problem]:
@@ -54,4 +61,9 @@ def no_markers(evidence: Evidence, topic: str) -> list[Problem]:
     if evidence.topics[topic] not in MARKER_MESSAGES:
         message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
         return [Problem(message, "a topic has the wrong message type")]
-    return [Problem(f"{topic} shows no marker at the end: all were deleted", "no marker is left at the end")]
+    return [
+        Problem(
+            f"{topic} shows no marker at the end: all were deleted, or their lifetime is over",
+            "no marker is left at the end",
+        )
+    ]

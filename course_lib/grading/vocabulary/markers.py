@@ -6,10 +6,12 @@ from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.marker_state import fits, no_markers, shown, type_of
+from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
 
 COLOR_TOLERANCE = 0.02  # of 0..1
 YAW_TOLERANCE = 0.02  # [rad]
+LIFETIME_TOLERANCE = 0.01  # [s]
 DIRECTIONS = {
     "x": ("too far towards +x", "too far towards -x"),
     "y": ("too far towards +y", "too far towards -y"),
@@ -38,12 +40,14 @@ def expect_marker(
     color: Sequence[float] | None = None,
     text: str | None = None,
     points: Points | None = None,
+    lifetime: float | None = None,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
     """At the end the topic (Marker or MarkerArray) shows a marker with these properties.
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale, points
-    (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; color RGB or RGBA from 0 to 1.
+    (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; lifetime in [s]; color RGB or
+    RGBA from 0 to 1.
     """
     markers = shown(evidence, topic)
     if not markers:
@@ -54,7 +58,7 @@ def expect_marker(
         message = f"no marker with ns {ns!r}, id {id} on {topic}, there is: {there}"
         return [Problem(message, "ns or id of a marker is wrong")]
     wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw}
-    wanted |= {"scale": scale, "color": color, "text": text, "points": points}
+    wanted |= {"scale": scale, "color": color, "text": text, "points": points, "lifetime": lifetime}
     found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
     return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
 
@@ -134,6 +138,11 @@ def _text(marker: Any, expected: str, _: float) -> Iterator[str]:
         yield f" says {marker.text!r}, expected {expected!r}"
 
 
+def _lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
+    if not close(marker_lifetime(marker), expected, LIFETIME_TOLERANCE):
+        yield f"'s lifetime is {number(marker_lifetime(marker), 's')}, expected {number(expected, 's')}"
+
+
 def _points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     came = [(p.x, p.y, p.z) for p in marker.points]
     if len(came) != len(expected):
@@ -158,4 +167,5 @@ PROPERTIES: dict[str, tuple[str, Callable[[Any, Any, float], Iterator[str]]]] = 
     "color": ("the color of a marker is wrong", _color),
     "text": ("the text of a marker is wrong", _text),
     "points": ("the points of a marker are wrong", _points),
+    "lifetime": ("the lifetime of a marker is wrong", _lifetime),
 }
