@@ -2,7 +2,7 @@
 
 from course_lib.ros.messages.message import Message
 from course_lib.ros.messages.plain import to_plain
-from course_lib.ros.messages.registry import message_class, type_name
+from course_lib.ros.messages.registry import message_class, service_class, type_name
 from course_lib.ros.messages.wire import deserialize, serialize
 
-__all__ = ["Message", "deserialize", "message_class", "serialize", "to_plain", "type_name"]
+__all__ = ["Message", "deserialize", "message_class", "serialize", "service_class", "to_plain", "type_name"]

@@ -1,13 +1,14 @@
-"""What each ROS message type consists of: rosbags' type store, with the default values that it lacks.
+"""What each ROS message type consists of: rosbags' type store, with the types and default values it lacks.
 
-Types that the store does not have (services and actions among them) will be .msg, .srv and .action files in
-a folder ``definitions/`` beside this file, read by ``rosbags.typesys.get_types_from_msg``.
+The types are files in the folder ``interfaces``, laid out as ROS packages have them: a service is two messages,
+``std_srvs/srv/Trigger_Request`` and ``std_srvs/srv/Trigger_Response``.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError
@@ -26,6 +27,8 @@ DEFAULTS: Mapping[tuple[str, str], Any] = {
     ("sensor_msgs/msg/NavSatStatus", "status"): -2,
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
+INTERFACES = Path(__file__).parent.parent / "interfaces"
+SERVICE_PARTS = ("_Request", "_Response")
 # CDR knows no empty struct: a message without fields carries one byte under this name.
 PLACEHOLDER = "structure_needs_at_least_one_member"
 
@@ -58,10 +61,29 @@ class MessageDefinition:
 
 @cache
 def typestore() -> "Typestore":
-    """Give rosbags' store of ROS 2 Jazzy types, loaded on first use."""
+    """Give rosbags' store of ROS 2 Jazzy types with those in the folder, loaded on first use."""
     from rosbags.typesys import Stores, get_typestore
 
-    return get_typestore(Stores.ROS2_JAZZY)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for path in sorted(INTERFACES.glob("*/*/*.*")):
+        store.register(_read(path))
+    return store
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Read a .msg or .srv file; rosbags knows messages only, so a service's parts are renamed."""
+    from rosbags.typesys import get_types_from_msg
+
+    package, folder, name = path.parent.parent.name, path.parent.name, path.stem
+    texts = {name: path.read_text()}
+    if folder == "srv":
+        parts = path.read_text().split("---\n")
+        texts = {name + part: text for part, text in zip(SERVICE_PARTS, parts, strict=True)}
+    return {
+        f"{package}/{folder}/{name}": definition
+        for name, text in texts.items()
+        for definition in get_types_from_msg(text or f"uint8 {PLACEHOLDER}", f"{package}/msg/{name}").values()
+    }
 
 
 def type_names() -> list[str]:

@@ -74,7 +74,7 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
     namespace = {
         "__doc__": _docstring(definition),
         "__signature__": Signature([Parameter(name, Parameter.KEYWORD_ONLY, default=...) for name in kinds]),
-        "__module__": f"{package}.{folder}._{snake_case(name)}",
+        "__module__": home_of(definition.type_name),
         "__slots__": [*("_" + field.name for field in fields), "_check_fields"],
         "_TYPE_NAME": definition.type_name,
         "_KINDS": kinds,
@@ -84,11 +84,14 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
     return type(name, (Message,), {**namespace, **definition.constants, **defaults, **accessors})
 
 
-def snake_case(name: str) -> str:
-    """Turn ``UInt8MultiArray`` into ``u_int8_multi_array``, as rosidl names a message's module."""
+def home_of(type_name: str) -> str:
+    """Name the module that rosidl makes for a type, ``std_msgs.msg._u_int8_multi_array`` and the like."""
     from re import sub
 
-    return sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", name)).lower()
+    package, folder, name = type_name.split("/")
+    whole = name.removesuffix("_Request").removesuffix("_Response")  # the parts of a service share one
+    snake_case = sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", whole)).lower()
+    return f"{package}.{folder}._{snake_case}"
 
 
 def ros_type(field: FieldDefinition) -> str:

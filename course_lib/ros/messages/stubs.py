@@ -10,6 +10,7 @@ from typing import Any
 
 from course_lib.ros.messages.definitions import (
     PLACEHOLDER,
+    SERVICE_PARTS,
     FieldDefinition,
     MessageDefinition,
     definition,
@@ -27,29 +28,32 @@ _STANDARD = (  # what a stub imports if it holds the word
     ("Final", "from typing import Final"),
 )
 _NUMPY = (("np.", "import numpy as np"), ("NDArray[", "from numpy.typing import NDArray"))
-_MODULE = """from course_lib.ros.messages.registry import import_messages as _import_messages
+_MODULE = """from course_lib.ros.messages.registry import import_types as _import_types
 
-globals().update(_import_messages(__name__))
+globals().update(_import_types(__name__))
 """
 
 
 def files() -> dict[Path, str]:
     """Give the text of every file of the message packages, by its path below the stand-in folder."""
     texts: dict[Path, str] = {}
-    packages: dict[str, list[MessageDefinition]] = {}
+    modules: dict[Path, list[MessageDefinition]] = {}
     for type_name in type_names():
-        packages.setdefault(type_name.split("/")[0], []).append(definition(type_name))
-    for package, messages in packages.items():
-        texts |= {Path(package, name): "" for name in ("__init__.py", "py.typed")}
-        texts[Path(package, "msg", "__init__.py")] = _MODULE
-        texts[Path(package, "msg", "__init__.pyi")] = package_stub(messages)
+        modules.setdefault(Path(type_name).parent, []).append(definition(type_name))
+    for module, messages in modules.items():
+        texts |= {module.parent / name: "" for name in ("__init__.py", "py.typed")}
+        texts[module / "__init__.py"] = _MODULE
+        texts[module / "__init__.pyi"] = module_stub(messages)
     return texts
 
 
-def package_stub(messages: list[MessageDefinition]) -> str:
-    """Give the stub of one package's messages."""
+def module_stub(messages: list[MessageDefinition]) -> str:
+    """Give the stub of one package's messages, or of its services."""
     body = "".join(f"\n{_class(message)}" for message in messages)
     packages = {f.base.split("/")[0] for message in messages for f in message.fields if f.is_message}
+    for request in [m for m in messages if m.type_name.endswith(SERVICE_PARTS[0])]:
+        name = request.type_name.rsplit("/", 1)[1].removesuffix(SERVICE_PARTS[0])
+        body += f"\nclass {name}:\n" + "".join(f"    {part[1:]} = {name}{part}\n" for part in SERVICE_PARTS)
     blocks = (
         [line for word, line in _STANDARD if word in body],
         [line for word, line in _NUMPY if word in body],

@@ -21,5 +21,7 @@ def test_a_stale_stub_is_named(
 def test_every_type_can_be_imported_under_its_real_name() -> None:
     for type_name in type_names():
         package, folder, name = type_name.split("/")
-        module = __import__(f"{package}.{folder}", fromlist=[name])
-        assert getattr(module, name).__name__ == name
+        whole, _, part = name.partition("_")
+        module = __import__(f"{package}.{folder}", fromlist=[whole])
+        cls = getattr(getattr(module, whole), part) if part else getattr(module, whole)
+        assert cls.__name__ == name

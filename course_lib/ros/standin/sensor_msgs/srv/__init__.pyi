@@ -1,0 +1,28 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from course_lib.ros.messages.message import Message
+import sensor_msgs.msg
+
+class SetCameraInfo_Request(Message):
+    camera_info: sensor_msgs.msg.CameraInfo
+    def __init__(
+        self,
+        *,
+        camera_info: sensor_msgs.msg.CameraInfo = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class SetCameraInfo_Response(Message):
+    success: bool
+    status_message: str
+    def __init__(
+        self,
+        *,
+        success: bool = ...,
+        status_message: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class SetCameraInfo:
+    Request = SetCameraInfo_Request
+    Response = SetCameraInfo_Response

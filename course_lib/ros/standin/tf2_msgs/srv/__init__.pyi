@@ -1,0 +1,23 @@
+# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+
+from course_lib.ros.messages.message import Message
+
+class FrameGraph_Request(Message):
+    def __init__(
+        self,
+        *,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class FrameGraph_Response(Message):
+    frame_yaml: str
+    def __init__(
+        self,
+        *,
+        frame_yaml: str = ...,
+        check_fields: bool = ...,
+    ) -> None: ...
+
+class FrameGraph:
+    Request = FrameGraph_Request
+    Response = FrameGraph_Response
