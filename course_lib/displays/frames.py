@@ -41,15 +41,7 @@ class Frames:
         complaints: tuple[str, ...] = ()
         self._known.clear()
         for message in transforms:
-            v, q = message.transform.translation, message.transform.rotation
-            transform = Transform(
-                message.header.frame_id,
-                message.child_frame_id,
-                nanoseconds(message.header.stamp),
-                (v.x, v.y, v.z),
-                (q.x, q.y, q.z, q.w),
-            )
-            complaints += self.buffer.set_transform(transform, is_static=is_static)
+            complaints += self.buffer.set_transform(Transform.from_message(message), is_static=is_static)
         return complaints
 
     def transform(self, frame: str, stamp_ns: int = 0) -> Matrix | None:

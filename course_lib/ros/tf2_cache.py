@@ -24,6 +24,10 @@ class StaticCache:
         """Return the transform, stamped 0."""
         return self._transform
 
+    def span(self) -> tuple[int, int, int]:
+        """Count the transforms, and give the oldest and the newest stamp, [ns]."""
+        return 1, 0, 0
+
 
 class TimeCache:
     """The transforms of the last seconds.
@@ -70,6 +74,11 @@ class TimeCache:
     def latest(self) -> Transform | None:
         """Return the newest transform."""
         return self._stored[-1] if self._stored else None
+
+    def span(self) -> tuple[int, int, int]:
+        """Count the transforms, and give the oldest and the newest stamp, [ns]; stamps of none are 0."""
+        stored = self._stored
+        return (len(stored), stored[0].stamp_ns, stored[-1].stamp_ns) if stored else (0, 0, 0)
 
     def _count_until(self, time_ns: int) -> int:
         """Count what is not newer than a time, from the end, where nearly all queries fall."""

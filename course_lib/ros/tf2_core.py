@@ -1,5 +1,7 @@
 """tf2's buffer: a tree of frames over time (geometry2, tf2/src/buffer_core.cpp, Jazzy)."""
 
+from collections.abc import Callable
+
 from course_lib.ros.tf2_cache import NoDataError, StaticCache, TimeCache, seconds
 from course_lib.ros.tf2_errors import (
     ConnectivityException,
@@ -68,25 +70,46 @@ class BufferCore:
             cache = None if time_ns else self._caches.get(target)
             latest = cache.latest() if cache else None
             return Transform(target, source, latest.stamp_ns if latest else time_ns, *IDENTITY)
-        self._check_frame(target, "target_frame")
-        self._check_frame(source, "source_frame")
+        self._check_frames(target_frame=target, source_frame=source)
         time_ns = time_ns or self._latest_common_time(target, source)
         translation, rotation = self._walk(target, source, time_ns)
         return Transform(target, source, time_ns, translation, normalized(rotation))
+
+    def lookup_full(self, target: str, target_ns: int, source: str, source_ns: int, fixed: str) -> Transform:
+        """Return the transform from `source` at one time to `target` at another.
+
+        Args:
+            target: Frame to express things in.
+            target_ns: [ns]; 0 means the latest.
+            source: Frame the things are given in.
+            source_ns: [ns]; 0 means the latest.
+            fixed: Frame that does not move between the two times.
+
+        Raises:
+            TransformException: One of tf2's, with tf2's text.
+        """
+        self._check_frames(target_frame=target, source_frame=source, fixed_frame=fixed)
+        inner, outer = self.lookup(fixed, source, source_ns), self.lookup(target, fixed, target_ns)
+        translation, rotation = compose(outer.pose, inner.pose)
+        return Transform(target, source, outer.stamp_ns, translation, normalized(rotation))
 
     def can_transform(self, target: str, source: str, time_ns: int = 0) -> str | None:
         """Say why a lookup would fail, in the words of tf2's canTransform; None if it would not."""
         if target == source:
             return None
-        for name, argument in ((target, "target_frame"), (source, "source_frame")):
-            reason = _bad_name(name) or (None if name in self._frames else "frame does not exist")
-            if reason:
-                return f'Invalid frame ID "{name}" passed to canTransform argument {argument} - {reason}'
-        try:
-            self.lookup(target, source, time_ns)
-        except TransformException as error:
-            return str(error)
-        return None
+        return self._bad_argument(target_frame=target, source_frame=source) or _failure(
+            lambda: self.lookup(target, source, time_ns)
+        )
+
+    def can_transform_full(
+        self, target: str, target_ns: int, source: str, source_ns: int, fixed: str
+    ) -> str | None:
+        """Say why a full lookup would fail; None if it would not."""
+        return (
+            self._bad_argument(target_frame=target, source_frame=source, fixed_frame=fixed)
+            or _failure(lambda: self.lookup(target, fixed, target_ns))
+            or _failure(lambda: self.lookup(fixed, source, source_ns))
+        )
 
     def frames(self) -> list[str]:
         """List all frames that were ever named."""
@@ -97,6 +120,17 @@ class BufferCore:
         cache = self._caches.get(frame)
         latest = cache.latest() if cache else None
         return latest.parent if latest else None
+
+    def span(self, frame: str) -> tuple[int, int, int]:
+        """Count a frame's transforms, and give the oldest and the newest stamp, [ns]."""
+        return self._caches[frame].span()
+
+    def described(self) -> str:
+        """Name each frame that has or had a parent, and the parent, in tf2's words."""
+        known = (
+            (frame, self.parent(frame) or "NO_PARENT") for frame in self._frames if frame in self._caches
+        )
+        return "".join(f"Frame {frame} exists with parent {parent}.\n" for frame, parent in known)
 
     def clear(self) -> None:
         """Forget all dynamic transforms; static ones and the names of frames stay, as in tf2."""
@@ -113,13 +147,21 @@ class BufferCore:
             cache = self._caches[transform.child] = TimeCache(self._cache_ns)
         return cache.insert(transform)
 
-    def _check_frame(self, name: str, argument: str) -> None:
-        where = f"passed to lookupTransform argument {argument}"
-        reason = _bad_name(name)
-        if reason:
-            raise InvalidArgumentException(f'Invalid argument "{name}" {where} - {reason}')
-        if name not in self._frames:
-            raise LookupException(f'"{name}" {where} does not exist. ')
+    def _check_frames(self, **arguments: str) -> None:
+        for argument, name in arguments.items():
+            where = f"passed to lookupTransform argument {argument}"
+            reason = _bad_name(name)
+            if reason:
+                raise InvalidArgumentException(f'Invalid argument "{name}" {where} - {reason}')
+            if name not in self._frames:
+                raise LookupException(f'"{name}" {where} does not exist. ')
+
+    def _bad_argument(self, **arguments: str) -> str | None:
+        for argument, name in arguments.items():
+            reason = _bad_name(name) or (None if name in self._frames else "frame does not exist")
+            if reason:
+                return f'Invalid frame ID "{name}" passed to canTransform argument {argument} - {reason}'
+        return None
 
     def _walk(self, target: str, source: str, time_ns: int) -> Pose:
         """Compose the transforms from both frames up to where their ways meet."""
@@ -188,15 +230,20 @@ class BufferCore:
         raise self._loop()
 
     def _loop(self) -> LookupException:
-        parents = (
-            (frame, self.parent(frame) or "NO_PARENT") for frame in self._frames if frame in self._caches
-        )
-        tree = "".join(f"Frame {frame} exists with parent {parent}.\n" for frame, parent in parents)
-        return LookupException(f"The tf tree is invalid because it contains a loop.\n{tree}\n")
+        text = f"The tf tree is invalid because it contains a loop.\n{self.described()}\n"
+        return LookupException(text)
 
 
 def _earliest(steps: list[Transform]) -> int:
     return min((step.stamp_ns for step in steps if step.stamp_ns), default=0)
+
+
+def _failure(lookup: Callable[[], Transform]) -> str | None:
+    try:
+        lookup()
+    except TransformException as error:
+        return str(error)
+    return None
 
 
 def _bad_name(frame: str) -> str | None:

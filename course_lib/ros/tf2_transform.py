@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import acos, sin, sqrt
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,19 @@ class Transform:
     stamp_ns: int
     translation: Vector
     rotation: Quaternion
+
+    @classmethod
+    def from_message(cls, message: Any) -> "Transform":
+        """Take what a geometry_msgs/msg/TransformStamped says."""
+        stamp, v, q = message.header.stamp, message.transform.translation, message.transform.rotation
+        stamp_ns = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+        place, turn = (v.x, v.y, v.z), (q.x, q.y, q.z, q.w)
+        return cls(message.header.frame_id, message.child_frame_id, stamp_ns, place, turn)
+
+    @property
+    def pose(self) -> Pose:
+        """The translation and the rotation."""
+        return self.translation, self.rotation
 
     def matrix(self) -> npt.NDArray[np.float64]:
         """Return the transform from child to parent, shape (4, 4)."""
