@@ -56,7 +56,7 @@ class Display(PropertyHolder):
     """Base of all displays; each draws below its own node of the scene, `path`, in the fixed frame."""
 
     class_name: ClassVar[str] = ""
-    properties: ClassVar[tuple[Property, ...]] = (Property("Enabled", True, flag),)
+    properties: tuple[Property, ...] = (Property("Enabled", True, flag),)
 
     def __init__(self, context: Context, name: str, path: str) -> None:
         super().__init__()

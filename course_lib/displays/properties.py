@@ -1,10 +1,10 @@
 """Properties as RViz shows them: a label, a default, and what values it takes."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, TypeAlias
 
 from course_lib.errors import CourseError
 
@@ -21,9 +21,35 @@ class Property:
     default: Any  # RViz's default
     # turns what a user or a file gives into the value, or raises ValueError with what it expects
     convert: Convert
+    names: tuple[str, ...] = ()  # of the rows down to it, if one of them has a slash, as frames may
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """The names of the rows down to it, and its own."""
+        return self.names or tuple(self.label.split("/"))
+
+    @property
+    def is_read_only(self) -> bool:
+        """Whether it only shows something; layouts do not keep it."""
+        return self.convert is read_only
 
 
-def number(low: float = -math.inf, high: float = math.inf) -> Convert:
+@dataclass(frozen=True)
+class Limited:
+    """A conversion that tells its limits, for who makes a control of it."""
+
+    convert: Convert
+    editor: str  # "number", "integer" or "enum"
+    low: float = -math.inf
+    high: float = math.inf
+    options: tuple[str, ...] = ()
+
+    def __call__(self, value: Any) -> Any:
+        """Turn what a user or a file gives into the value."""
+        return self.convert(value)
+
+
+def number(low: float = -math.inf, high: float = math.inf) -> Limited:
     """Take a finite number; RViz keeps it within the bounds."""
 
     def convert(value: Any) -> float:
@@ -31,10 +57,10 @@ def number(low: float = -math.inf, high: float = math.inf) -> Convert:
             raise ValueError("a number")
         return min(max(float(value), low), high)
 
-    return _expecting("a number", convert)
+    return Limited(_expecting("a number", convert), "number", low, high)
 
 
-def integer(low: int) -> Convert:
+def integer(low: int) -> Limited:
     """Take a whole number; RViz keeps it above the bound."""
 
     def convert(value: Any) -> int:
@@ -42,7 +68,7 @@ def integer(low: int) -> Convert:
             raise ValueError
         return max(int(value), low)
 
-    return _expecting("a whole number", convert)
+    return Limited(_expecting("a whole number", convert), "integer", low)
 
 
 def flag(value: Any) -> bool:
@@ -64,7 +90,7 @@ def frame(value: Any) -> str:
     return text(value).removeprefix("/")
 
 
-def words(*options: str) -> Convert:
+def words(*options: str) -> Limited:
     """Take one of some words."""
 
     def convert(value: Any) -> str:
@@ -72,7 +98,7 @@ def words(*options: str) -> Convert:
             raise ValueError(f"one of {', '.join(map(repr, options))}")
         return str(value)
 
-    return convert
+    return Limited(convert, "enum", options=options)
 
 
 def color(value: Any) -> Color:
@@ -106,20 +132,43 @@ def booleans(value: Any) -> dict[str, bool]:
     return {str(name): flag(on) for name, on in value.items()}
 
 
+def read_only(value: Any) -> Any:
+    """Take nothing: the property shows what the display has found out."""
+    raise ValueError("nothing: it only shows what is there")
+
+
 class PropertyHolder:
     """Something with properties: ``grid["Cell Size"] = 0.5``.
 
     A label may be short if it is unique (``Line Width`` for ``Line Style/Line Width``), and may be written
-    as a Python name (``cell_size``).
+    as a Python name (``cell_size``). Some become known later, like those of a robot's links.
     """
 
-    properties: ClassVar[tuple[Property, ...]] = ()
+    properties: tuple[Property, ...] = ()
 
     def __init__(self) -> None:
         self._values = {prop.label: prop.default for prop in self.properties}
+        self._loaded: Mapping[str, Any] = {}  # the layout it has taken last
+
+    def grow(self, *properties: Property) -> list[str]:
+        """Get further properties, with the values they had before or that the layout has for them.
+
+        Returns:
+            What was wrong with values of the layout.
+        """
+        new = [prop for prop in properties if prop.label not in self._values]
+        self.properties += properties
+        self._values |= {prop.label: prop.default for prop in new}
+        return self._take(new)
+
+    def shrink(self, label: str) -> None:
+        """Lose what has grown below a label."""
+        own = type(self).properties
+        self.properties = tuple(p for p in self.properties if p in own or p.path[0] != label)
 
     def __getitem__(self, label: str) -> Any:
-        return self._values[self._property(label).label]
+        known = label in self._values
+        return self._values[label if known else self._property(label).label]
 
     def __setitem__(self, label: str, value: Any) -> None:
         prop = self._property(label)
@@ -140,10 +189,14 @@ class PropertyHolder:
         Returns:
             What was wrong with values that were left out.
         """
+        self._loaded = config
+        return self._take(self.properties)
+
+    def _take(self, properties: Iterable[Property]) -> list[str]:
         wrong = []
-        for prop in self.properties:
-            value = _nested(config, prop.label.split("/"))
-            if value is not None:
+        for prop in properties:
+            value = _nested(self._loaded, prop.path)
+            if value is not None and not prop.is_read_only:
                 try:
                     self[prop.label] = value
                 except CourseError as error:
@@ -153,7 +206,7 @@ class PropertyHolder:
     def _property(self, label: str) -> Property:
         wanted = _plain(label)
         exact = [prop for prop in self.properties if _plain(prop.label) == wanted]
-        by_end = [prop for prop in self.properties if _plain(prop.label.rpartition("/")[2]) == wanted]
+        by_end = [prop for prop in self.properties if _plain(prop.path[-1]) == wanted]
         found = exact or by_end
         if len(found) == 1:
             return found[0]
@@ -178,7 +231,7 @@ def _plain(label: str) -> str:
     return label.lower().replace(" ", "_")
 
 
-def _nested(config: Any, path: list[str]) -> Any:
+def _nested(config: Any, path: Iterable[str]) -> Any:
     """Return the value at a path of labels; a property with children keeps its own under ``Value``."""
     for name in path:
         config = config.get(name) if isinstance(config, Mapping) else None

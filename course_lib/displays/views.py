@@ -32,7 +32,7 @@ class View(PropertyHolder):
     """
 
     class_name: ClassVar[str]
-    properties: ClassVar[tuple[Property, ...]] = _COMMON
+    properties: tuple[Property, ...] = _COMMON
 
     def __init__(self, **properties: object) -> None:
         super().__init__()

@@ -11,6 +11,7 @@ from course_lib.displays.properties import (
     frame,
     integer,
     number,
+    read_only,
     text,
     vector,
     words,
@@ -129,3 +130,43 @@ BAD: list[tuple[Any, Any, str]] = [
 def test_values_that_do_not_fit_say_what_does(convert: Any, given: Any, expected: str) -> None:
     with pytest.raises(ValueError, match=expected):
         convert(given)
+
+
+def grown() -> Thing:
+    thing = Thing()
+    thing.grow(Property("Links/arm", True, flag), Property("Links/a/b", True, flag, ("Links", "a/b")))
+    return thing
+
+
+def test_what_becomes_known_later_is_a_property_like_others_until_it_goes() -> None:
+    thing = grown()
+    thing["Links/arm"] = False
+    thing["a/b"] = False
+    assert thing.seen == ["Links/arm", "Links/a/b"]
+    thing.shrink("Links")
+    assert thing.properties == Thing.properties
+    with pytest.raises(CourseError, match="no property 'arm'"):
+        thing["arm"] = True
+
+
+def test_what_becomes_known_later_has_the_value_of_the_layout_or_the_one_it_had() -> None:
+    thing = Thing()
+    thing.load({"Links": {"arm": {"Value": False}, "hand": 3}})
+    assert thing.grow(Property("Links/arm", True, flag)) == []
+    assert thing["arm"] is False
+    thing["arm"] = True
+    thing.shrink("Links")
+    thing.grow(Property("Links/arm", True, flag))
+    assert thing["arm"] is True
+    assert thing.grow(Property("Links/hand", True, flag)) == [
+        "Thing: 'Links/hand' is 3, expected True or False."
+    ]
+
+
+def test_what_only_shows_something_takes_no_value() -> None:
+    thing = Thing()
+    thing.grow(Property("Tree/Parent", "", read_only))
+    thing.load({"Tree": {"Parent": "map"}})
+    with pytest.raises(CourseError, match="only shows what is there"):
+        thing["Parent"] = "map"
+    assert thing["Parent"] == ""
