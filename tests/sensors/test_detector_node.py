@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from visualization_msgs.msg import Marker, MarkerArray
+from vision_msgs.msg import Detection3DArray
 
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import Floats
@@ -21,49 +21,30 @@ WORLD = World([
 ])  # fmt: skip
 
 
-def markers(seconds: float = 0.5, **settings: Any) -> list[Any]:
-    arrays = published(lambda: DetectorNode(Detector(WORLD, AT_ORIGIN), **settings), MarkerArray, seconds)
-    return [marker for array in arrays for marker in array.markers]
+def detections(seconds: float = 0.5, **settings: Any) -> list[Any]:
+    arrays = published(
+        lambda: DetectorNode(Detector(WORLD, AT_ORIGIN), **settings), Detection3DArray, seconds
+    )
+    return [detection for array in arrays for detection in array.detections]
 
 
-def test_a_detection_is_a_box_a_label_and_for_what_moves_an_arrow() -> None:
-    drawn = [(marker.ns, marker.id, marker.type) for marker in markers()]
-    assert drawn == [
-        ("boxes", 1, Marker.CUBE), ("labels", 1, Marker.TEXT_VIEW_FACING),
-        ("boxes", 2, Marker.CUBE), ("labels", 2, Marker.TEXT_VIEW_FACING), ("velocities", 2, Marker.ARROW),
-    ]  # fmt: skip
+def test_a_detection_has_its_label_its_confidence_and_its_track() -> None:
+    said = [(d.results[0].hypothesis.class_id, d.id) for d in detections()]
+    assert said == [("Person", "1"), ("Car", "2")]
+    assert detections()[0].results[0].hypothesis.score == pytest.approx(0.75, abs=0.01)
 
 
-def test_boxes_have_place_size_turn_colour_and_lifetime() -> None:
-    marker = markers(frame_id="world", lifetime=1.5)[0]
-    assert (marker.pose.position.x, marker.pose.position.z) == (10, 0.9)
-    assert marker.pose.orientation.z == pytest.approx(np.sqrt(0.5))
-    assert (marker.scale.x, marker.scale.z) == (0.5, 1.8)
-    sure = 0.75
-    assert (marker.color.r, marker.color.g, marker.color.a) == pytest.approx((1 - sure, sure, 0.5), abs=0.01)
-    assert (marker.header.frame_id, marker.lifetime.sec, marker.lifetime.nanosec) == ("world", 1, 500_000_000)
+def test_boxes_have_place_size_and_turn_in_the_worlds_frame() -> None:
+    detection = detections(frame_id="world")[0]
+    assert (detection.bbox.center.position.x, detection.bbox.center.position.z) == (10, 0.9)
+    assert detection.bbox.center.orientation.z == pytest.approx(np.sqrt(0.5))
+    assert (detection.bbox.size.x, detection.bbox.size.z) == (0.5, 1.8)
+    assert detection.header.frame_id == "world"
 
 
-def test_labels_say_what_and_how_sure_half_a_metre_above_the_box() -> None:
-    label = markers()[1]
-    assert label.text == "Person (0.75)"
-    assert label.pose.position.z == pytest.approx(0.9 + 0.9 + 0.5)
-
-
-def test_arrows_point_to_where_it_will_be_in_a_second() -> None:
-    arrow = markers()[-1]
-    ends = np.array([(point.x, point.y, point.z) for point in arrow.points])
-    expected = WORLD.things[1].velocity_at(0.5)
-    np.testing.assert_allclose(ends[1] - ends[0], expected, atol=1e-6)
-
-
-def test_below_the_threshold_nothing_is_drawn() -> None:
-    assert {marker.id for marker in markers(threshold=0.8)} == {2}  # the nearer one
-
-
-def test_a_threshold_that_is_none_is_named() -> None:
-    with pytest.raises(CourseError, match="threshold is 3; give a number >= 0 and <= 1"):
-        markers(threshold=3)
+def test_a_rate_that_is_none_is_named() -> None:
+    with pytest.raises(CourseError, match=r"rate \[Hz\] is 0; give a number > 0"):
+        detections(rate=0)
 
 
 def rotation_of(x: float, y: float, z: float, w: float) -> Floats:
