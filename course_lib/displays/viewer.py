@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.displays.display import Display
+from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.panel import Panel
 from course_lib.displays.registry import REGISTRY, full_name, short_name
@@ -18,13 +19,15 @@ from course_lib.displays.views import View
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 from course_lib.viewer.camera import Camera
+from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import Picture, screenshot
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.window import Window
 
 if TYPE_CHECKING:
     from pinocchio.robot_wrapper import RobotWrapper
+
+    from course_lib.viewer.visualizer import Visualizer
 
 
 class Viewer:
@@ -41,6 +44,7 @@ class Viewer:
         self.scene = Scene()
         self.session = Session(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
+        self._film = Film(self.scene, lambda: graph.now_ns / NS)
         self._panel = Panel(self.session)
         stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick))
         self._end = weakref.finalize(self, _end, stops, self._panel)  # once no name or page holds it
@@ -124,6 +128,13 @@ class Viewer:
         self.look()
         return self.scene.camera
 
+    @property
+    def meshcat(self) -> "Visualizer":
+        """The scene, for meshcat code: ``viewer.meshcat["box"].set_object(Box([1, 1, 1]))``."""
+        from course_lib.viewer.visualizer import Visualizer  # here: heavy
+
+        return Visualizer(self.scene)
+
     def statuses(self) -> StatusTable:
         """Return what RViz's Displays panel says, and hints where RViz is silent."""
         self.look()
@@ -136,18 +147,22 @@ class Viewer:
             robot: What `load_robot` returns.
             configuration: Joint positions, shape (nq,); None takes the neutral one.
         """
-        from meshcat import Visualizer  # here: heavy, as is the next one
-        from pinocchio.visualize import MeshcatVisualizer
+        from pinocchio.visualize import MeshcatVisualizer  # here: heavy
 
         visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
-        visualizer.initViewer(viewer=Visualizer(window=Window(self.scene)))
+        visualizer.initViewer(viewer=self.meshcat)
         visualizer.loadViewerModel(rootNodeName=f"robots/{robot.model.name}")
         visualizer.display(robot.q0 if configuration is None else np.asarray(configuration, dtype=float))
 
-    def save_html(self, path: str | Path) -> None:
-        """Write the scene as one page that opens without a network."""
+    def save_html(self, path: str | Path, playback: bool = False) -> None:
+        """Write the scene as one page that opens without a network.
+
+        Args:
+            path: The page's file.
+            playback: Whether the page plays what was seen so far; it says so if that is not all.
+        """
         self.look()
-        save_html(self.scene, path, title=f"Viewer: {self.fixed_frame}")
+        save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
         """Draw the scene into a PNG of a size in [px]; the result says what drew it."""

@@ -5,15 +5,18 @@ from io import BytesIO
 from typing import Any, Protocol
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image
 
 from course_lib.errors import CourseError
-from course_lib.viewer.camera import Camera
+from course_lib.viewer.arrays import Matrix
+from course_lib.viewer.meshcat_camera import MeshcatCamera
 from course_lib.viewer.meshcat_objects import drawable_of, recolored
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
 
-_FURNITURE = ("Lights", "Grid", "Axes")  # of meshcat's own page, which is not there
+_CAMERA = "Cameras/default"
+_FURNITURE = ("Lights", "Grid", "Axes")  # the first names of meshcat's own page, which is not there
 
 
 class Command(Protocol):
@@ -30,9 +33,11 @@ class Window:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        self._camera = MeshcatCamera(scene)
+        self.aim = self._camera.aim
         self._handlers: dict[str, Callable[[str, dict[str, Any]], None]] = {
             "set_object": self._set_object,
-            "set_transform": self._set_transform,
+            "set_transform": lambda path, command: self.place(path, np.reshape(command["matrix"], (4, 4)).T),
             "set_property": self._set_property,
             "set_animation": self._set_animation,
             "delete": lambda path, _: self.scene.delete(path),
@@ -50,8 +55,15 @@ class Window:
             known = ", ".join(self._handlers)
             raise CourseError(f"meshcat's command {lowered['type']!r} is not known here; these are: {known}.")
         path = lowered["path"].strip("/")
-        if path.partition("/")[0] not in _FURNITURE:
+        if not path.startswith(_FURNITURE):
             handler(path, lowered)
+
+    def place(self, path: str, matrix: npt.ArrayLike) -> None:
+        """Set a node's transform to its parent, shape (4, 4), in [m]."""
+        if path == _CAMERA:
+            self._camera.place(np.asarray(matrix, float))
+        elif not path.startswith(_FURNITURE):
+            self.scene.set_transform(path, matrix)
 
     def get_image(self, width: int | None = None, height: int | None = None) -> Image.Image:
         """Return a picture of the scene; sizes in pixels."""
@@ -69,33 +81,24 @@ class Window:
         """Do nothing: there is no server to stop."""
 
     def _set_object(self, path: str, command: dict[str, Any]) -> None:
-        if not path.startswith("Cameras"):
-            self.scene.set_object(path, drawable_of(command["object"]))
-
-    def _set_transform(self, path: str, command: dict[str, Any]) -> None:
-        matrix = np.reshape(command["matrix"], (4, 4)).T
-        if path == "Cameras/default":
-            target = matrix[:3, 3]
-            offset = np.subtract(self.scene.camera.eye, self.scene.camera.target)
-            self.scene.camera = Camera(eye=tuple(target + matrix[:3, :3] @ offset), target=tuple(target))
+        if path.startswith(_CAMERA):
+            self._camera.set_object(command["object"]["object"])
         else:
-            self.scene.set_transform(path, matrix)
+            self.scene.set_object(path, drawable_of(command["object"]))
 
     def _set_property(self, path: str, command: dict[str, Any]) -> None:
         """Set what changes a picture; of three.js's many other properties none does."""
         name, value = command["property"], command["value"]
-        if path == "Background" and name == "top_color":
-            self.scene.background = tuple(round(255 * part) for part in value)
-        elif path.startswith("Cameras/default/") and name == "position":
-            x, up, minus_y = value  # meshcat writes the camera's place with y up
-            target = self.scene.camera.target
-            self.scene.camera = Camera(eye=tuple(np.add(target, [x, -minus_y, up])), target=target)
+        if path == "Background":
+            if name == "top_color":
+                self.scene.background = tuple(round(255 * part) for part in value)
+        elif path.startswith(_CAMERA):
+            self._camera.set_property(name, value)
         elif name == "visible":
             self.scene.set_visible(path, value)
-        elif name == "position":
-            matrix = self.scene.transform(path).copy()
-            matrix[:3, 3] = value
-            self.scene.set_transform(path, matrix)
+        elif name in ("position", "quaternion", "scale"):
+            node = self.scene.find(path)
+            self.scene.set_transform(path, _with(np.eye(4) if node is None else node.matrix, name, value))
         elif name == "color":
             for node in self.scene.node(path).subtree():
                 if node.object is not None:
@@ -103,3 +106,18 @@ class Window:
 
     def _set_animation(self, path: str, command: dict[str, Any]) -> None:
         self.scene.set_animation({name: command[name] for name in ("animations", "options")})
+
+
+def _with(matrix: Matrix, name: str, value: npt.ArrayLike) -> Matrix:
+    """Change a transform's position [m], quaternion (x, y, z, w) or scale, and keep the other two."""
+    from meshcat.transformations import quaternion_matrix  # here: meshcat is slow to load
+
+    changed, numbers = matrix.copy(), np.asarray(value, float)
+    scale = np.linalg.norm(matrix[:3, :3], axis=0)
+    if name == "position":
+        changed[:3, 3] = numbers
+    elif name == "quaternion":
+        changed[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale  # its order: w, x, y, z
+    else:
+        changed[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
+    return changed
