@@ -97,10 +97,16 @@ def inverted(pose: Pose) -> Pose:
 
 def normalized(rotation: Quaternion) -> Quaternion:
     """Return the unit quaternion (x, y, z, w), with the sign that tf2's way through a matrix gives."""
-    length = sqrt(sum(a * a for a in rotation))
-    x, y, z, w = (a / length for a in rotation)
+    x, y, z, w = scaled_to_one(rotation)
     leading = w if abs(w) > 0.5 else max((x, y, z), key=abs)
     return (-x, -y, -z, -w) if leading < 0 else (x, y, z, w)
+
+
+def scaled_to_one(rotation: Quaternion) -> Quaternion:
+    """Return the unit quaternion (x, y, z, w); no turn for one of zeros."""
+    x, y, z, w = rotation
+    length = sqrt(x * x + y * y + z * z + w * w)
+    return (x / length, y / length, z / length, w / length) if length else IDENTITY[1]
 
 
 def _product(a: Quaternion, b: Quaternion) -> Quaternion:

@@ -1,0 +1,95 @@
+"""Applies transforms to the stamped types of geometry_msgs; importing it teaches them to buffers."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from geometry_msgs.msg import (
+    Point,
+    Point32,
+    PointStamped,
+    Polygon,
+    PolygonStamped,
+    Pose,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    TransformStamped,
+    Vector3Stamped,
+)
+from tf2_ros.buffer_interface import TransformRegistration
+
+from course_lib.ros.tf2_transform import IDENTITY, Transform, compose, scaled_to_one
+from course_lib.ros.tf2_transform import Pose as Placement
+
+
+def do_transform_point(point: PointStamped, transform: TransformStamped) -> PointStamped:
+    """Return a point in the transform's parent frame."""
+    x, y, z = _placed(transform, point.point)[0]
+    return PointStamped(header=transform.header, point=Point(x=x, y=y, z=z))
+
+
+def do_transform_vector3(vector3: Vector3Stamped, transform: TransformStamped) -> Vector3Stamped:
+    """Return a vector turned as the transform turns.
+
+    As in ROS 2 this sets the translation of the transform that is passed in to zero.
+    """
+    shift = transform.transform.translation
+    shift.x = shift.y = shift.z = 0.0
+    result = Vector3Stamped(header=transform.header)
+    result.vector.x, result.vector.y, result.vector.z = _placed(transform, vector3.vector)[0]
+    return result
+
+
+def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
+    """Return a pose, without a header, in the transform's parent frame; its quaternion has w >= 0."""
+    (x, y, z), turned = _placed(transform, pose.position, pose.orientation)
+    qx, qy, qz, qw = turned if turned[3] >= 0 else (-part for part in turned)
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+
+
+def do_transform_pose_stamped(pose: PoseStamped, transform: TransformStamped) -> PoseStamped:
+    """Return a pose in the transform's parent frame."""
+    return PoseStamped(header=transform.header, pose=do_transform_pose(pose.pose, transform))
+
+
+def do_transform_pose_with_covariance_stamped(
+    pose: PoseWithCovarianceStamped, transform: TransformStamped
+) -> PoseWithCovarianceStamped:
+    """Return a pose and its covariance in the transform's parent frame."""
+    result = PoseWithCovarianceStamped(header=transform.header)
+    result.pose.pose = do_transform_pose(pose.pose.pose, transform)
+    result.pose.covariance = transform_covariance(pose.pose.covariance, transform)
+    return result
+
+
+def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformStamped) -> PolygonStamped:
+    """Return a polygon in the transform's parent frame."""
+    places = [_placed(transform, point)[0] for point in polygon.polygon.points]
+    points = [Point32(x=x, y=y, z=z) for x, y, z in places]
+    return PolygonStamped(header=transform.header, polygon=Polygon(points=points))
+
+
+def transform_covariance(
+    cov_in: npt.NDArray[np.float64], transform: TransformStamped
+) -> npt.NDArray[np.float64]:
+    """Return a covariance of (x, y, z) and turns about them in the transform's parent frame, shape (36,)."""
+    turn = Transform.from_message(transform).matrix()[:3, :3]
+    both = np.kron(np.eye(2), turn)
+    covariance: npt.NDArray[np.float64] = both @ np.reshape(cov_in, (6, 6)) @ both.T
+    return covariance.reshape(36)
+
+
+def _placed(transform: TransformStamped, place: Any, turn: Quaternion | None = None) -> Placement:
+    """Apply a transform to a place and a turn; quaternions count as unit ones, zero as no turn."""
+    shift, outer = Transform.from_message(transform).pose
+    inner = IDENTITY[1] if turn is None else scaled_to_one((turn.x, turn.y, turn.z, turn.w))
+    return compose((shift, scaled_to_one(outer)), ((place.x, place.y, place.z), inner))
+
+
+_registration = TransformRegistration()
+_registration.add(PointStamped, do_transform_point)
+_registration.add(Vector3Stamped, do_transform_vector3)
+_registration.add(PoseStamped, do_transform_pose_stamped)
+_registration.add(PoseWithCovarianceStamped, do_transform_pose_with_covariance_stamped)
+_registration.add(PolygonStamped, do_transform_polygon_stamped)

@@ -1,0 +1,151 @@
+"""Rotations and transforms as matrices and quaternions, by way of transforms3d as in the ROS package.
+
+Quaternions are (x, y, z, w), angles in [rad]. `axes` names an Euler sequence: s or r for static or rotating
+axes, then their order; the default sxyz takes roll, pitch, yaw.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from transforms3d import affines, axangles, euler, quaternions
+
+Array = npt.NDArray[np.float64]
+Numbers = Sequence[float] | Array
+_NO_SHIFT, _NO_TURN, _NO_ZOOM = np.zeros(3), np.eye(3), np.ones(3)
+
+
+def identity_matrix() -> Array:
+    """Return the transform that changes nothing, shape (4, 4)."""
+    return np.eye(4)
+
+
+def translation_matrix(direction: Numbers) -> Array:
+    """Return a shift by a vector, shape (4, 4)."""
+    return _affine(_NO_TURN, direction)
+
+
+def translation_from_matrix(matrix: Array) -> Array:
+    """Return the shift of a transform, shape (3,)."""
+    return np.array(matrix, float)[:3, 3]
+
+
+def rotation_matrix(angle: float, direction: Numbers, point: Numbers | None = None) -> Array:
+    """Return a turn about an axis through a point, shape (4, 4)."""
+    return np.asarray(axangles.axangle2aff(direction, angle, point=point))
+
+
+def rotation_from_matrix(matrix: Array) -> tuple[float, Array, Array]:
+    """Return the angle, the axis and a point on it of a turn."""
+    direction, angle, point = axangles.aff2axangle(matrix)
+    return angle, direction, point
+
+
+def compose_matrix(
+    scale: Numbers | None = None,
+    shear: Numbers | None = None,
+    angles: tuple[float, float, float] | None = None,
+    translate: Numbers | None = None,
+) -> Array:
+    """Return the transform that scales, shears, turns by roll, pitch, yaw, then shifts, shape (4, 4)."""
+    turn = _NO_TURN if angles is None else euler.euler2mat(*angles)
+    zoom = _NO_ZOOM if scale is None else scale
+    return np.asarray(affines.compose(_NO_SHIFT if translate is None else translate, turn, zoom, shear))
+
+
+def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
+    """Return the turn by three angles, shape (4, 4)."""
+    return _affine(euler.euler2mat(ai, aj, ak, axes=axes))
+
+
+def euler_from_matrix(matrix: Array, axes: str = "sxyz") -> tuple[float, float, float]:
+    """Return the three angles of a turn."""
+    ai, aj, ak = euler.mat2euler(np.asarray(matrix), axes=axes)
+    return ai, aj, ak
+
+
+def euler_from_quaternion(quaternion: Numbers, axes: str = "sxyz") -> tuple[float, float, float]:
+    """Return the three angles of a quaternion (x, y, z, w)."""
+    return euler_from_matrix(quaternion_matrix(quaternion), axes)
+
+
+def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
+    """Return the quaternion (x, y, z, w) of three angles."""
+    return np.roll(euler.euler2quat(ai, aj, ak, axes=axes), -1)
+
+
+def quaternion_about_axis(angle: float, axis: Numbers) -> Array:
+    """Return the quaternion (x, y, z, w) of a turn about an axis."""
+    return np.roll(quaternions.axangle2quat(axis, angle), -1)
+
+
+def quaternion_matrix(quaternion: Numbers) -> Array:
+    """Return the turn of a quaternion (x, y, z, w), shape (4, 4)."""
+    return _affine(quaternions.quat2mat(np.roll(quaternion, 1)))
+
+
+def quaternion_from_matrix(matrix: Array) -> Array:
+    """Return the quaternion (x, y, z, w) of a transform."""
+    return np.roll(quaternions.mat2quat(affines.decompose(np.asarray(matrix))[1]), -1)
+
+
+def quaternion_multiply(quaternion1: Numbers, quaternion0: Numbers) -> tuple[float, float, float, float]:
+    """Return the quaternion (x, y, z, w) that turns by `quaternion0` first, then by `quaternion1`."""
+    w, x, y, z = quaternions.qmult(np.roll(quaternion1, 1), np.roll(quaternion0, 1))
+    return x, y, z, w
+
+
+def quaternion_conjugate(quaternion: Numbers) -> Array:
+    """Return the quaternion (x, y, z, w) with its axis reversed."""
+    x, y, z, w = quaternion
+    return np.array([-x, -y, -z, w])
+
+
+def quaternion_inverse(quaternion: Numbers) -> Array:
+    """Return the quaternion (x, y, z, w) that undoes another one."""
+    return quaternion_conjugate(quaternion) / float(np.dot(quaternion, quaternion))
+
+
+def quaternion_slerp(quat0: Numbers, quat1: Numbers, fraction: float) -> Array:
+    """Return the quaternion (x, y, z, w) at a fraction of the shorter way from one to another."""
+    start, end = unit_vector(quat0), unit_vector(quat1)
+    cosine = float(np.dot(start, end))
+    angle = np.arccos(min(abs(cosine), 1.0))
+    if fraction in (0.0, 1.0) or angle < 1e-8:
+        return end if fraction == 1.0 else start
+    end = end if cosine >= 0 else -end
+    along: Array = (np.sin((1 - fraction) * angle) * start + np.sin(fraction * angle) * end) / np.sin(angle)
+    return along
+
+
+def unit_vector(data: Numbers) -> Array:
+    """Return a vector of length 1."""
+    return np.asarray(data, float) / vector_norm(data)
+
+
+def vector_norm(data: Numbers) -> float:
+    """Return a vector's length."""
+    return float(np.linalg.norm(data))
+
+
+def inverse_matrix(matrix: Array) -> Array:
+    """Return the transform that undoes another one, shape (4, 4)."""
+    return np.linalg.inv(np.asarray(matrix, float)).astype(np.float64)
+
+
+def concatenate_matrices(*matrices: Array) -> Array:
+    """Return the product of transforms: the last one is applied first, shape (4, 4)."""
+    product = np.eye(4)
+    for matrix in matrices:
+        product = product @ matrix
+    return product
+
+
+def is_same_transform(matrix0: Array, matrix1: Array) -> bool:
+    """Say whether two transforms are the same, up to rounding."""
+    scaled = (np.asarray(matrix, float) / matrix[3][3] for matrix in (matrix0, matrix1))
+    return bool(np.allclose(*scaled))
+
+
+def _affine(turn: Array, shift: Numbers = _NO_SHIFT) -> Array:
+    return np.asarray(affines.compose(shift, turn, _NO_ZOOM))

@@ -1,0 +1,75 @@
+import pytest
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.time import Time
+from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster, TransformListener
+
+from course_lib.ros.graph import Graph
+from tests.ros.tf2.stamped import stamped
+
+
+def spun(node: Node) -> None:
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    while executor.can_work() or node.handle.graph.advance():
+        executor.run_next()
+
+
+def test_one_or_several_transforms_are_sent(node: Node) -> None:
+    buffer = Buffer()
+    TransformListener(buffer, node)
+    broadcaster = TransformBroadcaster(node)
+    broadcaster.sendTransform(stamped("map", "a", 5))
+    broadcaster.sendTransform(stamped(parent, child, 5) for parent, child in [("a", "b"), ("b", "c")])
+    spun(node)
+    assert buffer.can_transform("map", "c", Time(nanoseconds=5))
+
+
+def test_static_transforms_reach_a_listener_that_comes_late(node: Node) -> None:
+    broadcaster = StaticTransformBroadcaster(node)
+    broadcaster.sendTransform(stamped("map", "a", x=1.0))
+    broadcaster.sendTransform([stamped("map", "b", x=2.0)])
+    buffer = Buffer()
+    TransformListener(buffer, node)
+    spun(node)
+    assert buffer.lookup_transform("a", "b", Time()).transform.translation.x == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("same_object", [False, True])
+def test_a_static_transform_is_replaced_by_the_same_object_only(node: Node, same_object: bool) -> None:
+    broadcaster, buffer = StaticTransformBroadcaster(node), Buffer()
+    TransformListener(buffer, node)
+    first = stamped("map", "a", x=1.0)
+    broadcaster.sendTransform(first)
+    second = first if same_object else stamped("map", "a")
+    second.transform.translation.x = 2.0
+    broadcaster.sendTransform(second)
+    spun(node)
+    x = buffer.lookup_transform("map", "a", Time()).transform.translation.x
+    assert x == (2.0 if same_object else 1.0)
+
+
+def test_a_listener_that_unregistered_hears_nothing(node: Node) -> None:
+    buffer = Buffer()
+    listener = TransformListener(buffer, node)
+    listener.unregister()
+    TransformBroadcaster(node).sendTransform(stamped("map", "a", 5))
+    spun(node)
+    assert buffer.all_frames_as_yaml() == "[]"
+
+
+def test_the_qualities_of_service_are_those_of_ros(begun: Graph, node: Node) -> None:
+    TransformBroadcaster(node)
+    StaticTransformBroadcaster(node)
+    TransformListener(Buffer(), node)
+    found = {
+        (end.topic, end.kind): (end.qos.depth, end.qos.durability)
+        for end in begun.endpoints()
+        if end.topic.startswith("/tf")
+    }
+    assert found == {
+        ("/tf", "pub"): (100, "volatile"),
+        ("/tf", "sub"): (100, "volatile"),
+        ("/tf_static", "pub"): (1, "transient_local"),
+        ("/tf_static", "sub"): (100, "transient_local"),
+    }

@@ -1,0 +1,175 @@
+import re
+from math import pi
+from typing import Any
+
+import pytest
+import rclpy
+import tf2_geometry_msgs  # noqa: F401  # teaches buffers the types of geometry_msgs
+import tf2_ros
+from geometry_msgs.msg import PointStamped
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.time import Time
+from std_msgs.msg import Header, String
+from tf2_ros import Buffer, TransformListener
+from tf2_ros.buffer_interface import TypeException
+
+from course_lib.ros.graph import Graph
+from tests.ros.tf2.stamped import stamped
+
+S = 10**9  # [ns]
+
+
+def filled() -> Buffer:
+    """map -> base is 1 m at 1 s, 3 m at 3 s; base -> tool is static, 0.5 m, turned by 90 degrees."""
+    buffer = Buffer()
+    for second in (1, 3):
+        buffer.set_transform(stamped("map", "base", second * S, x=float(second)), "me")
+    buffer.set_transform_static(stamped("base", "tool", x=0.5, yaw=pi / 2), "me")
+    return buffer
+
+
+def test_a_lookup_gives_a_message_with_frames_stamp_and_transform() -> None:
+    found = filled().lookup_transform("map", "tool", Time(nanoseconds=2 * S))
+    assert (found.header.frame_id, found.child_frame_id, found.header.stamp.sec) == ("map", "tool", 2)
+    assert found.transform.translation.x == pytest.approx(2.5)
+    assert found.transform.rotation.z == pytest.approx(2**-0.5)
+
+
+def test_times_of_any_clock_and_messages_are_taken() -> None:
+    buffer = filled()
+    for time in (Time(seconds=3), Time(seconds=3).to_msg(), Time()):
+        assert buffer.lookup_transform("map", "base", time).header.stamp.sec == 3
+    wrong: Any = 3.0
+    with pytest.raises(TypeError, match=re.escape("time must have sec and nanosec, or nanoseconds.")):
+        buffer.lookup_transform("map", "base", wrong)
+
+
+def test_an_older_place_is_seen_from_now_by_way_of_what_rests() -> None:
+    found = filled().lookup_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
+    assert found.transform.translation.x == pytest.approx(-2.0)
+    assert filled().can_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
+
+
+def test_the_reason_is_told_when_asked_for() -> None:
+    ok, reason = filled().can_transform("map", "base", Time(seconds=9), return_debug_tuple=True)
+    assert not ok
+    assert reason.startswith("Lookup would require extrapolation into the future.  Requested time 9.000000")
+    assert filled().can_transform("map", "base", Time(), return_debug_tuple=True) == (True, "")
+    text = 'Invalid frame ID "x" passed to canTransform argument fixed_frame - frame does not exist'
+    answer = filled().can_transform_full("map", Time(), "base", Time(), "x", return_debug_tuple=True)
+    assert answer == (False, text)
+
+
+def test_exceptions_have_one_base_and_tf2s_module() -> None:
+    with pytest.raises(tf2_ros.TransformException) as caught:
+        filled().lookup_transform("map", "nowhere", Time())
+    assert isinstance(caught.value, tf2_ros.LookupException)
+    assert type(caught.value).__module__ == "tf2"
+
+
+def test_a_stamped_point_is_carried_at_its_stamp() -> None:
+    point = PointStamped(header=Header(frame_id="tool", stamp=Time(seconds=1).to_msg()))
+    point.point.x = 1.0
+    carried = filled().transform(point, "map")
+    assert (carried.point.x, carried.point.y) == pytest.approx((1.5, 1.0))
+    assert carried.header.frame_id == "map"
+    later = filled().transform_full(point, "base", Time(seconds=3), "map")
+    assert (later.point.x, later.point.y) == pytest.approx((-1.5, 1.0))
+
+
+def test_a_type_that_nobody_has_taught_is_named() -> None:
+    expected = f"Type {String} is not loaded or supported"
+    with pytest.raises(TypeException, match=re.escape(expected)):
+        filled().transform(String(), "map")
+
+
+def test_rejected_transforms_are_logged_and_ignored(begun: Graph, capfd: pytest.CaptureFixture[str]) -> None:
+    buffer = filled()
+    buffer.set_transform(stamped("map", "map", 1 * S), "me")
+    buffer.set_transform(stamped("map", "base", 20 * S), "me")
+    buffer.set_transform(stamped("map", "base", 5 * S), "me")
+    lines = capfd.readouterr().err.splitlines()
+    assert lines[0].startswith("[ERROR]")
+    assert 'TF_SELF_TRANSFORM: Ignoring transform from authority "me"' in lines[0]
+    assert lines[1].startswith("[WARN]")
+    assert "TF_OLD_DATA ignoring data from the past for frame base at time 5.000000" in lines[1]
+
+
+def test_all_frames_are_described() -> None:
+    assert filled().all_frames_as_string() == (
+        "Frame base exists with parent map.\nFrame tool exists with parent base.\n"
+    )
+    assert (
+        filled()
+        .all_frames_as_yaml()
+        .startswith(
+            "base: \n  parent: 'map'\n  broadcaster: 'me'\n  rate: 1.000\n  most_recent_transform: 3.000000\n"
+            "  oldest_transform: 1.000000\n  buffer_length: 2.000\n"
+            "tool: \n  parent: 'base'\n  broadcaster: 'me'\n  rate: 10000.000\n"
+        )
+    )
+    assert Buffer().all_frames_as_yaml() == "[]"
+
+
+def test_a_wait_in_the_spinning_thread_ends_with_its_timeout(begun: Graph, node: Node) -> None:
+    buffer, waits = Buffer(), list[tuple[bool, int]]()
+    TransformListener(buffer, node)
+    sender = Node("sender")
+    broadcaster = tf2_ros.TransformBroadcaster(sender)
+    sender.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+
+    def wait() -> None:
+        timer.cancel()
+        start_ns = begun.now_ns
+        answer = buffer.can_transform("map", "base", Time(), timeout=Duration(seconds=2.0))
+        waits.append((answer, begun.now_ns - start_ns))
+
+    timer = node.create_timer(0.05, wait)
+    executor = SingleThreadedExecutor()
+    for one in (node, sender):
+        executor.add_node(one)
+    executor.spin()
+    assert waits == [(False, 2 * S)]
+
+
+def test_a_thread_of_the_listeners_own_lets_the_wait_succeed(begun: Graph, node: Node) -> None:
+    buffer = Buffer()
+    TransformListener(buffer, Node("listener"), spin_thread=True)
+    broadcaster = tf2_ros.TransformBroadcaster(node)
+    node.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+    rclpy.spin_once(node)
+    start_ns = begun.now_ns
+    assert buffer.lookup_transform("map", "base", Time(), timeout=Duration(seconds=5.0)).child_frame_id
+    assert begun.now_ns - start_ns == 1_000_000  # the delivery
+
+
+def test_a_coroutine_awaits_a_transform(begun: Graph, node: Node) -> None:
+    buffer = Buffer()
+    TransformListener(buffer, node)
+    broadcaster = tf2_ros.TransformBroadcaster(node)
+    timer = node.create_timer(0.5, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    task = executor.create_task(buffer.lookup_transform_async, "map", "base", Time())
+    executor.spin_until_future_complete(task, timeout_sec=3.0)
+    found = task.result()
+    assert found is not None
+    assert found.header.frame_id == "map"
+    assert timer.time_since_last_call() == 1_000_000  # the delivery
+    known = buffer.wait_for_transform_async("map", "base", Time())
+    assert known.done()
+
+
+def test_a_timeout_in_seconds_is_refused_with_how_to_write_it() -> None:
+    wrong: Any = 1.0
+    with pytest.raises(TypeError, match=r"like Duration\(seconds=1.0\), not 1.0"):
+        filled().lookup_transform("map", "base", Time(), wrong)
+
+
+def test_clear_forgets_what_moves() -> None:
+    buffer = filled()
+    buffer.clear()
+    assert not buffer.can_transform("map", "base", Time())
+    assert buffer.can_transform("base", "tool", Time())
