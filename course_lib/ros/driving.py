@@ -63,23 +63,24 @@ def spin_cell(executor: "Executor") -> None:
         say(f"No page is watching: spin() stopped after {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
 
 
-def wait_for(ready: Callable[[], bool], *, seconds: float) -> bool:
+def wait_for(ready: Callable[[], bool], *, seconds: float | None) -> bool:
     """Drive the live nodes until something has come about.
 
     Args:
         ready: Says whether it has.
-        seconds: Robot time to wait at most, [s].
+        seconds: Robot time to wait at most, [s]; None: without limit.
 
     Returns:
         Whether it came about.
     """
     graph = current_graph()
+    until_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     with executor_with(()) as executor, pace.kept(graph):
-        spin_until(executor, graph.now_ns + round(seconds * 1e9), ready)
+        spin_until(executor, until_ns, ready)
     return ready()
 
 
-def spin_until(executor: "Executor", until_ns: int, ready: Callable[[], bool] = lambda: False) -> None:
+def spin_until(executor: "Executor", until_ns: int | None, ready: Callable[[], bool] = lambda: False) -> None:
     """Run an executor's callbacks until `ready()` or robot time `until_ns`, events due then included."""
 
     def something_to_do() -> bool:

@@ -96,8 +96,7 @@ class Graph:
         sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
         if info.qos.durability == "transient_local":
             publisher.kept.append(sample)
-        for listener in tuple(self._taps):
-            listener(sample)
+        self._show(sample)
         for subscription in self._topics.receivers(info):
             self._deliver(sample, subscription)
 
@@ -138,7 +137,10 @@ class Graph:
         return self._topics.endpoints()
 
     def tap(self, listener: Callable[[Sample], None]) -> Callable[[], None]:
-        """Show every published sample to `listener` at once; returns what ends that."""
+        """Show every sample on a topic to `listener` at once; returns what ends that.
+
+        As in `ros2 bag record`, what services are asked and answer is not among them.
+        """
         self._taps.append(listener)
         return lambda: self._taps.remove(listener)
 
@@ -151,6 +153,10 @@ class Graph:
         """List what TRANSIENT_LOCAL publishers hold for late subscriptions, oldest first."""
         kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
         return sorted(kept, key=lambda sample: sample.stamp_ns)
+
+    def _show(self, sample: Sample) -> None:
+        for listener in tuple(self._taps) if sample.topic.startswith("/") else ():
+            listener(sample)
 
     def _move_to(self, now_ns: int) -> None:
         if now_ns > self._clock.now_ns:

@@ -68,9 +68,7 @@ class RemoteGraph(Graph):
     def publish(self, endpoint: int, cdr: bytes) -> None:
         """Publish serialised data."""
         info = self._publishers[endpoint]
-        sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
-        for listener in tuple(self._taps):
-            listener(sample)
+        self._show(Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node))
         self._channel.send(["publish", endpoint, cdr])  # at once: it counts even if the program hangs next
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:

@@ -8,6 +8,7 @@ from typing import Literal
 from course_lib.ros.qos import Qos, incompatible
 
 OnMessage = Callable[[bytes, int, int], None]  # (cdr, source_ns, received_ns)
+SERVICE_TOPICS = (("rq", "Request"), ("rr", "Reply"))  # round a service's name, as in DDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,7 @@ class NodeInfo:
 
 @dataclass(frozen=True, slots=True)
 class EndpointInfo:
-    """A publisher or a subscription of the graph."""
+    """A publisher or a subscription of the graph; also on the two topics of a service."""
 
     id: int
     kind: Literal["pub", "sub"]
@@ -41,6 +42,25 @@ class EndpointInfo:
     topic: str
     type_name: str
     qos: Qos
+
+    @property
+    def service(self) -> tuple[str, str] | None:
+        """The name and the type of the service whose requests or responses travel here; None for a topic."""
+        for prefix, suffix in SERVICE_TOPICS:
+            if self.topic.startswith(f"{prefix}/"):
+                name = self.topic[len(prefix) : len(self.topic) - len(suffix)]
+                return name, self.type_name.rsplit("_", 1)[0]
+        return None
+
+    @property
+    def is_service(self) -> bool:
+        """Whether a service answers here: it hears the requests."""
+        return self.kind == "sub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
+
+    @property
+    def is_client(self) -> bool:
+        """Whether a client of a service asks here."""
+        return self.kind == "pub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
 
 
 @dataclass(slots=True)

@@ -52,7 +52,7 @@ class GraphSource:
     def topics(self) -> dict[str, list[str]]:
         """Give each topic's types, sorted; with those that are always there."""
         found = {name: set(types) for name, types in ALWAYS_THERE.items()}
-        for endpoint in self._graph.endpoints():
+        for endpoint in (e for e in self._graph.endpoints() if e.service is None):
             found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
         return {name: sorted(found[name]) for name in sorted(found)}
 

@@ -1,6 +1,6 @@
 """What each ROS message type consists of: rosbags' type store, with the types and default values it lacks.
 
-The types are files in the folder ``interfaces``, laid out as ROS packages have them: a service is two messages,
+The types are files in the folder ``interfaces``, laid out as in ROS packages; a service is two messages,
 ``std_srvs/srv/Trigger_Request`` and ``std_srvs/srv/Trigger_Response``.
 """
 

@@ -67,7 +67,7 @@ class Message:
 
 def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[Message]:
     """Make the class of a message type; `message_class` gives the classes of its sub messages."""
-    package, folder, name = definition.type_name.split("/")
+    name = definition.type_name.rsplit("/", 1)[1]
     fields = [field for field in definition.fields if field.name != PLACEHOLDER]
     kinds = {field.name: kind_of(field, message_class) for field in fields}
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}

@@ -26,6 +26,7 @@ _STANDARD = (  # what a stub imports if it holds the word
     ("Sequence[", "from collections.abc import Sequence"),
     ("NDArray[Any]", "from typing import Any"),
     ("Final", "from typing import Final"),
+    ("TypeAlias", "from typing import TypeAlias"),
 )
 _NUMPY = (("np.", "import numpy as np"), ("NDArray[", "from numpy.typing import NDArray"))
 _MODULE = """from course_lib.ros.messages.registry import import_types as _import_types
@@ -53,7 +54,9 @@ def module_stub(messages: list[MessageDefinition]) -> str:
     packages = {f.base.split("/")[0] for message in messages for f in message.fields if f.is_message}
     for request in [m for m in messages if m.type_name.endswith(SERVICE_PARTS[0])]:
         name = request.type_name.rsplit("/", 1)[1].removesuffix(SERVICE_PARTS[0])
-        body += f"\nclass {name}:\n" + "".join(f"    {part[1:]} = {name}{part}\n" for part in SERVICE_PARTS)
+        body += f"\nclass {name}:\n" + "".join(
+            f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in SERVICE_PARTS
+        )
     blocks = (
         [line for word, line in _STANDARD if word in body],
         [line for word, line in _NUMPY if word in body],

@@ -19,14 +19,14 @@ def test_a_request_looks_as_in_ros() -> None:
 
 
 def test_a_service_itself_has_no_objects() -> None:
-    with pytest.raises(NotImplementedError, match="^Service classes can not be instantiated$"):
+    with pytest.raises(NotImplementedError, match=r"^Service classes can not be instantiated$"):
         AddTwoInts()
 
 
 def test_requests_are_checked_as_messages_are() -> None:
-    with pytest.raises(AssertionError, match="^The 'a' field must be of type 'int'$"):
+    with pytest.raises(AssertionError, match=r"^The 'a' field must be of type 'int'$"):
         AddTwoInts.Request(a=1.5)  # type: ignore[arg-type]  # the mistake that is tested
-    with pytest.raises(AttributeError, match="'AddTwoInts_Request' object has no attribute 'c'"):
+    with pytest.raises(AttributeError, match=r"'AddTwoInts_Request' object has no attribute 'c'"):
         AddTwoInts.Request().c = 1  # type: ignore[attr-defined]  # the mistake that is tested
 
 
@@ -47,5 +47,5 @@ def test_constants_belong_to_their_part() -> None:
 
 
 def test_an_unknown_service_names_the_close_ones() -> None:
-    with pytest.raises(CourseError, match="std_srvs/srv/Trigger_Request"):
+    with pytest.raises(CourseError, match=r"std_srvs/srv/Trigger_Request"):
         service_class("std_srvs/srv/Triger")

@@ -1,6 +1,6 @@
 import pytest
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
-from rclpy.impl.names import expand_topic_name, validate_namespace, validate_node_name, validate_topic_name
+from rclpy.impl.names import expand_name, validate_namespace, validate_node_name, validate_topic_name
 
 
 @pytest.mark.parametrize(
@@ -81,14 +81,14 @@ def test_a_bad_namespace_is_refused_with_a_caret_under_the_character(
     ],
 )
 def test_a_topic_name_is_expanded_by_namespace_and_node(topic: str, namespace: str, full: str) -> None:
-    assert expand_topic_name(topic, "talker", namespace) == full
+    assert expand_name(topic, "talker", namespace) == full
 
 
 def test_an_expanded_name_is_checked_too() -> None:
     with pytest.raises(InvalidTopicNameException, match=r"topic name must not contain repeated '/'"):
-        expand_topic_name("a//b", "talker", "/")
+        expand_name("a//b", "talker", "/")
 
 
 def test_an_unknown_substitution_is_named() -> None:
     with pytest.raises(ValueError, match=r"topic name '\{x\}' is invalid: unknown substitution: \{x\}"):
-        expand_topic_name("{x}", "talker", "/")
+        expand_name("{x}", "talker", "/")

@@ -60,6 +60,12 @@ class InvalidTopicNameException(NameValidationException):
     _kind = "topic name"
 
 
+class InvalidServiceNameException(NameValidationException):
+    """A service's name breaks the rules."""
+
+    _kind = "service name"
+
+
 class ParameterException(Exception):
     """The base of what can go wrong with parameters."""
 

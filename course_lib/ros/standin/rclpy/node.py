@@ -1,6 +1,5 @@
 """Nodes: what a ROS program is made of."""
 
-import weakref
 from typing import TypedDict
 
 from rcl_interfaces.msg import Log, ParameterEvent
@@ -79,7 +78,6 @@ class Node(NodeEntities, NodeParameters):
         if not context.is_valid:
             raise NotInitializedException("cannot create node")
         super().__init__(_enter_graph(context, node_name, namespace or ""))
-        self._executor: weakref.ref[Executor] | None = None
         self._logger = get_logger(self.handle.logger_name)
         self._parameters = {}
         self._parameter_types = {}
@@ -102,7 +100,7 @@ class Node(NodeEntities, NodeParameters):
     @property
     def executor(self) -> Executor | None:
         """The executor that it was added to last."""
-        return self._executor() if self._executor else None
+        return self.handle.executor
 
     @executor.setter
     def executor(self, new_executor: Executor | None) -> None:
@@ -111,7 +109,7 @@ class Node(NodeEntities, NodeParameters):
             return
         if former is not None:
             former.remove_node(self)
-        self._executor = None if new_executor is None else weakref.ref(new_executor)
+        self.handle.executor = new_executor
         if new_executor is not None:
             new_executor.add_node(self)
 
@@ -137,7 +135,8 @@ class Node(NodeEntities, NodeParameters):
 
     def destroy_node(self) -> None:
         """End the node with everything in it; ending it again changes nothing."""
-        for created in (self._publishers, self._subscriptions, self._timers):
+        kinds = (self._publishers, self._subscriptions, self._clients, self._services, self._timers)
+        for created in kinds:
             while created:
                 created.pop().destroy()
         self._leave_graph()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
+    from rclpy.impl.node_handle import Entity
 
 T = TypeVar("T")
 
@@ -26,7 +27,7 @@ class Future(Generic[T]):
         self._result: T | None = None
         self._exception: BaseException | None = None
         self._callbacks: list[Callable[[Future[T]], object]] = []
-        self._executor = None if executor is None else weakref.ref(executor)
+        self._set_executor(executor)
 
     def __await__(self) -> Generator["Future[T]", None, T | None]:
         while not self._done:
@@ -73,6 +74,9 @@ class Future(Generic[T]):
         if self._done:
             self._call_back()
 
+    def _set_executor(self, executor: "Executor | None") -> None:
+        self._executor = None if executor is None else weakref.ref(executor)
+
     def _finish(self) -> None:
         self._done = True
         self._cancelled = False
@@ -106,6 +110,7 @@ class Task(Future[Any]):
         self._coroutine: Any = self._call() if inspect.iscoroutinefunction(handler) else None
         self._awaited: Future[Any] | None = None
         self._executing = False
+        self.entity: Entity | None = None  # whose callback it is
 
     def __call__(self) -> None:
         """Run the function, or the coroutine until it has to wait."""

@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 import diagnostic_msgs.msg
 
@@ -44,9 +46,9 @@ class SelfTest_Response(Message):
     ) -> None: ...
 
 class AddDiagnostics:
-    Request = AddDiagnostics_Request
-    Response = AddDiagnostics_Response
+    Request: TypeAlias = AddDiagnostics_Request
+    Response: TypeAlias = AddDiagnostics_Response
 
 class SelfTest:
-    Request = SelfTest_Request
-    Response = SelfTest_Response
+    Request: TypeAlias = SelfTest_Request
+    Response: TypeAlias = SelfTest_Response

@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 
 class AddTwoInts_Request(Message):
@@ -61,13 +63,13 @@ class Trigger_Response(Message):
     ) -> None: ...
 
 class AddTwoInts:
-    Request = AddTwoInts_Request
-    Response = AddTwoInts_Response
+    Request: TypeAlias = AddTwoInts_Request
+    Response: TypeAlias = AddTwoInts_Response
 
 class SetBool:
-    Request = SetBool_Request
-    Response = SetBool_Response
+    Request: TypeAlias = SetBool_Request
+    Response: TypeAlias = SetBool_Response
 
 class Trigger:
-    Request = Trigger_Request
-    Response = Trigger_Response
+    Request: TypeAlias = Trigger_Request
+    Response: TypeAlias = Trigger_Response

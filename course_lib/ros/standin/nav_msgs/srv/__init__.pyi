@@ -1,6 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
 from typing import Final
+from typing import TypeAlias
 
 from course_lib.ros.messages.message import Message
 import geometry_msgs.msg
@@ -90,17 +91,17 @@ class SetMap_Response(Message):
     ) -> None: ...
 
 class GetMap:
-    Request = GetMap_Request
-    Response = GetMap_Response
+    Request: TypeAlias = GetMap_Request
+    Response: TypeAlias = GetMap_Response
 
 class GetPlan:
-    Request = GetPlan_Request
-    Response = GetPlan_Response
+    Request: TypeAlias = GetPlan_Request
+    Response: TypeAlias = GetPlan_Response
 
 class LoadMap:
-    Request = LoadMap_Request
-    Response = LoadMap_Response
+    Request: TypeAlias = LoadMap_Request
+    Response: TypeAlias = LoadMap_Response
 
 class SetMap:
-    Request = SetMap_Request
-    Response = SetMap_Response
+    Request: TypeAlias = SetMap_Request
+    Response: TypeAlias = SetMap_Response

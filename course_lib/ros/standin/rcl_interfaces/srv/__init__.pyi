@@ -4,6 +4,7 @@ from array import array
 from collections.abc import Sequence
 from typing import Any
 from typing import Final
+from typing import TypeAlias
 
 from numpy.typing import NDArray
 
@@ -161,33 +162,33 @@ class SetParameters_Response(Message):
     ) -> None: ...
 
 class DescribeParameters:
-    Request = DescribeParameters_Request
-    Response = DescribeParameters_Response
+    Request: TypeAlias = DescribeParameters_Request
+    Response: TypeAlias = DescribeParameters_Response
 
 class GetLoggerLevels:
-    Request = GetLoggerLevels_Request
-    Response = GetLoggerLevels_Response
+    Request: TypeAlias = GetLoggerLevels_Request
+    Response: TypeAlias = GetLoggerLevels_Response
 
 class GetParameterTypes:
-    Request = GetParameterTypes_Request
-    Response = GetParameterTypes_Response
+    Request: TypeAlias = GetParameterTypes_Request
+    Response: TypeAlias = GetParameterTypes_Response
 
 class GetParameters:
-    Request = GetParameters_Request
-    Response = GetParameters_Response
+    Request: TypeAlias = GetParameters_Request
+    Response: TypeAlias = GetParameters_Response
 
 class ListParameters:
-    Request = ListParameters_Request
-    Response = ListParameters_Response
+    Request: TypeAlias = ListParameters_Request
+    Response: TypeAlias = ListParameters_Response
 
 class SetLoggerLevels:
-    Request = SetLoggerLevels_Request
-    Response = SetLoggerLevels_Response
+    Request: TypeAlias = SetLoggerLevels_Request
+    Response: TypeAlias = SetLoggerLevels_Response
 
 class SetParametersAtomically:
-    Request = SetParametersAtomically_Request
-    Response = SetParametersAtomically_Response
+    Request: TypeAlias = SetParametersAtomically_Request
+    Response: TypeAlias = SetParametersAtomically_Response
 
 class SetParameters:
-    Request = SetParameters_Request
-    Response = SetParameters_Response
+    Request: TypeAlias = SetParameters_Request
+    Response: TypeAlias = SetParameters_Response

@@ -1,11 +1,11 @@
 """A publisher or a subscription as the graph knows it."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages import Message, type_name
+from course_lib.ros.messages import Message
 from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
 from rclpy.exceptions import InvalidHandle
@@ -69,12 +69,21 @@ class Endpoint:
         return [(me, other) if me.kind == "pub" else (other, me) for other in others]
 
 
-def require_message_type(msg_type: Any) -> str:
-    """Return the name of a message type; raises AttributeError, as rclpy does, if it is none."""
-    if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
+def require_type(given: Any, kind: Literal["message", "service"]) -> None:
+    """Raise what rclpy raises for a class that is no message type, or no service type.
+
+    Raises:
+        AttributeError: If it is nothing of ROS's.
+        RuntimeError: If it is the other kind.
+    """
+    if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
         raise AttributeError(
-            f"type object '{type(msg_type).__name__}' has no attribute '_TYPE_SUPPORT'"
+            f"type object '{type(given).__name__}' has no attribute '_TYPE_SUPPORT'"
             " This might be a ROS 1 message type but it should be a ROS 2 message type."
             " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
         )
-    return type_name(msg_type)
+    if issubclass(given, Message) != (kind == "message"):
+        other = "service" if kind == "message" else "message"
+        raise RuntimeError(
+            f"The {kind} type provided is not valid ({given}), this might be a {other} or action"
+        )

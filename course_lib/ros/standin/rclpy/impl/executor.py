@@ -52,6 +52,8 @@ class Executor(AbstractContextManager["Executor"]):
             raise NotInitializedException("cannot create executor")
         self._nodes: dict[Node, None] = {}  # a set that keeps its order
         self._tasks: list[Task] = []
+        self._under_way: dict[int, Task] = {}  # by thread identifier
+        self._num_threads = 1
         self._is_shutdown = False
 
     @property
@@ -163,6 +165,16 @@ class Executor(AbstractContextManager["Executor"]):
         going_on = any(task.can_go_on() for task in self._tasks)
         return going_on or any(node.handle.first_ready() for node in self._nodes)
 
+    def is_held_up(self, entity: Entity) -> bool:
+        """Say whether an entity's callback cannot run before the callback that asks has ended."""
+        task = self._under_way.get(threading.get_ident())
+        if task is None or self._num_threads == 1:
+            return task is not None
+        group = entity.callback_group
+        return (
+            task.entity is not None and task.entity.callback_group is group and not group.can_execute(entity)
+        )
+
     def _next_task(self) -> Task | None:
         """Take what is next: a task that can go on, else the callback that became ready first."""
         for task in self._tasks:
@@ -188,11 +200,22 @@ class Executor(AbstractContextManager["Executor"]):
             finally:
                 group.ending_execution(entity)
 
-        return Task(run, executor=self)
+        task = Task(run, executor=self)
+        task.entity = entity
+        return task
 
     def _execute(self, task: Task) -> None:
         """Run a task; what it raises is raised, what it has to wait for is kept."""
-        task()
+        ident = threading.get_ident()
+        outer = self._under_way.get(ident)
+        self._under_way[ident] = task
+        try:
+            task()
+        finally:
+            if outer is None:
+                del self._under_way[ident]
+            else:
+                self._under_way[ident] = outer
         if not task.done():
             self._tasks.append(task)
         error = task.exception()

@@ -2,9 +2,17 @@
 
 import re
 from collections.abc import Callable
+from typing import Literal
 
-from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
+from rclpy.exceptions import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    InvalidServiceNameException,
+    InvalidTopicNameException,
+)
 
+Kind = Literal["topic", "service"]
+_ERRORS = {"topic": InvalidTopicNameException, "service": InvalidServiceNameException}
 Rules = tuple[tuple[str, str], ...]  # what must not be found, and the complaint; the first one counts
 
 # A match's group "at", or else its beginning, is the character that the complaint points at.
@@ -64,17 +72,21 @@ def validate_namespace(namespace: str) -> None:
         _refuse(namespace, NAMESPACE, InvalidNamespaceException)
 
 
-def validate_topic_name(name: str) -> None:
-    """Raise InvalidTopicNameException unless `name` may be written for a topic."""
-    _refuse(name, TOPIC_NAME, InvalidTopicNameException)
+def validate_topic_name(name: str, kind: Kind = "topic") -> None:
+    """Raise Invalid(Topic or Service)NameException unless `name` may be written for one."""
+    error = _ERRORS[kind]
+    _refuse(name, TOPIC_NAME, error)
     sound = re.match(_SOUND, name)
-    _refuse(name, _AFTER_SOUND, InvalidTopicNameException, sound.end() if sound else 0)
-    _refuse(name, TOPIC_TOKENS, InvalidTopicNameException)
+    _refuse(name, _AFTER_SOUND, error, sound.end() if sound else 0)
+    _refuse(name, TOPIC_TOKENS, error)
 
 
-def expand_topic_name(topic: str, node_name: str, namespace: str) -> str:
-    """Make a topic's name absolute: `x` is in the namespace, `~/x` under the node; `{node}`, `{ns}` count."""
-    validate_topic_name(topic)
+def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic") -> str:
+    """Make a topic's or service's name absolute: `x` is in the namespace, `~/x` under the node.
+
+    `{node}` and `{ns}` count, too.
+    """
+    validate_topic_name(topic, kind)
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic
     known = {"node": node_name, "ns": namespace, "namespace": namespace}
@@ -83,7 +95,7 @@ def expand_topic_name(topic: str, node_name: str, namespace: str) -> str:
             raise ValueError(f"topic name '{topic}' is invalid: unknown substitution: {{{word}}}")
         expanded = expanded.replace(f"{{{word}}}", known[word])
     full = expanded if expanded.startswith("/") else f"{prefix}/{expanded}"
-    _refuse(full, FULL_TOPIC, InvalidTopicNameException)
+    _refuse(full, FULL_TOPIC, _ERRORS[kind])
     return full
 
 

@@ -3,18 +3,20 @@
 from collections.abc import Callable, Iterator
 from typing import Any, Literal, TypeVar
 
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import Message, type_name
 from course_lib.ros.qos import Qos
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.impl.endpoint import Endpoint, require_message_type
+from rclpy.impl.endpoint import Endpoint, require_type
 from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.qos_conversion import to_qos
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Rate, Timer
 
@@ -31,6 +33,8 @@ class NodeEntities(NodeGraph):
         self._publishers: list[Publisher[Any]] = []
         self._subscriptions: list[Subscription[Any]] = []
         self._timers: list[Timer] = []
+        self._clients: list[Client] = []
+        self._services: list[Service] = []
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
 
@@ -54,6 +58,16 @@ class NodeEntities(NodeGraph):
         """Its timers."""
         yield from self._timers
 
+    @property
+    def clients(self) -> Iterator[Client]:
+        """Its clients."""
+        yield from self._clients
+
+    @property
+    def services(self) -> Iterator[Service]:
+        """Its services."""
+        yield from self._services
+
     def create_publisher(
         self,
         msg_type: type[MsgT],
@@ -73,8 +87,9 @@ class NodeEntities(NodeGraph):
             event_callbacks: What it wants to be told about subscriptions.
         """
         node, profile, full_topic = self.handle, _to_profile(qos_profile), self.resolve_topic_name(topic)
+        require_type(msg_type, "message")
         qos = to_qos(profile, "pub", self._partners(full_topic, "sub"))
-        endpoint_id = node.graph.add_publisher(node.id, full_topic, require_message_type(msg_type), qos)
+        endpoint_id = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), qos)
         endpoint = Endpoint(node, endpoint_id, full_topic)
         publisher = Publisher(endpoint, msg_type, topic, profile)
         self._publishers.append(publisher)
@@ -106,14 +121,44 @@ class NodeEntities(NodeGraph):
             raw: Whether the callback gets the serialised bytes.
         """
         profile, full_topic = _to_profile(qos_profile), self.resolve_topic_name(topic)
-        type_name = require_message_type(msg_type)
+        require_type(msg_type, "message")
         group = callback_group or self.default_callback_group
         subscription = Subscription(self.handle, msg_type, topic, callback, group, profile, raw)
-        subscription.join(type_name, full_topic, to_qos(profile, "sub", self._partners(full_topic, "pub")))
+        qos = to_qos(profile, "sub", self._partners(full_topic, "pub"))
+        subscription.join(type_name(msg_type), full_topic, qos)
         self._subscriptions.append(subscription)
         events = event_callbacks or SubscriptionEventCallbacks()
         subscription.handle.on_incompatible(events.incompatible_handler(self.handle, topic, group))
         return subscription
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client:
+        """Make a client that asks the service `srv_name`; the group says when its responses are taken."""
+        full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
+        client = Client(self.handle, group, srv_type, srv_name, full_name, qos_profile)
+        self._clients.append(client)
+        return client
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service:
+        """Make a service; `callback(request, response)`, or a coroutine, returns the filled response."""
+        full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
+        service = Service(callback, self.handle, group, srv_type, srv_name, full_name, qos_profile)
+        self._services.append(service)
+        return service
 
     def create_timer(
         self,
@@ -146,6 +191,14 @@ class NodeEntities(NodeGraph):
         """End a subscription; False if it is none of the node's."""
         return _destroy(subscription, self._subscriptions)
 
+    def destroy_client(self, client: Client) -> bool:
+        """End a client; False if it is none of the node's."""
+        return _destroy(client, self._clients)
+
+    def destroy_service(self, service: Service) -> bool:
+        """End a service; False if it is none of the node's."""
+        return _destroy(service, self._services)
+
     def destroy_timer(self, timer: Timer) -> bool:
         """End a timer; False if it is none of the node's."""
         return _destroy(timer, self._timers)
@@ -154,6 +207,11 @@ class NodeEntities(NodeGraph):
         """End a rate; who sleeps in it wakes up."""
         rate.destroy()
         return self.destroy_timer(rate.timer)
+
+    def _service(self, srv_type: Any, srv_name: str) -> str:
+        """Check a service's type; returns its fully resolved name."""
+        require_type(srv_type, "service")
+        return self.resolve_service_name(srv_name)
 
     def _partners(self, topic: str, kind: Literal["pub", "sub"]) -> list[Qos]:
         return [

@@ -45,19 +45,31 @@ class NodeGraph:
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """List all topics with their types."""
-        return _names_and_types(self.handle.graph.endpoints())
+        return _topics(self.handle.graph.endpoints())
+
+    def get_service_names_and_types(self) -> NamesAndTypes:
+        """List all services with their types; as in ROS also those that are only asked for."""
+        return _services(self.handle.graph.endpoints())
+
+    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """List the services of a node; raises NodeNameNonExistentError if it is not there."""
+        return _services(e for e in self._endpoints_of(node_name, node_namespace, "sub") if e.is_service)
+
+    def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """List what services a node asks; raises NodeNameNonExistentError if it is not there."""
+        return _services(e for e in self._endpoints_of(node_name, node_namespace, "pub") if e.is_client)
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """List what a node publishes; raises NodeNameNonExistentError if it is not there."""
-        return _names_and_types(self._endpoints_of(node_name, node_namespace, "pub"))
+        return _topics(self._endpoints_of(node_name, node_namespace, "pub"))
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """List what a node subscribes to; raises NodeNameNonExistentError if it is not there."""
-        return _names_and_types(self._endpoints_of(node_name, node_namespace, "sub"))
+        return _topics(self._endpoints_of(node_name, node_namespace, "sub"))
 
     def count_publishers(self, topic_name: str) -> int:
         """Count the publishers on a topic."""
@@ -81,7 +93,14 @@ class NodeGraph:
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return the full name that a topic has for this node."""
-        return names.expand_topic_name(topic, self.handle.name, self.handle.namespace)
+        return self._resolve(topic, "topic", only_expand)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return the full name that a service has for this node."""
+        return self._resolve(service, "service", only_expand)
+
+    def _resolve(self, name: str, kind: names.Kind, only_expand: bool) -> str:
+        return names.expand_name(name, self.handle.name, self.handle.namespace, kind)
 
     def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
@@ -110,8 +129,16 @@ class NodeGraph:
         )
 
 
-def _names_and_types(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+def _topics(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+    return _sorted((info.topic, info.type_name) for info in endpoints if info.service is None)
+
+
+def _services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+    return _sorted(info.service for info in endpoints if info.service is not None)
+
+
+def _sorted(pairs: Iterable[tuple[str, str]]) -> NamesAndTypes:
     types: dict[str, set[str]] = {}
-    for info in endpoints:
-        types.setdefault(info.topic, set()).add(info.type_name)
-    return [(topic, sorted(types[topic])) for topic in sorted(types)]
+    for name, type_name in pairs:
+        types.setdefault(name, set()).add(type_name)
+    return [(name, sorted(types[name])) for name in sorted(types)]

@@ -1,6 +1,7 @@
 """A node as the graph knows it, and what is ready in it."""
 
 import itertools
+import weakref
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from rclpy.impl import names
 if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.context import Context
+    from rclpy.executors import Executor
 
 _order = itertools.count()  # in which entities become ready
 
@@ -29,9 +31,19 @@ class NodeHandle:
         self.name = name
         self.namespace = namespace
         self.id = self.graph.add_node(name, namespace)
+        self._executor: weakref.ref[Executor] | None = None
         self.has_left = False  # the graph: destroyed, replaced, or its context shut down
         self._entities = 0
         self._ready: deque[tuple[int, Entity]] = deque()
+
+    @property
+    def executor(self) -> "Executor | None":
+        """The executor that it was added to last."""
+        return self._executor() if self._executor else None
+
+    @executor.setter
+    def executor(self, executor: "Executor | None") -> None:
+        self._executor = None if executor is None else weakref.ref(executor)
 
     @property
     def full_name(self) -> str:

@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 import sensor_msgs.msg
 
@@ -24,5 +26,5 @@ class SetCameraInfo_Response(Message):
     ) -> None: ...
 
 class SetCameraInfo:
-    Request = SetCameraInfo_Request
-    Response = SetCameraInfo_Response
+    Request: TypeAlias = SetCameraInfo_Request
+    Response: TypeAlias = SetCameraInfo_Response

@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 
 class Empty_Request(Message):
@@ -55,13 +57,13 @@ class Trigger_Response(Message):
     ) -> None: ...
 
 class Empty:
-    Request = Empty_Request
-    Response = Empty_Response
+    Request: TypeAlias = Empty_Request
+    Response: TypeAlias = Empty_Response
 
 class SetBool:
-    Request = SetBool_Request
-    Response = SetBool_Response
+    Request: TypeAlias = SetBool_Request
+    Response: TypeAlias = SetBool_Response
 
 class Trigger:
-    Request = Trigger_Request
-    Response = Trigger_Response
+    Request: TypeAlias = Trigger_Request
+    Response: TypeAlias = Trigger_Response

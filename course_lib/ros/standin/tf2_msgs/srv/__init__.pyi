@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 
 class FrameGraph_Request(Message):
@@ -19,5 +21,5 @@ class FrameGraph_Response(Message):
     ) -> None: ...
 
 class FrameGraph:
-    Request = FrameGraph_Request
-    Response = FrameGraph_Response
+    Request: TypeAlias = FrameGraph_Request
+    Response: TypeAlias = FrameGraph_Response

@@ -1,5 +1,7 @@
 # Written by `python -m course_lib.ros.messages.stubs`; don't edit.
 
+from typing import TypeAlias
+
 from course_lib.ros.messages.message import Message
 import visualization_msgs.msg
 
@@ -22,5 +24,5 @@ class GetInteractiveMarkers_Response(Message):
     ) -> None: ...
 
 class GetInteractiveMarkers:
-    Request = GetInteractiveMarkers_Request
-    Response = GetInteractiveMarkers_Response
+    Request: TypeAlias = GetInteractiveMarkers_Request
+    Response: TypeAlias = GetInteractiveMarkers_Response

@@ -1,0 +1,120 @@
+"""Clients: they ask services."""
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from course_lib.ros import driving
+from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.messages import deserialize
+from rclpy.constants import S_TO_NS
+from rclpy.impl.service_end import ServiceEnd
+from rclpy.task import Future
+
+POLL_NS = 250_000_000  # [ns] between two looks at whether a service is there, as in rclpy
+_SPINNER = "another thread that spins the client's node"
+
+
+class Client(ServiceEnd):
+    """Asks a service; made by `Node.create_client`."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args, asks=True)
+        self._pending: dict[int, Future[Any]] = {}
+        self._requests = 0
+
+    def call_async(self, request: Any) -> Future[Any]:
+        """Send a request; the future is done when the executor has taken the response.
+
+        Without a service that never happens, as in ROS: call `wait_for_service` first.
+
+        Raises:
+            TypeError: If it is no request of this service; without a word, as in rclpy.
+        """
+        if not isinstance(request, self.srv_type.Request):
+            raise TypeError
+        self._requests += 1
+        self.send(self.id, self._requests, request)
+        future: Future[Any] = Future()
+        self._pending[self._requests] = future
+        return future
+
+    def call(self, request: Any, timeout_sec: float | None = None) -> Any:
+        """Send a request and wait for the response; another thread has to spin the node meanwhile.
+
+        Returns:
+            The response; None if it did not come within `timeout_sec` [s].
+
+        Raises:
+            TypeError: If it is no request of this service.
+            DeadlockError: If the response can never be taken, because the caller is a callback that has to
+                end first, or because nobody spins the node; ROS hangs there.
+        """
+        future, executor = self.call_async(request), self.node_handle.executor
+        if timeout_sec is None and executor is not None and executor.is_held_up(self):
+            self.remove_pending_request(future)
+            raise DeadlockError(
+                f"call() on {self.full_name} waits for a response that is taken only after this callback has "
+                "ended. Use call_async() with add_done_callback() or await; or a MultiThreadedExecutor, with "
+                "the client in another callback group."
+            )
+        self._wait(future, timeout_sec)
+        if not future.done():
+            self.remove_pending_request(future)
+            if timeout_sec is None and not self._is_spun():
+                raise DeadlockError(f"call() on {self.full_name} waited in vain for {_SPINNER}.")
+        return future.result()
+
+    def get_pending_request(self, sequence_number: int) -> Future[Any]:
+        """Return the future of a request that was not answered yet; raises KeyError if there is none."""
+        return self._pending[sequence_number]
+
+    def remove_pending_request(self, future: Future[Any]) -> None:
+        """Wait for a response no more: the future stays undone."""
+        self._pending = {number: f for number, f in self._pending.items() if f is not future}
+
+    def service_is_ready(self) -> bool:
+        """Say whether the service is there."""
+        return self.partner_count() > 0
+
+    def wait_for_service(self, timeout_sec: float | None = None) -> bool:
+        """Wait until the service is there, [s]; None: without limit; returns whether it is."""
+        graph = self.node_handle.graph
+        end_ns = None if timeout_sec is None else graph.now_ns + round(timeout_sec * S_TO_NS)
+        with baton.known():
+            while self.node_handle.context.ok() and not self.service_is_ready():
+                if end_ns is not None and graph.now_ns >= end_ns:
+                    break
+                baton.sleep_until(graph.now_ns + POLL_NS, f"the service {self.full_name}")
+        return self.service_is_ready()
+
+    def is_for_me(self, client: int) -> bool:
+        """Say whether a response is to one of its own requests."""
+        return client == self.id
+
+    def take(self) -> Callable[[], object] | None:
+        """Take the oldest response; None if nobody waits for it any more."""
+        if not self._queue:
+            return None
+        _, number, cdr = self._queue.popleft()
+        future = self._pending.pop(number, None)
+        return None if future is None else partial(self._bring, future, cdr)
+
+    def _bring(self, future: Future[Any], cdr: bytes) -> None:
+        future._set_executor(self.node_handle.executor)
+        future.set_result(deserialize(cdr, self.srv_type.Response))
+
+    def _wait(self, future: Future[Any], seconds: float | None) -> None:
+        if driving.running_nodes() and threading.current_thread() is threading.main_thread():
+            driving.wait_for(future.done, seconds=seconds)
+            return
+        graph = self.node_handle.graph
+        until_ns = None if seconds is None else graph.now_ns + round(seconds * S_TO_NS)
+        with baton.known():
+            what = f"the response of {self.full_name} and {_SPINNER}"
+            baton.wait(future.done, until_ns=until_ns, what=what)
+
+    def _is_spun(self) -> bool:
+        executor = self.node_handle.executor
+        return executor is not None and any(n.handle is self.node_handle for n in executor.get_nodes())
