@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import meshcat.geometry
 import numpy as np
 import pytest
 from geometry_msgs.msg import TransformStamped
@@ -241,3 +242,16 @@ def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(grap
     view.link.receive({"type": "views", "count": 1})
     assert view.keeps is viewer
     viewer.close()
+
+
+def test_code_for_meshcat_draws_into_the_viewer_and_may_move_its_camera(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.look()
+    viewer.meshcat["box"].set_object(meshcat.geometry.Box([1, 1, 1]))
+    viewer.meshcat.set_cam_pos([1.0, 2.0, 3.0])
+    viewer.look()
+    assert "meshcat/box" in viewer.scene.objects()
+    assert viewer.scene.camera.eye == (1.0, 2.0, 3.0)
+    viewer.view["Distance"] = 4.0
+    viewer.look()
+    assert viewer.scene.camera.eye != (1.0, 2.0, 3.0)
