@@ -67,6 +67,7 @@ class Display(PropertyHolder):
         self.subscriptions: tuple[Subscription, ...] = ()
         self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
         self.started = False
+        self._grouped = True  # whether the groups it is in are ticked
 
     def __setitem__(self, label: str, value: Any) -> None:
         super().__setitem__(label, value)
@@ -78,8 +79,8 @@ class Display(PropertyHolder):
 
     @property
     def enabled(self) -> bool:
-        """Whether the display is ticked in RViz's tree."""
-        return bool(self["Enabled"])
+        """Whether the display is ticked in RViz's tree, and all groups that it is in."""
+        return bool(self["Enabled"]) and self._grouped
 
     def rows(self) -> list[StatusRow]:
         """List the statuses; a display that is not ticked has none."""
@@ -95,6 +96,13 @@ class Display(PropertyHolder):
         """Take note that a property has another value."""
         if label == "Enabled" and self.started:
             self.start()
+
+    def show_in_group(self, ticked: bool) -> None:
+        """Show or hide what is in a group."""
+        if ticked != self._grouped:
+            self._grouped = ticked
+            if self.started:
+                self.start()
 
     def start(self) -> None:
         """Start anew, with the subscriptions that the properties ask for."""

@@ -1,10 +1,11 @@
 """RViz's layout files, .rviz: what is shown, and from where."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from course_lib.displays.group import GROUP
 from course_lib.displays.properties import Color, color
 from course_lib.errors import CourseError
 
@@ -16,8 +17,11 @@ class Layout:
     fixed_frame: str  # RViz's Fixed Frame
     background: Color  # colour behind everything
     frame_rate: int  # [Hz]
-    displays: tuple[Mapping[str, Any], ...]  # the configuration of each display, in order; groups are opened
+    displays: tuple[Mapping[str, Any], ...]  # the configuration of each display and group, in order
     view: Mapping[str, Any]  # the configuration of the current view
+    saved_views: tuple[Mapping[str, Any], ...]  # those of the saved ones
+    tools: tuple[Mapping[str, Any], ...]  # those of the tools
+    document: Mapping[str, Any]  # the whole file
 
 
 def read_layout(path: str | Path) -> Layout:
@@ -30,27 +34,36 @@ def read_layout(path: str | Path) -> Layout:
     document = _parsed(Path(path))
     manager = _part(path, document, "Visualization Manager", dict, required=True)
     options = _part(path, manager, "Global Options", dict)
-    displays = tuple(_displays(path, manager))
-    view = _part(path, _part(path, manager, "Views", dict), "Current", dict)
+    displays = _displays(path, manager)
+    views = _part(path, manager, "Views", dict)
+    view, saved = _part(path, views, "Current", dict), _maps(path, views, "Saved")
     try:
         background = color(options.get("Background Color", "48; 48; 48"))
         frame_rate = max(int(options.get("Frame Rate", 30)), 1)
     except (TypeError, ValueError, OverflowError) as error:
         raise CourseError(f"{path}: a value of Global Options is wrong: {error}.") from None
     fixed_frame = str(options.get("Fixed Frame", "base_link")).removeprefix("/")
-    return Layout(fixed_frame, background, frame_rate, displays, view)
+    return Layout(
+        fixed_frame, background, frame_rate, displays, view, saved, _maps(path, manager, "Tools"), document
+    )
 
 
-def _displays(path: str | Path, group: Any, ticked: bool = True) -> Iterator[Mapping[str, Any]]:
-    """Yield the displays of a group, and those of the groups in it."""
-    displays = _part(path, group, "Displays", list)
-    for index, display in enumerate(displays):
-        if not isinstance(display, dict):
-            raise _misshapen(path, display, displays, index, f"Display {index + 1}", dict)
-        if display.get("Class") == "rviz_common/Group":
-            yield from _displays(path, display, ticked and display.get("Enabled") is not False)
-        else:
-            yield display if ticked else {**display, "Enabled": False}
+def _displays(path: str | Path, group: Any) -> tuple[Mapping[str, Any], ...]:
+    """Return the displays and groups that are directly in a group; all below are looked at too."""
+    displays = _maps(path, group, "Displays")
+    for display in displays:
+        if display.get("Class") == GROUP:
+            _displays(path, display)
+    return displays
+
+
+def _maps(path: str | Path, parent: Any, name: str) -> tuple[Mapping[str, Any], ...]:
+    """Return a part of the layout that must be a list of maps."""
+    entries = _part(path, parent, name, list)
+    for index, entry in enumerate(entries):
+        if not isinstance(entry, dict):
+            raise _misshapen(path, entry, entries, index, f"{name.removesuffix('s')} {index + 1}", dict)
+    return tuple(entries)
 
 
 def _parsed(path: Path) -> dict[str, Any]:

@@ -65,7 +65,7 @@ class Panel:
             self._loop = asyncio.get_running_loop()
         except RuntimeError:  # no kernel
             self._loop = None
-        self._session.after_frame = self.refresh
+        self._session.after_frame.append(self.refresh)
         pace.pages.add(self._is_there)
         view = SceneWidget(self._session.context.scene, label="RViz view")
         known = weakref.ref(viewer)

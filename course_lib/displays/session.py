@@ -7,13 +7,16 @@ from typing import Any
 from course_lib.displays.delivery import reaches, silence
 from course_lib.displays.display import Context, Display, Subscription, node_name
 from course_lib.displays.frames import NS, Frames
+from course_lib.displays.group import GROUP, Group
 from course_lib.displays.layout import Layout
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow
-from course_lib.displays.views import VIEWS, Orbit, View
+from course_lib.displays.tools import all_tools
+from course_lib.displays.views import Orbit, View, view_of
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.qos import Qos
+from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene
 
 TF = "tf2_msgs/msg/TFMessage"
@@ -38,13 +41,17 @@ class Session:
     ) -> None:
         self.frame_rate = 30  # [Hz]
         self.context = Context(scene, Frames(fixed_frame), start_ns, self.catch_up, self.refresh)
-        self.displays: list[Display] = []
+        self.tree = Group()  # of the displays
+        self.layout: Layout | None = None  # that was taken over last
+        self.saved_views: list[View] = []
         self._view: View = Orbit()
+        self._camera: Camera | None = None  # where the view put it
         self.statuses = Statuses()  # Global Status
         self.latched: Callable[[], Iterable[Sample]] = tuple  # what publishers hold for latecomers
-        self.after_frame: Callable[[], None] = lambda: None
+        self.tools = all_tools()
+        self.after_frame: list[Callable[[], None]] = []
         self._match_qos = match_qos
-        self._types: dict[str, str] = {}  # of the topics that were heard
+        self.types: dict[str, str] = {}  # of the topics that were heard
         self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
         self._last_ns = start_ns  # of the last message
         self._frame_ns = start_ns  # of the last frame
@@ -52,6 +59,11 @@ class Session:
             Subscription(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
             for topic, qos in _TF_TOPICS.items()
         ]
+
+    @property
+    def displays(self) -> list[Display]:
+        """The displays, in the order of RViz's tree."""
+        return list(self.tree.displays())
 
     @property
     def fixed_frame(self) -> str:
@@ -78,13 +90,22 @@ class Session:
         view.touched = self.refresh
         self.refresh()
 
-    def add(self, class_name: str, name: str, config: Mapping[str, Any], **properties: Any) -> Display:
+    def add(
+        self,
+        class_name: str,
+        name: str,
+        config: Mapping[str, Any],
+        *,
+        group: Group | None = None,
+        **properties: Any,
+    ) -> Display:
         """Add a display.
 
         Args:
             class_name: With its package.
             name: How it is called.
             config: Its part of a layout; what is wrong there is left out, and shown as a hint.
+            group: Where in the tree, at its end.
             properties: By label; what is wrong there is an error.
         """
         nodes = {display.path for display in self.displays}
@@ -95,7 +116,8 @@ class Session:
         wrong = display.load(config)
         for label, value in properties.items():
             display[label] = value
-        self.displays.append(display)
+        (group or self.tree).members.append(display)
+        self.tree.tick()
         display.start()
         display.statuses.hint("Properties", *wrong)
         self.refresh()
@@ -103,27 +125,37 @@ class Session:
 
     def apply(self, layout: Layout) -> None:
         """Take over a layout, in place of all displays."""
-        for display in list(self.displays):
+        for display in self.displays:
             self.remove(display)
+        self.tree, self.layout = Group(), layout
         self.fixed_frame = layout.fixed_frame
         self.frame_rate = layout.frame_rate
         self.context.scene.background = layout.background
-        for config in layout.displays:
+        self._fill(self.tree, layout.displays)
+        self.view, *wrong = view_of(layout.view)
+        for tool in self.tools:
+            found = [config for config in layout.tools if config.get("Class") == tool.class_name]
+            wrong += tool.load(found[0] if found else {})
+        self.saved_views = [view_of(config)[0] for config in layout.saved_views]
+        self.statuses.hint("View", *wrong)
+
+    def _fill(self, group: Group, configs: Iterable[Mapping[str, Any]]) -> None:
+        for config in configs:
             class_name = str(config.get("Class") or "")
-            self.add(class_name, str(config.get("Name") or class_name), config)
-        wanted = str(layout.view.get("Class") or "Orbit").rpartition("/")[2]
-        view = VIEWS.get(wanted, Orbit)()
-        wrong = view.load(layout.view)
-        self.view = view
-        unknown = () if wanted in VIEWS else (f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used.",)
-        self.statuses.hint("View", *unknown, *wrong)
+            name = str(config.get("Name") or class_name)
+            if class_name == GROUP:
+                inner = Group(name, config, config.get("Enabled") is not False)
+                group.members.append(inner)
+                self._fill(inner, config.get("Displays") or ())
+            else:
+                self.add(class_name, name, config, group=group)
 
     def remove(self, display: Display) -> None:
         """Remove a display with all it has drawn."""
-        self.displays.remove(display)
+        self.tree.holder(display).members.remove(display)
         display.reset()
         self.context.scene.delete(display.path)
-        self.after_frame()
+        self._tell()
 
     def receive(self, sample: Sample) -> None:
         """Take a published message, after the frames that were due before it."""
@@ -132,7 +164,7 @@ class Session:
         if self._due_ns is not None and self._due_ns <= sample.stamp_ns:
             self.update(self._due_ns)
         self.context.now_ns = self._last_ns = sample.stamp_ns
-        self._types[sample.topic] = sample.type_name
+        self.types[sample.topic] = sample.type_name
         self._deliver(sample, chain(self.transforms, *(display.subscriptions for display in self.displays)))
 
     def tick(self, now_ns: int) -> None:
@@ -153,24 +185,33 @@ class Session:
             if display.enabled:
                 display.update()
         camera = self.view.camera(self.context.frames)
-        if camera != self.context.scene.camera:
-            self.context.scene.camera = camera
-        self.after_frame()
+        if camera != self._camera:  # another one than before: whoever moved the scene's own is left alone
+            self._camera = self.context.scene.camera = camera
+        self._tell()
 
     def rows(self) -> list[StatusRow]:
         """List all statuses as RViz's tree does, with our hints."""
+        return [*self.global_rows(), *(row for display in self.displays for row in self.rows_of(display))]
+
+    def global_rows(self) -> list[StatusRow]:
+        """List what RViz's Global Status says, with our hints."""
         level, text = self.context.frames.global_status()
         self.statuses.set(level, "Fixed Frame", text)
-        rows = self.statuses.rows("Global Status")
-        for display in self.displays:
-            rows += [*display.rows(), *silence(display, self._types)]
-        return rows
+        return self.statuses.rows("Global Status")
+
+    def rows_of(self, display: Display) -> list[StatusRow]:
+        """List a display's statuses, with our hints."""
+        return [*display.rows(), *silence(display, self.types)]
 
     def catch_up(self, subscriptions: Iterable[Subscription]) -> None:
         """Take what publishers hold for latecomers that ask for it."""
         wanting = [s for s in subscriptions if s.qos.durability == "transient_local"]
         for sample in self.latched():
             self._deliver(sample, wanting)
+
+    def _tell(self) -> None:
+        for listener in tuple(self.after_frame):
+            listener()
 
     def _deliver(self, sample: Sample, subscriptions: Iterable[Subscription]) -> None:
         """Deserialise a message once, for all that want it and can have it."""

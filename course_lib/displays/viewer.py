@@ -16,6 +16,7 @@ from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import View
+from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 from course_lib.viewer.camera import Camera
@@ -63,6 +64,10 @@ class Viewer:
         viewer = cls()
         viewer.session.apply(layout)
         return viewer
+
+    def save_rviz(self, path: str | Path) -> None:
+        """Write displays, options and views as an .rviz file, which RViz2 opens too."""
+        save_rviz(self.session, path)
 
     def add(
         self, class_name: str, topic: str | None = None, *, name: str | None = None, **properties: Any

@@ -1,8 +1,8 @@
 """RViz's view controllers: from their properties to a camera."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import atan2, cos, pi, sin
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,8 @@ class View(PropertyHolder):
     def __init__(self, **properties: object) -> None:
         super().__init__()
         self._target: Matrix = np.eye(4)
+        self.config: Mapping[str, Any] = {}  # of the layout it comes from
+        self.name = "Current View"
         self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
         for label, value in properties.items():
             self[label] = value
@@ -146,6 +148,15 @@ VIEWS = {
     view.class_name.rpartition("/")[2]: view
     for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho)
 }
+
+
+def view_of(config: Mapping[str, Any]) -> "tuple[View, *tuple[str, ...]]":
+    """Return the view that a layout describes, and what was wrong with it."""
+    wanted = str(config.get("Class") or "Orbit").rpartition("/")[2]
+    view = VIEWS.get(wanted, Orbit)()
+    view.config, view.name = config, str(config.get("Name") or view.name)
+    unknown = () if wanted in VIEWS else (f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used.",)
+    return view, *unknown, *view.load(config)
 
 
 def _about_z(yaw: float) -> Array:

@@ -109,9 +109,16 @@ def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) ->
         "Group\n    ", "Group\n      Enabled: false\n    "
     )
     path.write_text(text)
-    by_name = {config["Name"]: config for config in read_layout(path).displays}
-    assert not by_name["Boxes"]["Enabled"]
-    assert by_name["My grid"]["Enabled"]
+    session = Session(Scene())
+    session.apply(read_layout(path))
+    grid, boxes = session.displays[:2]
+    assert grid.enabled
+    assert boxes["Enabled"]
+    assert not boxes.enabled
+    group = session.tree.holder(boxes)
+    group.ticked = True
+    session.tree.tick()
+    assert boxes.enabled
 
 
 def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:

@@ -1,0 +1,105 @@
+"""RViz's tools: what the tool bar has, and what those that publish say (rviz_default_plugins/tools)."""
+
+from collections.abc import Mapping, Sequence
+from math import cos, sin
+from typing import Any
+
+from course_lib.displays.frames import NS
+from course_lib.displays.properties import Property, PropertyHolder, number, text
+from course_lib.ros.messages import message_class
+
+Message = Any  # of the generated classes, which are known by name only
+
+
+class Tool(PropertyHolder):
+    """One button of the tool bar.
+
+    Args:
+        short: RViz's class, without its package.
+        label: Of the button.
+        key: That chooses it.
+        gesture: What the page does with the mouse: "camera", "select", "focus", "measure", "pose", "point".
+    """
+
+    def __init__(self, short: str, label: str, key: str, gesture: str) -> None:
+        super().__init__()
+        self.class_name = f"rviz_default_plugins/{short}"
+        self.config: Mapping[str, Any] = {}  # of the layout it comes from
+        self.label, self.key, self.gesture = label, key, gesture
+
+    def __repr__(self) -> str:
+        return self.label
+
+    def changed(self, label: str) -> None:
+        """Need nothing: properties are read when something is published."""
+
+
+class PublishPoint(Tool):
+    """Publishes the point that is clicked."""
+
+    type_name = "geometry_msgs/msg/PointStamped"
+    properties: tuple[Property, ...] = (Property("Topic", "/clicked_point", text),)
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout, and keep it."""
+        self.config = config
+        return super().load(config)
+
+    def message(self, frame: str, stamp_ns: int, done: Mapping[str, Any]) -> Message:
+        """Return what is published for a gesture in the fixed frame, at a robot time in [ns]."""
+        stamped: Message = message_class(self.type_name)()
+        stamped.header.frame_id = frame
+        stamped.header.stamp.sec, stamped.header.stamp.nanosec = divmod(stamp_ns, NS)
+        self._fill(stamped, done["point"], float(done.get("angle", 0.0)))
+        return stamped
+
+    def _fill(self, stamped: Message, point: Sequence[float], yaw: float) -> None:
+        """Write the point, [m], and the direction about z, [rad]."""
+        stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
+
+
+class SetGoal(PublishPoint):
+    """Publishes the pose that is dragged on the ground."""
+
+    type_name = "geometry_msgs/msg/PoseStamped"
+    properties = (Property("Topic", "goal_pose", text),)
+
+    def _fill(self, stamped: Message, point: Sequence[float], yaw: float) -> None:
+        _place(stamped.pose, point, yaw)
+
+
+class SetInitialPose(PublishPoint):
+    """Publishes the pose that is dragged on the ground, with how sure it is."""
+
+    type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
+    properties = (
+        Property("Topic", "initialpose", text),
+        Property("Covariance x", 0.25, number(0.0)),  # [m^2]
+        Property("Covariance y", 0.25, number(0.0)),  # [m^2]
+        Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 in four bytes
+    )
+
+    def _fill(self, stamped: Message, point: Sequence[float], yaw: float) -> None:
+        _place(stamped.pose.pose, point, yaw)
+        for index, axis in ((0, "x"), (7, "y"), (35, "yaw")):
+            stamped.pose.covariance[index] = self[f"Covariance {axis}"]
+
+
+def all_tools() -> tuple[Tool, ...]:
+    """Make the tools, in RViz's order and with its keys."""
+    return (
+        Tool("Interact", "Interact", "i", "camera"),
+        Tool("MoveCamera", "Move Camera", "m", "camera"),
+        Tool("Select", "Select", "s", "select"),
+        Tool("FocusCamera", "Focus Camera", "c", "focus"),
+        Tool("Measure", "Measure", "n", "measure"),
+        SetInitialPose("SetInitialPose", "2D Pose Estimate", "p", "pose"),
+        SetGoal("SetGoal", "2D Goal Pose", "g", "pose"),
+        PublishPoint("PublishPoint", "Publish Point", "u", "point"),
+    )
+
+
+def _place(pose: Message, point: Sequence[float], yaw: float) -> None:
+    """Write a pose on the ground; z of the point is 0 there."""
+    pose.position.x, pose.position.y = float(point[0]), float(point[1])
+    pose.orientation.z, pose.orientation.w = sin(yaw / 2), cos(yaw / 2)
