@@ -1,5 +1,6 @@
 """Which class of display is made by what; the table to add one to."""
 
+from course_lib.displays.axes import AxesDisplay
 from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
@@ -7,12 +8,12 @@ from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
 PACKAGE = "rviz_default_plugins"
 
 REGISTRY: dict[str, type[Display]] = {
-    display.class_name: display for display in (GridDisplay, MarkerArrayDisplay, MarkerDisplay)
+    display.class_name: display for display in (AxesDisplay, GridDisplay, MarkerArrayDisplay, MarkerDisplay)
 }
 
 # What else RViz2 has (rviz_default_plugins/plugins_description.xml).
 _RVIZ_ONLY = (
-    "AccelStamped", "Axes", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
+    "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
     "Illuminance", "Image", "InteractiveMarkers", "LaserScan", "Map", "Odometry", "Path", "PointCloud",
     "PointCloud2", "PointStamped", "Polygon", "Pose", "PoseArray", "PoseWithCovariance", "Range",
     "RelativeHumidity", "RobotModel", "TF", "Temperature", "TwistStamped", "Wrench",
