@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from course_lib.displays.display import Display, Subscription
-from course_lib.displays.frames import NS, nanoseconds
+from course_lib.displays.frames import NS, Matrix, nanoseconds
 from course_lib.displays.properties import Property, integer, text, words
 from course_lib.ros.qos import Qos
 
@@ -17,14 +17,14 @@ _POLICIES = {
 }
 
 
-def topic_properties(default: str = "") -> tuple[Property, ...]:
+def topic_properties(default: str = "", label: str = "Topic") -> tuple[Property, ...]:
     """Return RViz's Topic property with the quality of service below it."""
     return (
         *Display.properties,
-        Property("Topic", default, text),
-        Property("Topic/Depth", 5, integer(0)),
+        Property(label, default, text),
+        Property(f"{label}/Depth", 5, integer(0)),
         *(
-            Property(f"Topic/{field.title()} Policy", options[0], words(*options, "System Default"))
+            Property(f"{label}/{field.title()} Policy", options[0], words(*options, "System Default"))
             for field, options in _POLICIES.items()
         ),
     )
@@ -34,6 +34,7 @@ class TopicDisplay(Display):
     """A display that shows each message of its topic at once (RViz's RosTopicDisplay)."""
 
     type_name: ClassVar[str]
+    topic_label: ClassVar[str] = "Topic"
     properties = topic_properties()
 
     def __init__(self, *args: Any) -> None:
@@ -43,23 +44,23 @@ class TopicDisplay(Display):
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
         """Take the properties of a layout; before Galactic it says ``Topic: /x``, ``Unreliable: true``."""
-        topic = config.get("Topic")
+        topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
             reliability = "Best Effort" if config.get("Unreliable") is True else None
             topic = {"Value": topic, "Depth": config.get("Queue Size"), "Reliability Policy": reliability}
-        return super().load({**config, "Topic": topic})
+        return super().load({**config, self.topic_label: topic})
 
     def changed(self, label: str) -> None:
         """Subscribe anew when the topic or its quality of service changes."""
         super().changed(label)
-        if label.startswith("Topic") and self.started:
+        if label.startswith(self.topic_label) and self.started:
             self.start()
 
     def qos(self) -> Qos:
         """Return what the display requests of publishers."""
-        said = {field: self[f"Topic/{field.title()} Policy"] for field in _POLICIES}
+        said = {field: self[f"{self.topic_label}/{field.title()} Policy"] for field in _POLICIES}
         policies = {f: word.lower().replace(" ", "_") for f, word in said.items() if word != "System Default"}
-        return Qos(depth=self["Topic/Depth"], **policies)
+        return Qos(depth=self[f"{self.topic_label}/Depth"], **policies)
 
     def start(self) -> None:
         """Listen to the topic, if the display is ticked and has one."""
@@ -68,7 +69,7 @@ class TopicDisplay(Display):
         self.subscriptions = ()
         if not self.enabled:
             return
-        if not self["Topic"]:
+        if not self[self.topic_label]:
             self.statuses.set("error", "Topic", "Error subscribing: Empty topic name")
             return
         self.statuses.set("ok", "Topic", "OK")
@@ -77,7 +78,7 @@ class TopicDisplay(Display):
 
     def wanted(self) -> tuple[Subscription, ...]:
         """Return what the display listens to."""
-        return (self.subscription(self["Topic"], self.type_name, self.take),)
+        return (self.subscription(self[self.topic_label], self.type_name, self.take),)
 
     def subscription(self, topic: str, type_name: str, take: Any) -> Subscription:
         """Return a subscription with the display's quality of service."""
@@ -99,6 +100,21 @@ class TopicDisplay(Display):
     def process(self, message: Any) -> None:
         """Show a message."""
         raise NotImplementedError
+
+    def transform_at(self, header: Any, known: bool = True) -> Matrix | None:
+        """Return the transform from a header's frame to the fixed frame at its stamp, and say if it is known.
+
+        Args:
+            header: A std_msgs/msg/Header.
+            known: False if something that belongs to the message cannot be placed, whatever tf2 knows.
+        """
+        transform = self.context.frames.transform(header.frame_id, nanoseconds(header.stamp))
+        if known and transform is not None:
+            self.statuses.set("ok", "Transform", "Ok")
+            return transform
+        problem = f"Could not transform from [{header.frame_id}] to [{self.context.frames.fixed_frame}]"
+        self.statuses.set("error", "Transform", problem)
+        return None
 
 
 class FilteredDisplay(TopicDisplay):
@@ -133,17 +149,18 @@ class FilteredDisplay(TopicDisplay):
         still: list[Any] = []
         while self._waiting:
             message = self._waiting.popleft()
-            if self._problem(message) is None:
+            if self.problem(message) is None:
                 super().take(message)
             else:
                 still.append(message)
         self._waiting.extend(still)
-        problem = self._problem(still[-1]) if still else None
+        problem = self.problem(still[-1]) if still else None
         self.statuses.hint(
             "Waiting", *([f"{len(still)} messages wait for tf2. {problem}"] if problem else [])
         )
 
-    def _problem(self, message: Any) -> str | None:
+    def problem(self, message: Any) -> str | None:
+        """Say why a message has to wait; None if it need not."""
         frame = message.header.frame_id.removeprefix("/")
         return self.context.frames.problem(frame, nanoseconds(message.header.stamp))
 
