@@ -12,7 +12,7 @@ ARROWS = {
     "viewer": set[str](),
     "course": set[str](),
     "recording": {"ros"},
-    "displays": {"ros", "viewer", "recording"},
+    "displays": {"ros", "viewer", "recording", "robots"},
     "robots": {"ros"},
     "sensors": {"ros"},
     "tools": {"ros", "recording", "displays"},
