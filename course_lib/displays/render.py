@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
 from course_lib.displays.marker.store import ADD
+from course_lib.displays.playback import Playback
 from course_lib.displays.session import TF, Session
 from course_lib.recording import Recording, read_bag
 from course_lib.ros.messages import deserialize, message_class
+from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
@@ -32,17 +35,32 @@ def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: floa
 
 def replayed(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Session:
     """Let a session hear a recording up to a time; its statuses say what RViz would, see `scene_of`."""
-    end_ns = recording.end_ns if at is None else recording.start_ns + round(at * NS)
+    session = session_for(recording, rviz_path)
+    Playback(session, recording).go_to(_end_ns(recording, at))
+    return session
+
+
+def film_of(
+    recording: Recording, rviz_path: str | Path | None = None, at: float | None = None
+) -> tuple[Film, Session]:
+    """Film a recording from its beginning to a time, frame by frame as RViz shows it; see `scene_of`."""
+    session = session_for(recording, rviz_path)
+    film = Film(session.context.scene, lambda: session.context.now_ns / NS, seconds=inf, megabytes=200)
+    playback, end_ns = Playback(session, recording), _end_ns(recording, at)
+    for now_ns in range(recording.start_ns, end_ns, NS // session.frame_rate):
+        playback.go_to(now_ns)
+    playback.go_to(end_ns)
+    film.stop()
+    return film, session
+
+
+def session_for(recording: Recording, rviz_path: str | Path | None = None) -> Session:
+    """Return a session with a layout, or one that fits a recording, which has heard nothing yet."""
     session = Session(Scene(), start_ns=recording.start_ns, match_qos=False)
     if rviz_path is None:
         _show_all(session, recording)
     else:
         session.apply(read_layout(rviz_path))
-    for sample in recording.samples:
-        if sample.stamp_ns > end_ns:
-            break
-        session.receive(sample)
-    session.update(end_ns)
     return session
 
 
@@ -60,17 +78,23 @@ def render_bag(
     Returns:
         What was written, what drew it, and what the statuses complain about.
     """
-    session = replayed(read_bag(bag), rviz, at)
-    lines = []
+    recording, lines = read_bag(bag), []
+    if html:
+        film, session = film_of(recording, rviz, at)
+        save_html(film, html, title=bag.name)
+        lines.append(f"Wrote {html}. {film.note()}".rstrip())
+    else:
+        session = replayed(recording, rviz, at)
     if png:
         picture = screenshot(session.context.scene, png, size=size)
         lines.append(f"Wrote {png}, drawn by {picture.renderer}.")
-    if html:
-        save_html(session.context.scene, html, title=bag.name)
-        lines.append(f"Wrote {html}.")
     complaints = (row for row in session.rows() if row.level != "ok")
     lines += [f"{row.display} / {row.name}: {row.level}: {row.text}" for row in complaints]
     return "\n".join(lines)
+
+
+def _end_ns(recording: Recording, at: float | None) -> int:
+    return recording.end_ns if at is None else recording.start_ns + round(at * NS)
 
 
 def _show_all(session: Session, recording: Recording) -> None:

@@ -11,7 +11,8 @@ from course_lib.errors import CourseError
 
 # In the order in which they need each other.
 _MODULES = (
-    "decode", "materials", "surfaces", "billboards", "mirror", "renderer", "orbit", "view", "link", "page",
+    "decode", "materials", "surfaces", "billboards", "mirror", "renderer", "orbit", "view", "link", "film",
+    "panels/time", "player", "page",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

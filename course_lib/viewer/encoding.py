@@ -22,6 +22,11 @@ def pack(value: Any) -> bytes:
 
 def snapshot(scene: Scene) -> bytes:
     """Write a whole scene as one batch."""
+    return pack(whole(scene))
+
+
+def whole(scene: Scene) -> dict[str, Any]:
+    """Return the batch that makes a scene out of nothing."""
     with scene.lock:
         batch = commands(scene, "background", "") + commands(scene, "camera", "")
         moved = []
@@ -33,7 +38,7 @@ def snapshot(scene: Scene) -> bytes:
             if not np.array_equal(node.matrix, np.eye(4)):
                 moved.append(node)
         batch += commands(scene, "animation", "")
-        return pack({"commands": batch, **placements(moved)})
+        return {"commands": batch, **placements(moved)}
 
 
 def placements(nodes: list[Node]) -> dict[str, Any]:

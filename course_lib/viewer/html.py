@@ -6,6 +6,7 @@ from html import escape
 from pathlib import Path
 
 from course_lib.viewer import assets, encoding
+from course_lib.viewer.film import Film
 from course_lib.viewer.scene import Scene
 
 _PAGE = """\
@@ -35,10 +36,11 @@ _SCRIPT = """\
 </script>"""
 
 
-def save_html(scene: Scene, path: str | Path, title: str = "3D view") -> Path:
-    """Write one page that shows a scene and can be turned by hand, also offline and from a file."""
+def save_html(scene: Scene | Film, path: str | Path, title: str = "3D view") -> Path:
+    """Write one page that shows a scene, or plays a film, also offline and from a file."""
     fragment = scene_fragment(scene, height="100%", label=title, alone=True)
-    background = str(scene.background)
+    shown = scene.scene if isinstance(scene, Film) else scene
+    background = str(shown.background)
     page = _PAGE.format(title=escape(title), background=background, fragment=fragment, script=bundle_script())
     path = Path(path)
     path.write_text(page, encoding="utf-8")
@@ -46,17 +48,18 @@ def save_html(scene: Scene, path: str | Path, title: str = "3D view") -> Path:
 
 
 def scene_fragment(
-    scene: Scene, *, height: str = "300px", label: str = "3D view", alone: bool = False
+    scene: Scene | Film, *, height: str = "300px", label: str = "3D view", alone: bool = False
 ) -> str:
     """Return the element that shows a scene in a page; `bundle_script` comes once, after the last one.
 
     Args:
-        scene: What to show, as it is now.
+        scene: What to show as it is now, or what to play; then a time bar is below.
         height: In any of CSS's units.
         label: What it is, for those who cannot see it.
         alone: Whether the wheel may zoom without a click before, as nothing else needs it.
     """
-    zipped = base64.b64encode(gzip.compress(encoding.snapshot(scene), 6, mtime=0)).decode()
+    packed = scene.packed() if isinstance(scene, Film) else encoding.snapshot(scene)
+    zipped = base64.b64encode(gzip.compress(packed, 6, mtime=0)).decode()
     return _FRAGMENT.format(height=height, label=escape(label), alone=str(alone).lower(), scene=zipped)
 
 

@@ -41,7 +41,11 @@ export class Mirror {
 
   /** @param {Uint8Array} bytes a batch of changes */
   apply(bytes) {
-    const batch = decode(bytes);
+    this.take(decode(bytes));
+  }
+
+  /** @param {any} batch of changes, decoded */
+  take(batch) {
     for (const command of batch.commands ?? []) this.orders[command.type](command);
     if (batch.paths) this.paths = batch.paths;
     if (batch.paths || batch.commands) this.moving = null;
@@ -84,10 +88,17 @@ export class Mirror {
 
   /** @param {string} path @param {any} description of what is put there */
   put(path, description) {
-    const node = this.node(path);
-    if (node.userData.object) this.drop(node.userData.object);
+    const node = this.remove(path);
     node.userData.object = this.builders[description.kind](description);
     node.add(node.userData.object);
+  }
+
+  /** @param {string} path @returns {any} the node there, without its object */
+  remove(path) {
+    const node = this.node(path);
+    if (node.userData.object) this.drop(node.userData.object);
+    node.userData.object = null;
+    return node;
   }
 
   /** @param {any} json an object of meshcat @returns {any} a group that gets it when its pictures are there */

@@ -1,5 +1,8 @@
+import { decode } from "./decode.js";
+import { Film } from "./film.js";
 import { Mirror } from "./mirror.js";
 import { Orbit } from "./orbit.js";
+import { Player } from "./player.js";
 import { draw } from "./renderer.js";
 import { View } from "./view.js";
 
@@ -18,9 +21,15 @@ export async function mountAll() {
     const host = /** @type {HTMLElement} */ (data.parentElement);
     const bytes = fromBase64(data.textContent ?? "");
     host.textContent = "";
+    const data = decode(await inflated(bytes));
     const mirror = new Mirror();
-    mirror.apply(await inflated(bytes));
-    new View(host, mirror, { label: host.dataset.label ?? "", alone: host.dataset.alone === "true" });
+    const picture = Object.assign(document.createElement("div"), { style: "flex:1;min-height:0" });
+    host.style.cssText += ";display:flex;flex-direction:column";
+    host.append(picture);
+    const alone = host.dataset.alone === "true";
+    new View(picture, mirror, { label: host.dataset.label ?? "", alone });
+    if (data.batches) new Player(new Film(data, mirror), host, alone ? document.body : host);
+    else mirror.take(data);
   }
 }
 

@@ -1,0 +1,158 @@
+"""What a scene did over time, to be played again."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from course_lib.viewer import encoding
+from course_lib.viewer.scene import Scene, What
+
+INTERVAL = 1 / 40  # [s] changes within it are one frame, as in a stream's batches
+_CHANGE = 500  # bytes that Python keeps for a small change, about
+_OF_ALL = ("background", "camera", "animation")  # what belongs to the scene, not to one node
+
+
+class Film:
+    """Follows a scene and remembers its changes, with times.
+
+    Values are kept as they were set, and written down only when somebody wants them. What is older than the
+    limits is folded into the first picture.
+
+    Args:
+        scene: What to follow.
+        now: Says the time, [s]; the film starts anew when it runs backwards.
+        seconds: How much time is kept, [s].
+        megabytes: How much memory may be used.
+    """
+
+    def __init__(
+        self, scene: Scene, now: Callable[[], float], seconds: float = 120.0, megabytes: float = 50.0
+    ) -> None:
+        self.scene = scene
+        self._now = now
+        self._limits = (seconds, megabytes * 1e6)
+        self._start = now()
+        self._first = _copied(scene)
+        self._frames: deque[_Frame] = deque()
+        self._size = 0
+        self.forgotten = False  # whether the beginning is gone
+        self.stop = scene.listen(self._note)
+
+    @property
+    def duration(self) -> float:
+        """How much time can be played, [s]."""
+        return max(self._now() - self._start, 0.0)
+
+    def packed(self) -> bytes:
+        """Write batches with times in [s] since the start, or just the scene if nothing has changed."""
+        with self.scene.lock:
+            frames, start, end = tuple(self._frames), self._start, self.duration
+            scene = _copied(self._first)
+        if not frames or not end:
+            return encoding.snapshot(self.scene)
+        batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.whole(scene)}]
+        paths = batches[0]["paths"]
+        for frame in frames:
+            frame.apply(scene)
+            batches.append({"time": frame.time - start, **_batch(scene, frame)})
+            if batches[-1].get("paths", paths) == paths:
+                batches[-1].pop("paths", None)
+            else:
+                paths = batches[-1]["paths"]
+        return encoding.pack({"start": start, "end": end, "note": self.note(), "batches": batches})
+
+    def note(self) -> str:
+        """Say what is missing, if anything is."""
+        if not self.forgotten:
+            return ""
+        return f"It plays the last {self.duration:.0f} s; what was before took too much room."
+
+    def _note(self, what: What, path: str) -> None:
+        """Remember a change; the scene's lock is held."""
+        now = self._now()
+        if now < (self._frames[-1].time if self._frames else self._start):
+            self._forget(len(self._frames), now)
+        if not self._frames or now - self._frames[-1].time >= INTERVAL:
+            self._frames.append(_Frame(now))
+        self._size += self._frames[-1].add(what, path, _value(self.scene, what, path))
+        seconds, size = self._limits
+        while len(self._frames) > 1 and (now - self._start > seconds or self._size > size):
+            self._forget(1, self._frames[1].time)
+            self.forgotten = True
+
+    def _forget(self, count: int, start: float) -> None:
+        """Fold the oldest frames into the first picture."""
+        for _ in range(count):
+            frame = self._frames.popleft()
+            self._size -= frame.size
+            frame.apply(self._first)
+        self._start = start
+
+
+class _Frame:
+    """The last value of everything that changed at about one time."""
+
+    def __init__(self, time: float) -> None:
+        self.time = time
+        self.size = 0
+        self.changes: dict[tuple[What, str], Any] = {}
+
+    def add(self, what: What, path: str, value: Any) -> int:
+        """Take a change; returns about how many bytes more are held."""
+        before = self.changes.pop((what, path), None)  # the order of the last changes counts
+        self.changes[what, path] = value
+        size = _size(value) - (0 if before is None else _size(before))
+        self.size += size
+        return size
+
+    def apply(self, scene: Scene) -> None:
+        for (what, path), value in self.changes.items():
+            _write(scene, what, path, value)
+
+
+def _batch(scene: Scene, frame: _Frame) -> dict[str, Any]:
+    """Write a frame whose changes the scene has."""
+    changes = [change for change in frame.changes if change[0] != "transform"]
+    batch: dict[str, Any] = {}
+    if changes:
+        batch["commands"] = [c for what, path in changes for c in encoding.commands(scene, what, path)]
+    moved = [path for what, path in frame.changes if what == "transform"]
+    nodes = [node for path in moved if (node := scene.find(path)) is not None]
+    return batch | (encoding.placements(nodes) if nodes else {})
+
+
+def _copied(scene: Scene) -> Scene:
+    copy = Scene()
+    with scene.lock:
+        for node in scene.nodes():
+            copy.set_transform(node.path, node.matrix)
+            copy.set_visible(node.path, node.visible)
+            if node.object is not None:
+                copy.set_object(node.path, node.object)
+        for what in _OF_ALL:
+            setattr(copy, what, getattr(scene, what))
+    return copy
+
+
+def _value(scene: Scene, what: What, path: str) -> Any:
+    if what in _OF_ALL:
+        return getattr(scene, what)
+    node = scene.find(path)
+    return node and getattr(node, {"transform": "matrix"}.get(what, what), None)
+
+
+def _write(scene: Scene, what: What, path: str, value: Any) -> None:
+    if what == "delete":
+        scene.delete(path)
+    elif what in _OF_ALL:
+        setattr(scene, what, value)
+    else:
+        getattr(scene, f"set_{what}")(path, value)
+
+
+def _size(value: Any) -> int:
+    """Estimate the bytes of a value, by its arrays."""
+    parts = vars(value).values() if hasattr(value, "__dict__") else ()
+    return _CHANGE + sum(part.nbytes for part in parts if isinstance(part, np.ndarray))

@@ -1,0 +1,94 @@
+const KEPT_EVERY = 64; // batches between two states that are kept, so that going back is quick
+const IDENTITY = new Float32Array([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
+const AS_NEW = {};
+
+/** What a scene did over time; shows it in a mirror as it was at any time. */
+export class Film {
+  /** @param {{start: number, end: number, note: string, batches: any[]}} data @param {import("./mirror.js").Mirror} mirror */
+  constructor(data, mirror) {
+    this.data = data;
+    this.batches = data.batches;
+    this.mirror = mirror;
+    this.index = -1; // of the last batch in the picture
+    /** @type {Map<string, any>} the commands that count now, by path and kind */
+    this.state = new Map();
+    this.kept = [];
+    const state = new Map();
+    let paths = [];
+    for (const [i, batch] of this.batches.entries()) {
+      if (batch.matrices) paths = batch.paths ??= paths;
+      advance(state, batch);
+      if (i % KEPT_EVERY === 0) this.kept.push(new Map(state));
+    }
+  }
+
+  /** Show the scene as it was. @param {number} time [s] since the start */
+  seek(time) {
+    const index = this.at(time);
+    if (index === this.index) return;
+    const kept = Math.floor(index / KEPT_EVERY);
+    const near = this.index <= index && this.index >= kept * KEPT_EVERY;
+    const state = new Map(near ? this.state : this.kept[kept]);
+    for (let i = near ? this.index + 1 : kept * KEPT_EVERY + 1; i <= index; i++) advance(state, this.batches[i]);
+    this.show(state);
+    [this.state, this.index] = [state, index];
+  }
+
+  /** @param {number} time [s] @returns {number} which batch is the last one by then */
+  at(time) {
+    let [low, high] = [0, this.batches.length];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.batches[middle].time <= time + 1e-9) low = middle;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** @param {number} time [s] @param {number} count of frames, back if negative @returns {number} its time [s] */
+  beside(time, count) {
+    const index = Math.max(0, Math.min(this.batches.length - 1, this.at(time) + count));
+    return this.batches[index].time;
+  }
+
+  /** Change no more than what differs from the present picture. @param {Map<string, any>} state */
+  show(state) {
+    for (const path of new Set([...this.state.keys(), ...state.keys()])) {
+      const [old, now] = [this.state.get(path) ?? AS_NEW, state.get(path) ?? AS_NEW];
+      if (old === now) continue;
+      for (const kind of new Set([...Object.keys(old), ...Object.keys(now)]))
+        if (old[kind] !== now[kind]) this.change(path, kind, now[kind]);
+    }
+    this.mirror.changed();
+  }
+
+  /** @param {string} path @param {string} kind @param {any} value undefined if it is as in a new scene */
+  change(path, kind, value) {
+    if (kind === "matrix") this.mirror.take({ paths: [path], matrices: value ?? IDENTITY });
+    else if (value) this.mirror.orders[kind](value);
+    else if (kind === "visible") this.mirror.node(path).visible = true;
+    else if (kind === "object") this.mirror.remove(path);
+    else if (kind === "animation") this.mirror.mixer = null;
+  }
+}
+
+/** @param {Map<string, any>} state is changed @param {any} batch */
+function advance(state, batch) {
+  for (const command of batch.commands ?? []) {
+    const path = command.path ?? "";
+    if (command.type === "delete") forget(state, path);
+    else state.set(path, { ...state.get(path), [command.type]: command });
+  }
+  if (!batch.matrices) return;
+  batch.paths.forEach((path, i) =>
+    state.set(path, { ...state.get(path), matrix: batch.matrices.subarray(12 * i, 12 * i + 12) }),
+  );
+}
+
+/** @param {Map<string, any>} state @param {string} path forgotten with all below it */
+function forget(state, path) {
+  const { background, camera } = state.get("") ?? AS_NEW;
+  for (const other of state.keys())
+    if (!path || other === path || other.startsWith(`${path}/`)) state.delete(other);
+  if (!path) state.set("", { background, camera });
+}

@@ -1,0 +1,94 @@
+const SPEEDS = [0.25, 0.5, 1, 2, 4];
+const TIME_STYLE = `
+.course-time { display: flex; flex-wrap: wrap; gap: 2px 10px; align-items: center; padding: 2px 6px;
+  font: 13px/1.6 system-ui, sans-serif; color: var(--jp-ui-font-color1, CanvasText);
+  background: var(--jp-layout-color1, Canvas); color-scheme: light dark; }
+.course-time input { flex: 1 1 8em; min-width: 6em; }
+.course-time output { white-space: nowrap; font-variant-numeric: tabular-nums; }
+.course-time button { min-width: 2.2em; }
+.course-time button[aria-pressed="true"] { outline: 2px solid currentColor; outline-offset: -2px; }`;
+
+/**
+ * What a time bar shows: `now` ROS time, `elapsed` and `range` [s]; `wall` time and `wallElapsed` where time
+ * goes on by itself; `note` if there is something to say.
+ * @typedef {{now?: number, elapsed: number, range?: [number, number], wall?: number, wallElapsed?: number,
+ *   paused: boolean, rate: number, loop?: boolean, note?: string}} Time
+ */
+
+/** RViz's Time panel: what time it is, and who may change that: play, pause, step, speed, scrub, loop. */
+export class TimeBar {
+  /**
+   * @param {HTMLElement} host @param {(change: any) => void} act told {paused}, {step}, {now}, {rate} or {loop}
+   * @param {HTMLElement} keys where Space, comma, period, Home, End and L are heard
+   */
+  constructor(host, act, keys = host) {
+    this.act = act;
+    /** @type {Time} */
+    this.time = { elapsed: 0, paused: true, rate: 1 };
+    this.box = barPart("div", { className: "course-time", role: "group", ariaLabel: "Time" });
+    this.play = this.button("", () => act({ paused: !this.time.paused }));
+    this.back = this.button("⏮", () => act({ step: -1 }), "Step back (comma)");
+    this.step = this.button("⏭", () => act({ step: 1 }), "Step (period)");
+    this.scrub = barPart("input", { type: "range", step: "any", ariaLabel: "Time" });
+    this.scrub.oninput = () => act({ now: Number(this.scrub.value) });
+    this.loop = this.button("⟳", () => act({ loop: !this.time.loop }), "Loop (L)");
+    this.speed = barPart("select", { ariaLabel: "Speed", title: "Speed" });
+    for (const rate of SPEEDS) this.speed.append(new Option(`${rate}×`, String(rate)));
+    this.speed.onchange = () => act({ rate: Number(this.speed.value) });
+    this.words = barPart("output", { ariaLive: "off" });
+    const style = barPart("style", { textContent: TIME_STYLE });
+    this.box.append(style, this.play, this.back, this.step, this.scrub, this.loop, this.speed, this.words);
+    this.box.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    host.append(this.box);
+    keys.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /** @param {Time} time */
+  update(time) {
+    this.time = time;
+    const name = time.paused ? "Play (Space)" : "Pause (Space)";
+    if (this.play.title !== name) Object.assign(this.play, { title: name, ariaLabel: name });
+    this.play.textContent = time.paused ? "▶" : "⏸";
+    const range = time.range ?? [0, 0];
+    for (const part of [this.back, this.scrub, this.loop]) part.hidden = !time.range;
+    Object.assign(this.scrub, { min: range[0], max: range[1], value: time.elapsed });
+    this.scrub.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
+    this.loop.ariaPressed = String(time.loop ?? false);
+    this.speed.value = String(time.rate);
+    this.words.textContent = timeText(time);
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const { range, paused, loop } = this.time;
+    const ends = range ? { Home: { now: range[0] }, End: { now: range[1] }, ",": { step: -1 } } : {};
+    const orders = { " ": { paused: !paused }, ".": { step: 1 }, l: range && { loop: !loop }, ...ends };
+    const order = orders[event.key];
+    const target = /** @type {HTMLElement} */ (event.target);
+    if (!order || event.ctrlKey || event.altKey || event.metaKey || target.isContentEditable) return;
+    if (event.key === " " ? target.matches("button, a") : target.matches("select, textarea")) return;
+    if (target.matches("input:not([type=range], [type=checkbox])")) return;
+    this.act(order);
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** @param {string} sign @param {() => void} onclick @param {string} name */
+  button(sign, onclick, name = "") {
+    return barPart("button", { type: "button", textContent: sign, title: name, ariaLabel: name, onclick });
+  }
+}
+
+/** @param {Time} time @returns {string} as RViz's Time panel says it */
+function timeText({ now, elapsed, range, wall, wallElapsed, note }) {
+  const parts = now === undefined ? [] : [`ROS Time: ${now.toFixed(2)}`];
+  parts.push(`ROS Elapsed: ${elapsed.toFixed(2)}${range ? ` of ${range[1].toFixed(2)} s` : ""}`);
+  if (wall !== undefined) parts.push(`Wall Time: ${wall.toFixed(2)}`);
+  if (wallElapsed !== undefined) parts.push(`Wall Elapsed: ${wallElapsed.toFixed(2)}`);
+  return [...parts, ...(note ? [note] : [])].join("  ");
+}
+
+/** @template {keyof HTMLElementTagNameMap} T @param {T} tag @param {any} fields */
+function barPart(tag, fields) {
+  return /** @type {HTMLElementTagNameMap[T]} */ (Object.assign(document.createElement(tag), fields));
+}

@@ -1,0 +1,66 @@
+import { TimeBar } from "./panels/time.js";
+
+/** Plays a film: its clock, and the bar that it is driven by. */
+export class Player {
+  /**
+   * @param {import("./film.js").Film} film @param {HTMLElement} host gets the bar @param {HTMLElement} keys
+   *   where its keys are heard
+   */
+  constructor(film, host, keys) {
+    this.film = film;
+    this.end = film.data.end; // [s]
+    this.now = this.end; // what the page is about; `play` begins at the start then
+    this.paused = true;
+    this.rate = 1;
+    this.loop = false;
+    this.last = 0; // [ms] of the page's clock
+    this.bar = new TimeBar(host, (change) => this.act(change), keys);
+    this.act({ now: this.end });
+  }
+
+  /** @param {any} change what somebody does with the bar */
+  act(change) {
+    if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
+    if (change.step) this.step(change.step);
+    if (change.rate) this.rate = change.rate;
+    if (change.loop !== undefined) this.loop = change.loop;
+    if (change.paused !== undefined) this.play(!change.paused);
+    this.show();
+  }
+
+  /** @param {number} count of frames */
+  step(count) {
+    this.paused = true;
+    this.now = this.film.beside(this.now, count);
+  }
+
+  /** @param {boolean} on */
+  play(on) {
+    const goes = !this.paused;
+    this.paused = !on;
+    if (on && this.now >= this.end) this.now = 0;
+    if (!on || goes) return;
+    this.last = performance.now();
+    requestAnimationFrame((time) => this.tick(time));
+  }
+
+  /** @param {number} time [ms] of the page's clock */
+  tick(time) {
+    if (this.paused) return;
+    this.now += (Math.max(time - this.last, 0) / 1000) * this.rate;
+    this.last = time;
+    if (this.now >= this.end) {
+      this.now = this.loop ? this.now % this.end : this.end;
+      this.paused = !this.loop;
+    }
+    this.show();
+    if (!this.paused) requestAnimationFrame((next) => this.tick(next));
+  }
+
+  show() {
+    const { now, end, paused, rate, loop, film } = this;
+    const { start, note } = film.data;
+    film.seek(now);
+    this.bar.update({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
+  }
+}

@@ -1,0 +1,121 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.film import Film
+from course_lib.viewer.scene import Scene
+from tests.viewer.test_stream import BLUE_BOX, RED_BOX, decoded, moved
+
+
+class Clock:
+    """Stands until it is set."""
+
+    now = 100.0  # [s]
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def packed(film: Film) -> Any:
+    return decoded(film.packed())
+
+
+def test_a_film_begins_with_the_whole_scene_and_goes_on_with_what_changed_and_when(clock: Clock) -> None:
+    scene = Scene()
+    scene.set_object("a", RED_BOX)
+    film = Film(scene, clock)
+    for x in (1.0, 2.0):
+        clock.now += 0.5
+        scene.set_transform("a", moved(x))
+    clock.now += 1.0
+    data = packed(film)
+    assert (data["start"], data["end"], data["note"]) == (100.0, 2.0, "")
+    assert [batch["time"] for batch in data["batches"]] == [0.0, 0.5, 1.0]
+    assert [c["type"] for c in data["batches"][0]["commands"]] == ["background", "camera", "object"]
+    assert [batch["matrices"][9] for batch in data["batches"][1:]] == [1.0, 2.0]
+    assert [batch.get("paths") for batch in data["batches"][1:]] == [["a"], None]
+
+
+def test_what_happens_at_one_time_is_one_frame_with_the_last_values(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock)
+    clock.now += 1.0
+    scene.set_object("a", RED_BOX)
+    scene.delete("a")
+    scene.set_object("b", RED_BOX)
+    scene.set_object("b", BLUE_BOX)
+    _, frame = packed(film)["batches"]
+    assert [(c["type"], c["path"]) for c in frame["commands"]] == [("delete", "a"), ("object", "b")]
+    assert frame["commands"][1]["object"]["colors"].tolist() == [0, 0, 255, 255]
+
+
+def test_values_are_those_of_their_time_not_of_now(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock)
+    for color in ((255, 0, 0), (0, 255, 0)):
+        clock.now += 1.0
+        scene.background = color
+    colors = [c["color"] for b in packed(film)["batches"][1:] for c in b["commands"]]
+    assert colors == [[255, 0, 0], [0, 255, 0]]
+
+
+def test_a_film_of_nothing_is_the_scene(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock)
+    assert "batches" not in packed(film)
+
+
+@pytest.mark.parametrize("limits", [{"seconds": 3.0}, {"megabytes": 0.003}])
+def test_what_is_too_old_is_in_the_first_picture(clock: Clock, limits: dict[str, float]) -> None:
+    scene = Scene()
+    film = Film(scene, clock, **limits)
+    for number in range(12):
+        clock.now += 1.0
+        scene.set_object(f"box{number}", RED_BOX)
+    data = packed(film)
+    first = [c["path"] for c in data["batches"][0]["commands"] if c["type"] == "object"]
+    later = [c["path"] for batch in data["batches"][1:] for c in batch["commands"]]
+    assert len(later) < 6
+    assert first + later == [f"box{number}" for number in range(12)]
+    assert film.forgotten
+    assert data["note"].startswith(f"It plays the last {film.duration:.0f} s;")
+
+
+def test_large_arrays_count(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock, megabytes=1.0)
+    large = Solids("box", np.tile(np.eye(4), (4000, 1, 1)), (1, 0, 0, 1))  # 320 kB
+    for number in range(5):
+        clock.now += 1.0
+        scene.set_object(str(number), large)
+    assert film.forgotten
+    assert len(packed(film)["batches"]) == 4
+
+
+def test_a_film_starts_anew_when_time_runs_backwards(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock)
+    clock.now += 5.0
+    scene.set_object("a", RED_BOX)
+    clock.now = 50.0
+    scene.set_object("b", RED_BOX)
+    clock.now += 1.0
+    data = packed(film)
+    assert (data["start"], data["end"]) == (50.0, 1.0)
+    assert [c.get("path") for c in data["batches"][0]["commands"]][-1] == "a"
+
+
+def test_a_stopped_film_goes_no_further(clock: Clock) -> None:
+    scene = Scene()
+    film = Film(scene, clock)
+    film.stop()
+    clock.now += 1.0
+    scene.set_object("a", RED_BOX)
+    assert "batches" not in packed(film)
