@@ -1,6 +1,8 @@
 """Which class of display is made by what; the table to add one to."""
 
 from course_lib.displays.axes import AxesDisplay
+from course_lib.displays.clouds.laser_scan import LaserScanDisplay
+from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
 from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
@@ -8,14 +10,22 @@ from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
 PACKAGE = "rviz_default_plugins"
 
 REGISTRY: dict[str, type[Display]] = {
-    display.class_name: display for display in (AxesDisplay, GridDisplay, MarkerArrayDisplay, MarkerDisplay)
+    display.class_name: display
+    for display in (
+        AxesDisplay,
+        GridDisplay,
+        LaserScanDisplay,
+        MarkerArrayDisplay,
+        MarkerDisplay,
+        PointCloud2Display,
+    )
 }
 
 # What else RViz2 has (rviz_default_plugins/plugins_description.xml).
 _RVIZ_ONLY = (
     "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
-    "Illuminance", "Image", "InteractiveMarkers", "LaserScan", "Map", "Odometry", "Path", "PointCloud",
-    "PointCloud2", "PointStamped", "Polygon", "Pose", "PoseArray", "PoseWithCovariance", "Range",
+    "Illuminance", "Image", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
+    "PointStamped", "Polygon", "Pose", "PoseArray", "PoseWithCovariance", "Range",
     "RelativeHumidity", "RobotModel", "TF", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip
 

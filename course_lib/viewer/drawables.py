@@ -10,7 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.viewer.arrays import Integers, checked, floats, rgba
 
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
-Spot: TypeAlias = Literal["square", "sphere", "box"]
+Spot: TypeAlias = Literal["square", "disc", "sphere", "box", "tile"]
 
 OPAQUE_FROM = 0.9998  # below this alpha RViz blends, and writes no depth
 
@@ -88,14 +88,15 @@ class Lines:
 
 
 class Points:
-    """Spots as RViz's point clouds have them: flat and turned to the camera, or boxes along the node's axes.
+    """Spots as RViz's point clouds have them: flat and turned to the camera, or along the node's axes.
 
     Args:
         points: Shape (P, 3).
         colors: Shape (P, 4), or (4,) for all of them.
         size: Width and height, for boxes also depth, in [m], or in pixels.
         pixels: Whether the size is in pixels.
-        spot: What is drawn at each point; RViz's spheres are discs, darker at the rim.
+        spot: What is drawn at each point; RViz's spheres are discs, darker at the rim; boxes
+            keep the node's axes, tiles lie in its xy plane.
     """
 
     def __init__(

@@ -52,12 +52,13 @@ def unit_spot(spot: Spot) -> tuple[Floats, Floats]:
 
     The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
     """
-    if spot == "square":
+    if spot in ("square", "tile"):
         return SQUARE, np.ones((2, 3, 1), np.float32)
-    if spot == "sphere":
-        angles = np.linspace(0, 2 * np.pi, 25, dtype=np.float32)
+    if spot in ("disc", "sphere"):
+        steps, shades = (24, _DISC_SHADES) if spot == "sphere" else (8, np.ones_like(_DISC_SHADES))
+        angles = np.linspace(0, 2 * np.pi, steps + 1, dtype=np.float32)
         rim = np.column_stack([np.cos(angles) / 2, np.sin(angles) / 2, 0 * angles]).astype(np.float32)
-        return np.stack([0 * rim[1:], rim[:-1], rim[1:]], axis=1), np.tile(_DISC_SHADES, (24, 1, 1))
+        return np.stack([0 * rim[1:], rim[:-1], rim[1:]], axis=1), np.tile(shades, (steps, 1, 1))
     corners, normals = unit_shape("box", 4)
     negative = (normals.sum(axis=-1) < 0).astype(int)
     return corners, _BOX_SHADES[np.abs(normals).argmax(axis=-1), negative][..., None]

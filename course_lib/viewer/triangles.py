@@ -145,14 +145,16 @@ def _points(points: Points, view: View) -> Triangles:
     corners = (centres[:, None, None] + offsets).reshape(-1, 3, 3).astype(np.float32)
     colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None, None].repeat(len(unit), axis=1)
     colors = (colors * np.concatenate([shade, shade, shade, shade**0], axis=-1)).reshape(-1, 3, 4)
-    front = _front(corners, view)
-    return _triangles(corners[front], colors[front])
+    if points.spot != "tile":  # which has two sides
+        front = _front(corners, view)
+        corners, colors = corners[front], colors[front]
+    return _triangles(corners, colors)
 
 
 def _spot_axes(points: Points, centres: Floats, view: View) -> Matrix:
     """Return right, up and ahead of each spot as columns, shape (N, 3, 3); see RViz's nogp/billboard.vert."""
     rotation = view.transform_object_to_camera[:3, :3]
-    if points.pixels or points.spot == "box":
+    if points.pixels or points.spot in ("box", "tile"):
         return np.broadcast_to(np.eye(3) if points.pixels else rotation, (len(centres), 3, 3))
     towards = np.broadcast_to([0.0, 0.0, 1.0], centres.shape) if view.camera.orthographic_scale else -centres
     towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)

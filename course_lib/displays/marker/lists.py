@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from course_lib.displays.marker.drawn import Drawn, Floats, colors, label, points, rgba, scale_of
 from course_lib.displays.statuses import Level
@@ -53,5 +54,10 @@ def _spot_colors(marker: Any) -> Floats:
     else:
         each = np.tile(rgba(marker.color), (len(marker.points), 1))
         each[:, 3] **= 2
-    each[:, 3] = 1.0 - (1.0 - each[:, 3]) ** 2
+    each[:, 3] = drawn_twice(each[:, 3])
     return each
+
+
+def drawn_twice(alpha: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
+    """Return the alpha of something that is drawn over itself once more."""
+    return 1 - (1 - alpha) ** 2

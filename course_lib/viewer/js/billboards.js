@@ -8,6 +8,8 @@ const square = () => new THREE.PlaneGeometry(1, 1);
 /** What is drawn at a point, and how bright each of its vertices is. @type {Record<string, any>} */
 const SPOTS = {
   square: { define: "FACING", shape: square, shade: () => 1 },
+  disc: { define: "FACING", shape: () => new THREE.CircleGeometry(0.5, 8), shade: () => 1 },
+  tile: { define: "BOX", shape: square, shade: () => 1 },
   sphere: { define: "FACING", shape: () => new THREE.CircleGeometry(0.5, 32), shade: (i) => (i ? 0.8 : 1) },
   box: { define: "BOX", shape: () => new THREE.BoxGeometry(1, 1, 1), shade: (i) => BOX_SHADES[i >> 2] },
 };
@@ -82,7 +84,7 @@ export function buildPoints({ points, colors, size, pixels, spot }) {
   const shades = Float32Array.from({ length: geometry.attributes.position.count }, (_, i) => shade(i));
   geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
   const tints = spread(colors, points.length / 3);
-  const paint = material("spot", seesThrough(tints), pixels ? "" : define, false);
+  const paint = material("spot", seesThrough(tints), pixels ? "" : define, spot === "tile");
   return instances(paint, geometry, { size, inPixels: pixels }, {
     start: perInstance(points, 3),
     startTint: perInstance(tints, 4),
