@@ -29,6 +29,7 @@ def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> Film:
     """A red box goes from left to right in 4 s; a blue one is there from second 1 to 2, in its place."""
     scene, clock = colored(RED), Clock()
     scene.background = background
+    scene.set_transform("box", at_x(-2))
     film = Film(scene, clock)
     for number in range(1, 401):
         clock.now = 100 + number / 100
@@ -81,11 +82,11 @@ def elapsed(page: Page) -> float:
 
 
 def test_a_saved_page_shows_the_scene_of_the_time_it_is_scrubbed_to_also_back(playing: Page) -> None:
-    seen = {}
+    seen: dict[float, list[tuple[int, int, int]]] = {}
     for seconds in (4.0, 0.0, 1.5, 4.0, 1.5, 0.5):
         scrub(playing, seconds)
         seen.setdefault(seconds, []).append(reds(playing))
-    assert seen[0.0][0][:2] > (3000, 0)
+    assert seen[0.0][0][0] > 3000
     assert seen[0.0][0][1:] == (0, 0)
     assert seen[1.5][0][:2] == (0, 0)
     assert seen[1.5][0][2] > 3000

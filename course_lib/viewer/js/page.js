@@ -21,15 +21,15 @@ export async function mountAll() {
     const host = /** @type {HTMLElement} */ (data.parentElement);
     const bytes = fromBase64(data.textContent ?? "");
     host.textContent = "";
-    const data = decode(await inflated(bytes));
+    const content = decode(await inflated(bytes));
     const mirror = new Mirror();
     const picture = Object.assign(document.createElement("div"), { style: "flex:1;min-height:0" });
     host.style.cssText += ";display:flex;flex-direction:column";
     host.append(picture);
     const alone = host.dataset.alone === "true";
     new View(picture, mirror, { label: host.dataset.label ?? "", alone });
-    if (data.batches) new Player(new Film(data, mirror), host, alone ? document.body : host);
-    else mirror.take(data);
+    if (content.batches) new Player(new Film(content, mirror), host, alone ? document.body : host);
+    else mirror.take(content);
   }
 }
 
