@@ -1,0 +1,69 @@
+"""The programs of the course's source documents run unmodified, at their rates, twice alike.
+
+They are read out of the folder that COURSE_SEEDS names; nothing of them is kept here.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from course_lib.recording import Recording, read_bag
+
+SECONDS = 5.0  # [s] of robot time
+DOCUMENTS = (
+    sorted(Path(os.environ.get("COURSE_SEEDS", "")).glob("*.txt")) if "COURSE_SEEDS" in os.environ else []
+)
+
+# class -> topic, messages per second, those of one timer call
+PROGRAMS = {
+    "SimpleMarkerNode": ("/visualization_marker", 1.0, 1),
+    "RobotStatePublisher": ("/joint_states", 50.0, 1),
+    "PerceptionVisualizer": ("/detections", 2.0, 1),
+    "TFPublisher": ("/tf", 100.0, 2),
+}
+
+pytestmark = pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
+
+
+def program(name: str) -> str:
+    """Cut out the program with a node: from the #! line before it to its last line."""
+    text = next(t for document in DOCUMENTS if f"class {name}(Node)" in (t := document.read_text()))
+    before, after = text.split(f"class {name}(Node)", 1)
+    ending = re.search(r"if __name__ == '__main__':\n    main\(\)\n", after)
+    assert ending is not None
+    return before[before.rindex("#!") :] + f"class {name}(Node)" + after[: ending.end()]
+
+
+def run(file: Path, bag: Path) -> Recording:
+    command = [
+        sys.executable,
+        "-m",
+        "course_lib",
+        "run",
+        str(file),
+        "--seconds",
+        f"{SECONDS}",
+        "--bag",
+        str(bag),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return read_bag(bag)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_program_of_the_documents_keeps_its_rate_and_repeats_its_bag(tmp_path: Path, name: str) -> None:
+    topic, rate, at_once = PROGRAMS[name]
+    (tmp_path / "program.py").write_text(program(name))
+    recording, again = (run(tmp_path / "program.py", tmp_path / bag) for bag in ("one", "two"))
+    stamps = [stamp_ns for stamp_ns, _ in recording.messages(topic)]
+    assert len(stamps) == SECONDS * rate * at_once
+    calls = sorted(set(stamps))
+    assert {later - earlier for earlier, later in pairwise(calls)} == {round(1e9 / rate)}
+    assert recording.digest() == again.digest()
+    assert (tmp_path / "one/recording.mcap").read_bytes() == (tmp_path / "two/recording.mcap").read_bytes()
