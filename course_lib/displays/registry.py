@@ -6,6 +6,10 @@ from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
 from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
+from course_lib.displays.poses.pose import PoseDisplay
+from course_lib.displays.poses.pose_array import PoseArrayDisplay
+from course_lib.displays.range import RangeDisplay
+from course_lib.displays.robot_model.display import RobotModelDisplay
 
 PACKAGE = "rviz_default_plugins"
 
@@ -18,6 +22,10 @@ REGISTRY: dict[str, type[Display]] = {
         MarkerArrayDisplay,
         MarkerDisplay,
         PointCloud2Display,
+        RobotModelDisplay,
+        PoseArrayDisplay,
+        PoseDisplay,
+        RangeDisplay,
     )
 }
 
@@ -25,8 +33,8 @@ REGISTRY: dict[str, type[Display]] = {
 _RVIZ_ONLY = (
     "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
     "Illuminance", "Image", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
-    "PointStamped", "Polygon", "Pose", "PoseArray", "PoseWithCovariance", "Range",
-    "RelativeHumidity", "RobotModel", "TF", "Temperature", "TwistStamped", "Wrench",
+    "PointStamped", "Polygon", "PoseWithCovariance", 
+    "RelativeHumidity", "TF", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip
 
 

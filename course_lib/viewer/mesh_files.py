@@ -31,15 +31,18 @@ def load_mesh(path: Path, color: tuple[float, ...] | None = None) -> Mesh:
         MeshFileError: If it is no such file, or a broken one.
     """
     try:
-        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), color)
+        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), color, path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error
 
 
 @lru_cache(maxsize=128)
-def parse_mesh(data: bytes, file_format: str, color: tuple[float, ...] | None = None) -> Mesh:
-    """Read the content of a file, see `load_mesh`."""
+def parse_mesh(
+    data: bytes, file_format: str, color: tuple[float, ...] | None = None, folder: Path | None = None
+) -> Mesh:
+    """Read the content of a file, see `load_mesh`; its textures are looked for in the folder."""
     import trimesh  # here: heavy
+    from trimesh.resolvers import FilePathResolver
     from trimesh.units import unit_conversion
 
     if file_format not in FORMATS:
@@ -47,7 +50,8 @@ def parse_mesh(data: bytes, file_format: str, color: tuple[float, ...] | None = 
             f"{file_format!r} is no format of meshes that is known; take {', '.join(FORMATS)}."
         )
     try:
-        scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format)
+        textures = FilePathResolver(str(folder)) if folder else None
+        scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
         unit = unit_conversion(scene.units or "meters", "meters")  # [m]
         parts = scene.dump()
     except Exception as error:  # its readers raise whatever a broken file leads to
@@ -71,8 +75,10 @@ def _joined(parts: list[Any], unit: float, color: tuple[float, ...] | None) -> M
 
 
 def _colors(part: Any) -> Floats:
-    """Return the colours of a part's vertices, shape (V, 4): their own, or their material's."""
+    """Return the colours of a part's vertices, shape (V, 4): their own, or those of their material."""
     visual, colors = part.visual, _PLAIN
+    if visual.kind == "texture" and getattr(visual.material, "image", None) and visual.uv is not None:
+        visual = visual.to_color()  # the texture's, where it touches them
     if visual.kind == "vertex":
         colors = visual.vertex_colors / np.float32(255)
     elif visual.kind == "texture":
