@@ -33,7 +33,7 @@ REGISTRY: dict[str, type[Display]] = {
 _RVIZ_ONLY = (
     "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
     "Illuminance", "Image", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
-    "PointStamped", "Polygon", "PoseWithCovariance", 
+    "PointStamped", "Polygon", "PoseWithCovariance",
     "RelativeHumidity", "TF", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip
 

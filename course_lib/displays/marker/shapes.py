@@ -10,6 +10,7 @@ from course_lib.viewer.drawables import Shape, Solids, Text
 
 SHAFT, HEAD = 0.77, 0.23  # shares of an arrow's length
 SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
+ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # takes z of the solids to x
 _FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
 
 
@@ -28,10 +29,9 @@ def arrow(marker: Any) -> Drawn:
     if len(marker.points) == 2:
         return _arrow_between(marker)
     length, width, height = scale = scale_of(marker)
-    along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # z of the solids is x here
-    shaft = _placed(along, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
+    shaft = placement(ALONG_X, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
     head_center = ((SHAFT + HEAD / 2) * length, 0.0, 0.0)
-    head = _placed(along, (2 * width, 2 * height, HEAD * length), head_center)
+    head = placement(ALONG_X, (2 * width, 2 * height, HEAD * length), head_center)
     return _arrow(marker, shaft, head, None if scale.all() else _FLAT)
 
 
@@ -57,8 +57,8 @@ def _arrow_between(marker: Any) -> Drawn:
     along = _turned_to((end - start) / distance)
     shaft_size = (shaft_diameter, shaft_diameter, shaft_length)
     head_size = (head_diameter, head_diameter, head_length)
-    shaft = _placed(along, shaft_size, start + along[:, 2] * shaft_length / 2)
-    head = _placed(along, head_size, end - along[:, 2] * head_length / 2)
+    shaft = placement(along, shaft_size, start + along[:, 2] * shaft_length / 2)
+    head = placement(along, head_size, end - along[:, 2] * head_length / 2)
     return _arrow(marker, shaft, head, said)
 
 
@@ -75,7 +75,7 @@ def _turned_to(direction: Floats) -> Floats:
     return np.column_stack([x, np.cross(direction, x), direction])
 
 
-def _placed(rotation: Floats, size: Any, center: Any) -> Floats:
+def placement(rotation: Floats, size: Any, center: Any) -> Floats:
     """Return the transform that scales a unit shape, turns it and moves it, shape (4, 4)."""
     transform = np.eye(4)
     transform[:3, :3] = rotation * np.asarray(size)
