@@ -11,8 +11,8 @@ from course_lib.errors import CourseError
 
 # In the order in which they need each other.
 _MODULES = (
-    "decode", "materials", "surfaces", "billboards", "mirror", "renderer", "orbit", "view", "link", "film",
-    "panels/time", "player", "page",
+    "decode", "encode", "materials", "surfaces", "billboards", "mirror", "renderer", "orbit", "view", "link",
+    "film", "panels/time", "player", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 
@@ -23,7 +23,7 @@ const MeshCat = ((module, exports, define) => { %(meshcat)s
 return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
 const { THREE } = MeshCat;
 %(ours)s
-return { Link, mountAll, picture };
+return { Link, follow, mountAll, picture };
 })();
 """
 

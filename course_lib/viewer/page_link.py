@@ -1,17 +1,14 @@
 """One scene's end of the connection to the pages that show it, over whatever carries messages."""
 
-import asyncio
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 from course_lib.viewer.camera import Vector
+from course_lib.viewer.flow import running_loop
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.stream import Stream
-
-Content: TypeAlias = dict[str, Any]
-Transmit: TypeAlias = Callable[[Content, list[bytes]], None]
+from course_lib.viewer.stream import Content, Send, Stream
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,30 +34,46 @@ class PageLink:
         send: Carries JSON and buffers to the pages; called from any thread.
     """
 
-    def __init__(self, scene: Scene, send: Transmit) -> None:
+    def __init__(self, scene: Scene, send: Send) -> None:
         self.scene = scene
-        self.ready = False  # whether a page has answered
         self.on_click: list[Callable[[Click], None]] = []
-        self.post = send
-        self._stream = Stream(scene, lambda number, batch: send({"type": "batch", "number": number}, [batch]))
-        self._loop = _running_loop()
-        self._heard: dict[str, Callable[[Content], None]] = {"ready": self._start, "resync": self._reset}
+        self.on_views: Callable[[int], None] = lambda count: None  # told how many views all pages have
+        self._send = send
+        self._stream = Stream(scene, send, self._note_views)
+        self._flow = self._stream.flow
+        self._loop = running_loop()
         self._listeners: dict[str, Callable[[Content], None]] = {"click": self._click}
+
+    @property
+    def ready(self) -> bool:
+        """Whether a page shows the scene."""
+        return any(page.views for page in self._flow.pages.values())
 
     def listen(self, kind: str, callback: Callable[[Content], None]) -> None:
         """Have a function called with every message of a kind that a page sends."""
         self._listeners[kind] = callback
 
+    def post(self, content: Content, buffers: Sequence[bytes] = ()) -> None:
+        """Send a message to all pages; its "type" says of which kind it is."""
+        self._send(content, list(buffers))
+
     def receive(self, content: Content, buffers: Sequence[Any] = ()) -> None:
-        """Take a message from a page; one of no known kind is passed over."""
-        kind = content.get("type", "")
-        if kind in self._heard:
-            self._heard[kind](content)
-        elif kind in self._listeners:
-            if self._loop is None or threading.current_thread() is threading.main_thread():
-                self._listeners[kind](content)
-            else:
-                self._loop.call_soon_threadsafe(self._listeners[kind], content)
+        """Take a message from a page; what it must not say is named in its views, and passed over.
+
+        All messages say from which page they come and the last batch that it has.
+        """
+        try:
+            kind, page = content["type"], str(content.get("page", ""))
+            self._follow(page, int(content.get("number", -1)), kind)
+            if kind == "views":
+                self._count(page, int(content["count"]))
+            elif kind == "click":
+                content = {"click": _click(content)}
+        except (KeyError, TypeError, ValueError) as error:
+            self._stream.say(f"A message of the page was passed over: {error!r}")
+            return
+        if kind in self._listeners:
+            self._call(self._listeners[kind], content)
 
     def expect(self) -> None:
         """Send changes from now on, to a page that shall come with the present scene."""
@@ -74,33 +87,49 @@ class PageLink:
         """Send what has changed now, not with the next batch."""
         self._stream.flush()
 
+    def lost(self) -> None:
+        """Note that nothing can reach the pages any more, until one of them says something."""
+        self._flow.pages.clear()
+        self._note_views()
+
     def close(self) -> None:
         """Stop following the scene."""
+        self._flow.pages.clear()
         self._stream.close()
-        self.ready = False
 
-    def _start(self, content: Content) -> None:
-        self.ready = True
-        if not self._stream.connect(content.get("number", -1)):
-            self._reset(content)
+    def _follow(self, page: str, number: int, kind: str) -> None:
+        """Note how far a page has come, and send it the scene if it has another one."""
+        is_new = self._flow.heard(page, number)
+        is_equal = not is_new or self._stream.connect(number)
+        if kind == "resync" or not is_equal:
+            self._stream.reset(page)
 
-    def _reset(self, _: Content) -> None:
-        number, snapshot = self._stream.snapshot()
-        self.post({"type": "reset", "number": number}, [snapshot])
+    def _count(self, page: str, count: int) -> None:
+        if count:
+            self._flow.pages[page].views = count
+        else:
+            self._flow.left(page)
+        self._note_views()
+
+    def _note_views(self) -> None:
+        views = sum(page.views for page in self._flow.pages.values())
+        if not views:
+            self._stream.disconnect()
+        self._call(self.on_views, views)
 
     def _click(self, content: Content) -> None:
-        fields: dict[str, Any] = {
-            name: tuple(value) if isinstance(value, list) else value
-            for name, value in content.items()
-            if name != "type"
-        }
-        click = Click(**fields)
         for callback in tuple(self.on_click):
-            callback(click)
+            callback(content["click"])
+
+    def _call(self, function: Callable[[Any], None], argument: Any) -> None:
+        """Call in the thread of the cells."""
+        if self._loop is None or threading.current_thread() is threading.main_thread():
+            function(argument)
+        else:
+            self._loop.call_soon_threadsafe(function, argument)
 
 
-def _running_loop() -> asyncio.AbstractEventLoop | None:
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        return None
+def _click(content: Content) -> Click:
+    values = {name: content[name] for name in Click.__dataclass_fields__ if name in content}
+    fields: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in values.items()}
+    return Click(**fields)

@@ -1,16 +1,22 @@
 """The changes of a scene as numbered batches, for pages that follow it."""
 
+import sys
 import threading
 import time
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from course_lib.viewer import encoding
+from course_lib.viewer.flow import Flow
 from course_lib.viewer.scene import Node, Scene, What
 
-Send: TypeAlias = Callable[[int, bytes], None]
+Content: TypeAlias = dict[str, Any]
+Send: TypeAlias = Callable[[Content, list[bytes]], None]
 
 INTERVAL = 1 / 40  # [s] between two batches
+PATIENCE = 10.0  # [s] until a page that does not answer is taken for gone
 
 
 class Stream:
@@ -21,14 +27,17 @@ class Stream:
 
     Args:
         scene: What to follow.
-        send: Takes a batch with its number; called from any thread, never twice at a time.
+        send: Carries a message with its buffers; called from any thread.
+        on_silence: Called when pages have not answered for long, and are taken for gone.
     """
 
-    def __init__(self, scene: Scene, send: Send) -> None:
+    def __init__(self, scene: Scene, send: Send, on_silence: Callable[[], None] = lambda: None) -> None:
         self.scene = scene
+        self.flow = Flow()
         self.number = 0
         self.connected = False
         self._send = send
+        self._on_silence = on_silence
         self._lock = threading.RLock()
         self._stale = False
         self._changes: dict[tuple[What, str], None] = {}
@@ -37,6 +46,8 @@ class Stream:
         self._thread: threading.Thread | None = None
         self._changed = threading.Event()
         self._closed = False
+        self._broken = False  # a batch was cut off
+        self._said = ""
         self._stop = scene.listen(self._note)
 
     def snapshot(self) -> tuple[int, bytes]:
@@ -56,13 +67,38 @@ class Stream:
                 self._thread.start()
             return number == self.number
 
-    def flush(self) -> None:
-        """Send what has changed, now."""
+    def disconnect(self) -> None:
+        """Send nothing until the next `connect`."""
         with self._lock:
-            batch = self._batch()
-            if batch:
-                self.number += 1
-                self._send(self.number, encoding.pack(batch))
+            self.connected = False
+            self._stale |= bool(self._changes or self._moved)
+            self._changes, self._moved = {}, {}
+
+    def reset(self, page: str | None = None) -> None:
+        """Send the whole scene to a page, or to all."""
+        with self._lock:
+            number, snapshot = self.snapshot()
+            self._send({"type": "reset", "number": number, "page": page}, [snapshot])
+
+    def say(self, text: str) -> None:
+        """Show a line of text in the views, once."""
+        if text != self._said:
+            self._said = text
+            self._send({"type": "status", "text": text}, [])
+
+    def flush(self) -> None:
+        """Send what has changed, now, or as soon as pages have answered what they have."""
+        with self._lock:
+            if not self.flow.room():
+                return self._schedule()
+            done = False
+            try:
+                self._send_batch()
+                done = True
+            finally:  # whatever came in between, an interrupt too: pages must not miss the batch
+                self._broken |= not done
+                if self._broken:
+                    self._schedule()
 
     def close(self) -> None:
         """Forget the scene."""
@@ -71,6 +107,14 @@ class Stream:
             self.connected = False
             self._closed = True
             self._changed.set()
+
+    def _send_batch(self) -> None:
+        batch = self._batch()
+        if batch:
+            self.number += 1
+            packed = encoding.pack(batch)
+            asks = self.flow.sent(self.number, len(packed))
+            self._send({"type": "batch", "number": self.number, "ask": asks}, [packed])
 
     def _refresh(self) -> None:
         """Make older snapshots known as such, if something has changed since."""
@@ -92,13 +136,32 @@ class Stream:
         self._changed.set()
 
     def _send_batches(self) -> None:
+        silence = 0.0  # [s]
         while True:
             self._changed.wait()
             time.sleep(INTERVAL)  # more changes may come with it
-            self._changed.clear()
             if self._closed:
                 return
+            silence = 0.0 if self.flow.room() else silence + INTERVAL
+            if silence > PATIENCE:
+                self.flow.give_up()
+                self._on_silence()
+            elif not silence:
+                self._changed.clear()
+                self._flush_whatever()
+
+    def _flush_whatever(self) -> None:
+        """Flush, in place of what an interrupt or a fault has cut off before."""
+        try:
+            if self._broken:
+                self._broken = False
+                self.reset()
+                self.say("An interrupt cut off a change of the scene; it has been sent anew, whole.")
             self.flush()
+        except Exception as error:  # whatever a closed connection leads to; a page may come back over it
+            self._broken, self._stale = False, True
+            self.disconnect()
+            print(f"The view does not follow its scene any more: {error!r}", file=sys.stderr)  # noqa: T201
 
     def _batch(self) -> dict[str, Any]:
         with self.scene.lock:
@@ -118,6 +181,9 @@ class Stream:
     def _placed(self, nodes: list[Node]) -> dict[str, Any]:
         """Write the transforms; the paths only if they are not those of the last batch."""
         placed = encoding.placements(nodes)
+        if len(placed["paths"]) < len(nodes):
+            lost = next(node.path for node in nodes if not np.isfinite(node.matrix).all())
+            self.say(f"The transform of {lost!r} is not finite (NaN or inf): it stays where it was.")
         if placed["paths"] == self._paths:
             del placed["paths"]
         else:

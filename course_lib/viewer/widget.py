@@ -47,9 +47,10 @@ class SceneWidget(anywidget.AnyWidget):
         self.keeps: object = None  # whatever must live as long as a page shows this
         self.on_views: Callable[[int], None] = lambda count: None  # told how many a page has now
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
-        self.link.listen("views", lambda content: self.on_views(int(content["count"])))
+        self.link.on_views = lambda count: self.on_views(count)
         super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
+        self.comm.on_close(lambda _: self.link.lost())
         if hasattr(self.comm, "_reply_subshell_for"):
             # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or not.
             self.comm._reply_subshell_for = lambda data, default: default

@@ -33,6 +33,7 @@ const bytes = (text) => new DataView(Uint8Array.from(atob(text), (sign) => sign.
 class Model {
   constructor(id, state) { Object.assign(this, { id, state, handlers: new Map() }); }
   get(name) { return this.state[name]; }
+  set(name, value) { this.state[name] = value; }
   on(name, handler) { this.handlers.set(name, handler); }
   off(name) { this.handlers.delete(name); }
   send(content) { toPython.push([this.id, content]); }

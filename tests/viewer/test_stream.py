@@ -33,13 +33,17 @@ class Page:
     def __init__(self, scene: Scene, connected: bool = True) -> None:
         self.batches: list[Any] = []
         self.numbers: list[int] = []
+        self.said: list[dict[str, Any]] = []
         self.stream = Stream(scene, self.take)
         if connected:
             self.stream.connect(self.stream.snapshot()[0])
 
-    def take(self, number: int, batch: bytes) -> None:
-        self.numbers.append(number)
-        self.batches.append(decoded(batch))
+    def take(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+        if content["type"] == "batch":
+            self.numbers.append(content["number"])
+            self.batches.append(decoded(buffers[0]))
+        else:
+            self.said.append(content)
 
 
 @pytest.fixture
@@ -127,6 +131,8 @@ def test_a_transform_that_is_not_a_number_leaves_the_others_alone() -> None:
     scene.set_transform("good", moved(1.0))
     page.stream.flush()
     assert page.batches[0]["paths"] == ["good"]
+    (status,) = page.said
+    assert "'bad' is not finite" in status["text"]
 
 
 def test_a_page_learns_whether_its_snapshot_is_still_right() -> None:

@@ -70,7 +70,7 @@ def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
     monkeypatch.setattr(widget, "send", lambda content, buffers: sent.append(content))
     scene.set_object("other", RED_BOX)
     widget.flush()
-    assert sent == [{"type": "batch", "number": 1}]
+    assert sent == [{"type": "batch", "number": 1, "ask": False}]
 
 
 def test_what_a_page_must_not_say_is_passed_over(scene: Scene) -> None:

@@ -1,6 +1,9 @@
 import { bytesOf } from "./decode.js";
+import { encode } from "./encode.js";
 import { Mirror } from "./mirror.js";
 import { View } from "./view.js";
+
+const SAVE_AFTER = 1000; // [ms] without a change
 
 /**
  * Keeps a mirror equal to the scene in the kernel.
@@ -11,24 +14,72 @@ export class Link {
   constructor(model) {
     this.model = model;
     this.mirror = new Mirror();
+    this.page = Math.random().toString(36).slice(2); // tells the pages apart that show one scene
     this.number = model.get("number");
-    this.mirror.apply(bytesOf(model.get("snapshot")));
+    this.asked = 0; // [ms] when the scene was asked for, as a batch was lost
+    this.saving = 0; // a timer
     /** @type {Record<string, (message: any, buffers: DataView[]) => void>} what is done with which message */
     this.orders = {
-      reset: ({ number }, [scene]) => {
-        this.number = number;
+      reset: ({ number, page }, [scene]) => {
+        if ((page ?? this.page) !== this.page) return;
+        [this.number, this.asked] = [number, 0];
         this.mirror.reset(bytesOf(scene));
       },
-      batch: ({ number }, [changes]) => {
-        if (number <= this.number) return;
-        if (number > this.number + 1) return model.send({ type: "resync" }); // one was lost
-        this.number = number;
-        this.mirror.apply(bytesOf(changes));
+      batch: ({ number, ask }, [changes]) => {
+        if (number > this.number + 1) return this.resync();
+        const isNext = number === this.number + 1;
+        this.number = Math.max(this.number, number);
+        try {
+          if (isNext) this.mirror.apply(bytesOf(changes));
+        } finally {
+          if (ask) this.send({ type: "ack" });
+        }
       },
+      status: ({ text }) => this.say(text),
     };
-    this.receive = (message, buffers) => this.orders[message.type]?.(message, buffers ?? []);
+    this.receive = (message, buffers) => {
+      this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
+      clearTimeout(this.saving);
+      this.saving = setTimeout(() => this.save(), SAVE_AFTER);
+    };
+    this.attempt(() => this.mirror.apply(bytesOf(model.get("snapshot"))));
+    this.wake = () => document.hidden || this.send({ type: "ready" }); // much may be lost while a laptop sleeps
+    document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
-    model.send({ type: "ready", number: this.number });
+    this.send({ type: "ready" });
+  }
+
+  /** @param {any} message for Python: it also tells which page this is, and how far it has come */
+  send(message) {
+    this.model.send({ page: this.page, number: this.number, ...message });
+  }
+
+  /** @param {() => void} change of the scene; a wrong one does not keep the others from being seen */
+  attempt(change) {
+    try {
+      change();
+    } catch (error) {
+      this.say(`A part of the scene cannot be shown: ${error}`);
+    }
+  }
+
+  /** Have the notebook saved with the scene as it is now, if the page saves the state of widgets. */
+  save() {
+    this.model.set("number", this.number);
+    this.model.set("snapshot", new DataView(encode(this.mirror.whole()).buffer));
+  }
+
+  /** Ask for the whole scene, again if no answer comes. */
+  resync() {
+    if (Date.now() - this.asked < 2000) return;
+    this.asked = Date.now();
+    this.send({ type: "resync" });
+  }
+
+  /** @param {string} text shown in all views for a while */
+  say(text) {
+    this.said = text;
+    for (const view of this.mirror.views) view.say(text);
   }
 
   /** @param {HTMLElement} element @returns {() => void} removes the view */
@@ -37,7 +88,7 @@ export class Link {
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
     element.append(host);
     const label = this.model.get("label");
-    const view = new View(host, this.mirror, { label, onClick: (click) => this.model.send(click) });
+    const view = new View(host, this.mirror, { label, onClick: (click) => this.send(click) });
     this.count();
     return () => {
       view.dispose();
@@ -48,10 +99,12 @@ export class Link {
 
   /** Tell how many views this page has, so that what nobody sees can end. */
   count() {
-    this.model.send({ type: "views", count: this.mirror.views.size });
+    this.send({ type: "views", count: this.mirror.views.size });
   }
 
   close() {
+    clearTimeout(this.saving);
+    document.removeEventListener("visibilitychange", this.wake);
     this.model.off("msg:custom", this.receive);
     for (const view of [...this.mirror.views]) view.dispose();
     this.mirror.clear("");

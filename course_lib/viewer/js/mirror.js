@@ -16,6 +16,7 @@ export class Mirror {
     this.background = [48, 48, 48];
     this.camera = null; // as Python describes it
     this.mixer = null;
+    this.animation = null; // as meshcat describes it
     this.clock = new THREE.Clock();
     this.actions = [];
     /** @type {string[]} what the next matrices are for */
@@ -35,7 +36,7 @@ export class Mirror {
       delete: ({ path }) => this.clear(path),
       background: ({ color }) => (this.background = color),
       camera: (camera) => this.look(camera),
-      animation: ({ animations, options }) => this.animate(animations, options),
+      animation: (animation) => this.animate(animation),
     };
   }
 
@@ -46,17 +47,40 @@ export class Mirror {
 
   /** @param {any} batch of changes, decoded */
   take(batch) {
-    for (const command of batch.commands ?? []) this.orders[command.type](command);
+    let fault = null;
+    for (const command of batch.commands ?? []) {
+      try {
+        this.orders[command.type](command);
+      } catch (error) {
+        fault ??= new Error(`${command.path ?? command.type}: ${error}`); // the others shall be seen
+      }
+    }
     if (batch.paths) this.paths = batch.paths;
     if (batch.paths || batch.commands) this.moving = null;
     if (batch.matrices) this.place(batch.matrices);
     this.changed();
+    if (fault) throw fault;
   }
 
   /** @param {Uint8Array} bytes a whole scene, in place of the one that is here */
   reset(bytes) {
     this.clear("");
     this.apply(bytes);
+  }
+
+  /** @returns {any} the batch that makes this scene out of nothing */
+  whole() {
+    const { background: color, camera, animation } = this;
+    const commands = [{ type: "background", color }, camera, animation].filter(Boolean);
+    const [paths, matrices] = [[], []];
+    for (const [path, node] of this.nodes) {
+      const object = node.userData.object?.userData.description;
+      if (object) commands.push({ type: "object", path, object });
+      if (!node.visible) commands.push({ type: "visible", path, value: false });
+      if (path) paths.push(path);
+      if (path) for (let i = 0; i < 16; i++) if (i % 4 < 3) matrices.push(node.matrix.elements[i]);
+    }
+    return { commands, paths, matrices: new Float32Array(matrices) };
   }
 
   changed() {
@@ -90,6 +114,7 @@ export class Mirror {
   put(path, description) {
     const node = this.remove(path);
     node.userData.object = this.builders[description.kind](description);
+    node.userData.object.userData.description = description;
     node.add(node.userData.object);
   }
 
@@ -120,7 +145,7 @@ export class Mirror {
     const node = this.nodes.get(path);
     if (node !== this.scene) return node && this.drop(node);
     for (const child of [...this.scene.children]) if (child !== this.light) this.drop(child);
-    this.mixer = null;
+    this.mixer = this.animation = null;
   }
 
   /** @param {any} top taken out of the tree, with its share of the graphics memory */
@@ -145,8 +170,10 @@ export class Mirror {
     for (const view of this.views) view.orbit.look(camera);
   }
 
-  /** Play clips as meshcat does. @param {any[]} animations @param {any} options */
-  animate(animations, options = {}) {
+  /** Play clips as meshcat does. @param {any} animation */
+  animate(animation) {
+    this.animation = animation;
+    const { animations, options = {} } = animation;
     this.mixer = new THREE.AnimationMixer(this.scene);
     this.clock.start();
     this.actions = animations.map(({ path, clip }) => {

@@ -4,6 +4,10 @@ import { draw, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
+const SAY_FOR = 10_000; // [ms]
+const CORNER =
+  "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
+  "color:var(--jp-ui-font-color1,CanvasText);background:var(--jp-layout-color1,Canvas)";
 const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], ArrowDown: [0, 16] }; // [px]
 
 /** One picture of a scene on the page, with a camera of its own. */
@@ -20,13 +24,22 @@ export class View {
     if (mirror.camera) this.orbit.look(mirror.camera);
     this.request = 0;
     this.seen = true;
+    this.silence = 0; // a timer
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", options.label);
     this.canvas.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
-    host.append(this.canvas);
+    this.words = document.createElement("output"); // what went wrong, for a while
+    this.words.style.cssText = `${CORNER};left:0;bottom:0;pointer-events:none`;
+    this.full = document.createElement("button");
+    Object.assign(this.full, { type: "button", textContent: "⛶", title: "Full screen (F)", ariaLabel: "Full screen" });
+    this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
+    this.full.onclick = () => this.toggleFull();
+    host.style.position = "relative";
+    host.append(this.canvas, this.words, this.full);
+    this.host = host;
     this.listen();
     this.sizes = new ResizeObserver(() => this.invalidate());
     this.sizes.observe(this.canvas);
@@ -46,7 +59,22 @@ export class View {
     cancelAnimationFrame(this.request);
     this.mirror.views.delete(this);
     views.delete(this);
-    this.canvas.remove();
+    clearTimeout(this.silence);
+    for (const part of [this.canvas, this.words, this.full]) part.remove();
+  }
+
+  /** @param {string} text shown in a corner, and read aloud by screen readers */
+  say(text) {
+    this.words.textContent = text;
+    clearTimeout(this.silence);
+    this.silence = setTimeout(() => (this.words.textContent = ""), SAY_FOR);
+  }
+
+  toggleFull() {
+    const whole = this.host.closest(".course-viewer") ?? this.host; // with the panels around it
+    if (document.fullscreenElement) document.exitFullscreen();
+    else whole.requestFullscreen().catch((error) => this.say(`No full screen: ${error.message}`));
+    this.canvas.focus({ preventScroll: true });
   }
 
   /** Draw again, with the next frame of the page. */
@@ -98,6 +126,7 @@ export class View {
       const [dx, dy] = ARROWS[event.key] ?? [0, 0];
       if (dx || dy) this.move(event.shiftKey ? 1 : 0, dx, dy);
       else if (event.key === "+" || event.key === "-") this.move(2, 0, event.key === "-" ? 10 : -10);
+      else if (event.key === "f" && !event.ctrlKey && !event.metaKey) this.toggleFull();
       else return;
       claim(event);
     });

@@ -1,0 +1,233 @@
+import asyncio
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from course_lib.viewer import flow, stream
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.page_link import Click, PageLink
+from course_lib.viewer.scene import Scene
+
+RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
+IN_FLIGHT = flow._QUESTIONS * flow._BATCHES  # that a page may leave unanswered
+
+
+class Wire:
+    """Carries what a link sends, to nobody."""
+
+    def __init__(self) -> None:
+        self.scene = Scene()
+        self.sent: list[dict[str, Any]] = []
+        self.fails: BaseException | None = None
+        self.link = PageLink(self.scene, self.carry)
+
+    def carry(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+        if self.fails is not None:
+            error, self.fails = self.fails, None
+            raise error
+        self.sent.append(content)
+
+    def kinds(self) -> list[str]:
+        return [content["type"] for content in self.sent]
+
+    def hear(self, kind: str, page: str = "a", **fields: Any) -> None:
+        fields.setdefault("number", max((c["number"] for c in self.sent if "number" in c), default=0))
+        self.link.receive({"type": kind, "page": page, **fields})
+
+    def change(self, times: int = 1) -> None:
+        for _ in range(times):
+            self.scene.set_transform("box", np.eye(4))
+            self.link.flush()
+
+
+@pytest.fixture
+def wire() -> Wire:
+    return Wire()
+
+
+@pytest.fixture
+def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Batches are sent by `flush` alone."""
+    monkeypatch.setattr(stream.Stream, "_schedule", lambda self: None)
+
+
+def until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + 10  # [s]
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_a_page_that_does_not_answer_gets_no_more_than_it_may_leave_unanswered(wire: Wire) -> None:
+    wire.hear("ready")
+    wire.change(100)
+    assert wire.kinds() == ["batch"] * IN_FLIGHT
+    assert len(wire.link._stream._moved) == 1
+    wire.hear("ack")
+    wire.change()
+    assert len(wire.sent) == IN_FLIGHT + 1
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_the_slowest_page_sets_the_pace(wire: Wire) -> None:
+    wire.hear("ready", "a")
+    wire.hear("ready", "b")
+    wire.change(100)
+    wire.hear("ack", "a")
+    wire.change(100)
+    assert len(wire.sent) == IN_FLIGHT
+    wire.hear("views", "b", count=0)
+    wire.change()
+    assert len(wire.sent) == IN_FLIGHT + 1
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_large_batches_are_answered_one_by_one(wire: Wire) -> None:
+    wire.hear("ready")
+    many = Solids("box", np.tile(np.eye(4), (8000, 1, 1)), (1, 0, 0, 1))
+    for _ in range(10):
+        wire.scene.set_object("boxes", many)
+        wire.link.flush()
+    assert [content["ask"] for content in wire.sent] == [True] * flow._QUESTIONS
+
+
+def test_a_page_that_stays_silent_is_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stream, "PATIENCE", 0.1)
+    counts: list[int] = []
+    wire.link.on_views = counts.append
+    wire.hear("ready")
+    assert wire.link.ready
+
+    def is_gone() -> bool:
+        wire.change()
+        return not wire.link.ready
+
+    until(is_gone)
+    assert counts == [0]
+    wire.sent.clear()
+    wire.change(3)
+    assert wire.sent == []
+    wire.hear("ack", number=IN_FLIGHT)  # it was only asleep
+    assert wire.link.ready
+    assert wire.kinds() == ["reset"]
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_a_running_cell_that_hears_nobody_is_not_held_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def cell() -> None:
+        wire = Wire()
+        wire.hear("ready")
+        wire.change(100)  # without giving the loop a chance
+        assert len(wire.sent) == 100
+        await asyncio.sleep(0.01)
+        wire.change(100)
+        assert len(wire.sent) == 100
+        threading.Thread(target=wire.hear, args=("ack",)).start()  # as JupyterLab's come
+        await asyncio.sleep(0.05)
+        wire.change(100)
+        assert len(wire.sent) == 100 + IN_FLIGHT
+
+    asyncio.run(cell())
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_views_are_counted_over_all_pages(wire: Wire) -> None:
+    counts: list[int] = []
+    wire.link.on_views = counts.append
+    for page, count in (("a", 1), ("b", 2), ("a", 0), ("b", 0)):
+        wire.hear("views", page, count=count)
+    assert counts == [1, 3, 2, 0]
+    assert not wire.link.ready
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_only_the_page_that_lost_a_batch_gets_the_scene_again(wire: Wire) -> None:
+    wire.hear("ready", "a")
+    wire.hear("ready", "b")
+    wire.hear("resync", "b")
+    assert wire.sent == [{"type": "reset", "number": 0, "page": "b"}]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError("half way")])
+def test_what_is_cut_off_is_sent_anew_and_said(wire: Wire, error: BaseException) -> None:
+    wire.hear("ready")
+    wire.fails = error
+    wire.scene.set_object("box", RED_BOX)
+    with pytest.raises(type(error)):
+        wire.link.flush()
+    until(lambda: wire.kinds()[:2] == ["reset", "status"])
+    assert "sent anew" in wire.sent[1]["text"]
+    wire.change()
+    assert wire.kinds()[-1] == "batch"
+
+
+def test_a_connection_that_fails_stops_the_sending_and_nothing_else(
+    wire: Wire, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wire.hear("ready")
+    wire.fails = ConnectionError("closed")
+    wire.scene.set_object("box", RED_BOX)
+    said = ""
+
+    def is_said() -> bool:
+        nonlocal said
+        said += capsys.readouterr().err
+        return "does not follow its scene any more: ConnectionError('closed')" in said
+
+    until(is_said)
+    wire.change(3)
+    assert wire.sent == []
+    wire.hear("resync", number=0)
+    wire.hear("ready", "another", number=0)
+    assert wire.kinds()[-1] == "reset"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {},
+        {"type": "views"},
+        {"type": "views", "count": "many"},
+        {"type": "ready", "number": "first"},
+        {"type": "click"},
+        {"type": "click", "origin": 3},
+    ],
+)
+def test_what_a_page_must_not_say_is_named_in_its_views(wire: Wire, content: dict[str, Any]) -> None:
+    wire.link.receive({"page": "a", **content})
+    assert wire.kinds()[-1] == "status"
+    assert "was passed over" in wire.sent[-1]["text"]
+
+
+def test_an_unknown_kind_of_message_is_passed_over(wire: Wire) -> None:
+    wire.hear("format_disk")
+    assert wire.sent == []
+
+
+def test_other_kinds_of_messages_go_to_who_listens(wire: Wire) -> None:
+    heard: list[dict[str, Any]] = []
+    wire.link.listen("edit", heard.append)
+    wire.hear("edit", number=0, row=3)
+    wire.link.post({"type": "rows", "rows": []})
+    assert heard == [{"type": "edit", "page": "a", "number": 0, "row": 3}]
+    assert wire.kinds() == ["rows"]
+
+
+def test_a_click_is_called_back_in_the_thread_of_the_cells() -> None:
+    async def cell() -> list[tuple[Click, bool]]:
+        wire, clicks = Wire(), []
+        wire.link.on_click.append(
+            lambda click: clicks.append((click, threading.current_thread() is threading.main_thread()))
+        )
+        fields = {"origin": [0, 0, 1], "direction": [0, 0, -1], "path": "box", "type": "click", "page": "a"}
+        threading.Thread(target=wire.link.receive, args=(fields,)).start()
+        await asyncio.sleep(0.05)
+        return clicks
+
+    click = Click(origin=(0, 0, 1), direction=(0, 0, -1), path="box")
+    assert asyncio.run(cell()) == [(click, True)]
