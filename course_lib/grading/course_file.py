@@ -24,12 +24,15 @@ class Late:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a submission may use at grading: wall clock in [s], output in [kB]."""
+    """What a submission may use at grading: wall clock in [s], output in [kB], memory and files in [MB]."""
 
-    cell_seconds: float = 20.0
-    scenario_seconds: float = 20.0
-    total_seconds: float = 120.0
+    cell_seconds: float = 10.0
+    scenario_seconds: float = 10.0
+    total_seconds: float = 60.0
     output_kilobytes: float = 1000.0
+    memory_megabytes: float = 2000.0
+    scratch_megabytes: float = 64.0
+    processes: float = 64.0
 
 
 @dataclass(frozen=True)

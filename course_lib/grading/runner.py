@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from course_lib.errors import CourseError
 from course_lib.grading.course_file import Limits
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
 from course_lib.grading.perform import MAX_ERRORS, Outcome
 from course_lib.grading.plain import is_plain
 from course_lib.grading.scenario import Stage, still_running
@@ -17,12 +17,7 @@ from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelClosedError, ChannelError, ChannelTimeoutError
 from course_lib.ros.graph_server import GraphServer, RecordingLimitError
 
-START_SECONDS = 60.0  # [s] for a worker's imports on a busy machine
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
-
-
-class WorkerError(CourseError):
-    """A worker does not even start: the kit's or the machine's fault, never the student's."""
 
 
 @dataclass
@@ -45,12 +40,18 @@ class Session:
         cells: The code cells.
         personal: The student's own values, by task.
         limits: What it may use.
+        template: What its workers are forks of; default: that of this process.
     """
 
     def __init__(
-        self, cells: Sequence[str], personal: Mapping[str, Mapping[str, Any]], limits: Limits
+        self,
+        cells: Sequence[str],
+        personal: Mapping[str, Mapping[str, Any]],
+        limits: Limits,
+        template: TemplateProcess | None = None,
     ) -> None:
         self.log = CellLog()
+        self._template = template or shared_template()
         self._cells, self._personal, self._limits = list(cells), personal, limits
         self._deadline = wall.monotonic() + limits.total_seconds
         self._worker: WorkerProcess | None = None
@@ -90,7 +91,7 @@ class Session:
     def _ready_worker(self) -> WorkerProcess | None:
         """The worker, with all cells run; None when the time is over."""
         while self._worker is None and self._left() > 0:
-            self._worker = WorkerProcess(round(self._limits.output_kilobytes * 1000))
+            self._worker = WorkerProcess(self._template, self._limits)
             if not self._run_cells(self._worker):
                 self.close()
         return self._worker
@@ -98,12 +99,11 @@ class Session:
     def _run_cells(self, worker: WorkerProcess) -> bool:
         """Whether all cells were run; if not, the one to blame has been noted."""
         values = {task: dict(values) for task, values in self._personal.items()}
-        current, limit, log = -1, START_SECONDS, self.log
+        current, limit, log = -1, self._limits.cell_seconds, self.log
         try:
             worker.channel.send(["cells", self._cells, values, sorted(log.stopped)])
             while True:
                 worker.allow(min(limit, self._left()))
-                limit = self._limits.cell_seconds
                 match worker.channel.receive():
                     case ["cell", int(index)] if current < index < len(self._cells):
                         current = index
@@ -116,7 +116,7 @@ class Session:
                         raise ChannelError("what came is not the next cell")
         except ChannelError as error:
             if current < 0:
-                raise WorkerError(f"a worker can't be started: {worker.last_words() or error}") from error
+                raise WorkerError(f"a worker does not begin: {worker.take_output() or error}") from error
             timed_out = isinstance(error, ChannelTimeoutError)
             log.timed_out |= timed_out
             why = f"was stopped after {limit:g} s" if timed_out else f"ended the process ({error})"

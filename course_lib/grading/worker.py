@@ -1,14 +1,14 @@
 """The process that runs a submission: its cells once, then each scenario in a fork of it.
 
-`worker_process.start_worker` starts it. It holds no check, no expected value and no hidden text; what it says
-is evidence, judged elsewhere and not believed.
+It is a fork of `jail.template`. It holds no check, no expected value and no hidden text; what it says is
+evidence, judged elsewhere and not believed.
 """
 
+import importlib
 import os
-import socket
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
@@ -23,7 +23,16 @@ from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
 from course_lib.ros.shell import make_shell
 
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
 CELLS_SEED = 0
+USUAL = (  # what most notebooks import
+    "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg", "std_msgs.msg",
+    "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
+    "course_lib.displays.viewer", "course_lib.tools.magic", "course_lib.tools.tracebacks",
+)  # fmt: skip
+NO_SHELL = "There is no shell when graded: this line is left out."
 
 
 class Worker:
@@ -31,12 +40,11 @@ class Worker:
 
     Args:
         channel: To the grader.
+        shell: What `warm_up` made.
     """
 
-    def __init__(self, channel: Channel) -> None:
-        self._channel = channel
-        self._shell = make_shell()
-        self._shell.InteractiveTB.set_mode("Minimal")
+    def __init__(self, channel: Channel, shell: "InteractiveShell") -> None:
+        self._channel, self._shell = channel, shell
         self._bound: dict[str, Any] = {}
         bind_only(self._bound.__setitem__)
 
@@ -108,12 +116,17 @@ def _flush() -> None:
             continue
 
 
-def main() -> None:
-    """Serve the grader at the other end of the socket whose number is the argument."""
+def warm_up() -> "InteractiveShell":
+    """All that is the same for every submission: imports, and the shell that will run the cells."""
     standin_path.install()
     virtual_time.install()
-    Worker(Channel(socket.socket(fileno=int(sys.argv.pop())))).serve()
+    for module in USUAL:
+        importlib.import_module(module)
+    shell = make_shell()
+    shell.InteractiveTB.set_mode("Minimal")
+    vars(shell).update(system=_no_shell, getoutput=_no_shell)
+    return shell
 
 
-if __name__ == "__main__":
-    main()
+def _no_shell(*_: Any, **__: Any) -> None:
+    print(NO_SHELL)  # noqa: T201  into the output of the cell

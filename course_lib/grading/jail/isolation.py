@@ -1,0 +1,33 @@
+"""How well submissions are kept apart from the machine they run on, in words."""
+
+from dataclasses import dataclass
+
+LAYERS = ("bubblewrap", "namespaces", "Landlock", "seccomp", "limits", "process limit")
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """The layers of the jail that work here."""
+
+    layers: tuple[str, ...] = ()
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no layer is missing; bubblewrap only doubles what others do."""
+        return set(LAYERS) - {"bubblewrap"} <= set(self.layers)
+
+    @property
+    def protects(self) -> bool:
+        """Whether code in it reaches neither files of the user who grades, nor the network."""
+        hides_files = {"bubblewrap", "Landlock"} & set(self.layers)
+        cuts_off = {"bubblewrap", "namespaces", "seccomp"} & set(self.layers)
+        return bool(hides_files and cuts_off and "limits" in self.layers)
+
+    def __str__(self) -> str:
+        """For results, reports and the terminal."""
+        missing = [layer for layer in LAYERS[1:] if layer not in self.layers]
+        have = ", ".join(self.layers)
+        if self.is_full:
+            return f"full sandbox ({have})"
+        kind = "partial sandbox" if self.protects else "no sandbox"
+        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)})"

@@ -1,0 +1,158 @@
+"""The grader's end of the template: starts it with as many layers around it as work here."""
+
+import atexit
+import json
+import os
+import shutil
+import site
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Collection, Iterator
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+
+import course_lib
+from course_lib.errors import CourseError
+from course_lib.grading.course_file import Limits
+from course_lib.grading.jail.isolation import Isolation
+
+START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
+STOP_SECONDS = 10.0  # [s] for a submission's end
+NOBODY = 65534  # the user without files
+SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/etc/fonts")
+INSIDE = "/tmp/submission"  # the scratch folder in bubblewrap's files
+BUBBLEWRAP = (
+    "--die-with-parent --new-session --unshare-pid --unshare-net --unshare-ipc --unshare-uts "
+    "--proc /proc --dev /dev --perms 1777 --tmpfs /tmp"
+)
+BECOME_ANOTHER = "--cap-drop ALL --cap-add CAP_SETUID --cap-add CAP_SETGID"
+THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+class WorkerError(CourseError):
+    """A worker does not even start: the kit's or the machine's fault, never the student's."""
+
+
+class TemplateProcess:
+    """A template, started with the most layers with which it comes up.
+
+    Args:
+        off: Layers that are not to be used, for tests of what is left.
+
+    Raises:
+        WorkerError: It does not start at all.
+    """
+
+    def __init__(self, off: Collection[str] = ()) -> None:
+        if not hasattr(os, "fork"):
+            raise WorkerError("grading needs Linux, macOS or WSL2: this system can't fork a process")
+        self._scratch = tempfile.mkdtemp(prefix="course_worker_")
+        said = ""
+        for bubblewrap, user in _attempts(off):
+            self._control, theirs = socket.socketpair()
+            with theirs:
+                self._process = _start(theirs, self._scratch, bubblewrap, user, off)
+            self._control.settimeout(START_SECONDS)
+            answer = self._control.recv(2**16)
+            if answer:
+                self.isolation = Isolation((*["bubblewrap"] * bool(bubblewrap), *json.loads(answer)))
+                return
+            said = self._process.communicate()[0].decode("utf-8", "replace")
+            self._control.close()
+        raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
+
+    def start(self, limits: Limits) -> tuple[socket.socket, int]:
+        """Start a submission; gives this side's ends of its channel and of the pipe for its output."""
+        ours, theirs = socket.socketpair()
+        reader, writer = os.pipe()
+        with theirs:
+            socket.send_fds(self._control, [json.dumps(asdict(limits)).encode()], [theirs.fileno(), writer])
+        os.close(writer)
+        return ours, reader
+
+    def stop(self) -> None:
+        """End the submission with all that it has started."""
+        try:
+            self._control.settimeout(STOP_SECONDS)
+            self._control.send(b"stop")
+            is_alive = self._control.recv(100) == b"stopped"
+        except OSError:
+            is_alive = False
+        if not is_alive:
+            self.close()
+
+    def close(self) -> None:
+        """End the template."""
+        self._control.close()
+        try:
+            self._process.wait(STOP_SECONDS)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+        shutil.rmtree(self._scratch, ignore_errors=True)
+        shared_template.cache_clear()
+
+
+@cache
+def shared_template() -> TemplateProcess:
+    """The template of this process, started when it is first asked for."""
+    template = TemplateProcess()
+    atexit.register(template.close)
+    return template
+
+
+def _attempts(off: Collection[str]) -> Iterator[tuple[str | None, int | None]]:
+    """Ways to start, from the most closed one: bubblewrap's path or none, and the user to become."""
+    bubblewrap = shutil.which("bwrap") if "bubblewrap" not in off else None
+    users = [NOBODY, None] if os.geteuid() == 0 and "process limit" not in off else [None]
+    for program in dict.fromkeys((bubblewrap, None)):
+        for user in users:
+            yield program, user
+
+
+def _start(
+    control: socket.socket, scratch: str, bubblewrap: str | None, user: int | None, off: Collection[str]
+) -> "subprocess.Popen[bytes]":
+    environment = {
+        "PATH": os.defpath,
+        "LANG": "C.UTF-8",
+        "MPLBACKEND": "Agg",
+        "PYTHONHASHSEED": "0",
+        "PYTHONUSERBASE": site.getuserbase(),  # the kit may be installed there, and HOME is not the user's
+    }
+    read = [path for path in _readable() if os.path.exists(path)]
+    place = INSIDE if bubblewrap else scratch
+    settings = {"control": control.fileno(), "scratch": place, "read": read, "off": list(off), "user": user}
+    command = [sys.executable, "-P", "-m", "course_lib.grading.jail.template", json.dumps(settings)]
+    os.chown(scratch, os.geteuid() if user is None else user, -1)
+    return subprocess.Popen(
+        [*(_bubblewrap(bubblewrap, read, user) if bubblewrap else ()), *command],
+        env={**environment, **dict.fromkeys(("HOME", "IPYTHONDIR", "MPLCONFIGDIR"), place), **THREADS},
+        cwd="/",
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        pass_fds=[control.fileno()],
+        start_new_session=True,
+    )
+
+
+def _readable() -> list[str]:
+    """What a submission may read: the system's programs, Python, its packages and the kit; no more."""
+    kit = str(Path(course_lib.__file__).parent)
+    return [*SYSTEM, sys.prefix, sys.base_prefix, site.getusersitepackages(), kit]
+
+
+def _bubblewrap(program: str, read: Collection[str], user: int | None) -> list[str]:
+    folders = dict.fromkeys(str(up) for path in read for up in reversed(Path(path).parents[:-1]))  # 0755 each
+    files = [*(("--dir", folder) for folder in folders), *(("--ro-bind", path, path) for path in read)]
+    become = BECOME_ANOTHER.split() if user is not None else []
+    return [
+        program, *BUBBLEWRAP.split(), *(word for words in files for word in words),
+        "--perms", "0777", "--dir", INSIDE, *become, "--",
+    ]  # fmt: skip

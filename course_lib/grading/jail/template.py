@@ -1,0 +1,126 @@
+"""The process of which every submission is a fork: all imports are done, and nothing in it is worth reading.
+
+`launch` starts it, with a clean environment. It runs no student's code itself, and ends with the grader.
+"""
+
+import gc
+import json
+import os
+import resource
+import shutil
+import signal
+import socket
+import sys
+from collections.abc import Collection
+from contextlib import suppress
+from pathlib import Path
+
+from course_lib.grading.course_file import Limits
+from course_lib.grading.jail.layers import Place, enter, working_layers
+from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
+from course_lib.grading.worker import Worker, warm_up
+from course_lib.ros.channel import Channel
+
+
+class Template:
+    """Forks submissions, one at a time, and ends each with all that it has started.
+
+    Args:
+        control: To the grader.
+        place: Where submissions run.
+        off: Layers that are not to be used.
+    """
+
+    def __init__(self, control: socket.socket, place: Place, off: Collection[str]) -> None:
+        self._control, self._place = control, place
+        self._shell = warm_up()
+        self._submission = 0  # its first process
+        with suppress(OSError):  # not Linux
+            prctl(CHILD_SUBREAPER, 1)
+            prctl(DUMPABLE, 0)
+        self._layers = working_layers(place, off)
+        gc.collect()
+        gc.freeze()  # so that collections in forks leave its memory shared
+
+    def serve(self) -> None:
+        """Start and stop submissions until the grader is gone."""
+        self._control.send(json.dumps(self._layers).encode())
+        while True:
+            message, descriptors, *_ = socket.recv_fds(self._control, 2**16, 2)
+            if not message:
+                break
+            if message == b"stop":
+                self._stop()
+                self._control.send(b"stopped")
+            else:
+                self._start(Limits(**json.loads(message)), descriptors)
+        self._stop()
+
+    def _start(self, limits: Limits, descriptors: list[int]) -> None:
+        self._submission = os.fork()
+        if self._submission == 0:
+            try:
+                self._control.detach()
+                channel = _keep_only(*descriptors)
+                self._run(channel, limits)
+            finally:
+                os._exit(0)
+        for descriptor in descriptors:
+            os.close(descriptor)
+
+    def _run(self, channel: Channel, limits: Limits) -> None:
+        problem = ""
+        try:
+            enter(self._place, self._layers, limits)
+        except OSError as error:
+            problem = str(error)
+        channel.send(["jailed", problem])  # nothing of the student's has run yet: this is true
+        if not problem:
+            Worker(channel, self._shell).serve()
+
+    def _stop(self) -> None:
+        """Kill the submission and all that it has started: orphans become children of this process."""
+        while True:
+            for pid in _children() or [self._submission]:
+                with suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+            try:
+                os.waitpid(-1, 0)
+            except ChildProcessError:
+                break
+        for left in Path(self._place.scratch).iterdir():  # with namespaces nothing is
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _keep_only(channel: int, output: int) -> Channel:
+    """Close all descriptors but these two."""
+    os.setsid()
+    for descriptor in (1, 2):
+        os.dup2(output, descriptor)
+    os.closerange(3, channel)
+    os.closerange(channel + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+    return Channel(socket.socket(fileno=channel))
+
+
+def _children() -> list[int]:
+    me = os.getpid()
+    try:
+        return [int(pid) for pid in Path(f"/proc/{me}/task/{me}/children").read_text().split()]
+    except OSError:  # not Linux
+        return []
+
+
+def main() -> None:
+    """Serve the grader at the other end of the socket that the argument names."""
+    settings = json.loads(sys.argv.pop())
+    user = settings["user"]
+    if user is not None:
+        os.setgroups([])
+        os.setresgid(user, user, user)
+        os.setresuid(user, user, user)
+    place = Place(settings["scratch"], tuple(settings["read"]))
+    Template(socket.socket(fileno=settings["control"]), place, settings["off"]).serve()
+
+
+if __name__ == "__main__":
+    main()
