@@ -48,6 +48,21 @@ OPERATORS = (
     Operator("off by one: first item lost", r"enumerate\((\w+)\)", r"enumerate(\1[1:])", "shows 2|count"),
     Operator("off by one: one number for all", r"id=number", "id=0", "shows 1|count"),
     Operator("off by one: last point lost", r"\[\*(\w+), \1\[0\]\]", r"\1", "points"),
+    Operator(
+        "off by one: one id for all", r"id=int\([^)]*\)", "id=0", r"id|shows \d|count|no marker|place|turn"
+    ),
+    Operator("half forgotten", r" / 2(?= \+|  #)", "", GEOMETRY),
+    Operator("comparison turned", r"(?<=score) >= ", " < ", "shows|count|no marker"),
+    Operator("lifetime: none", r"marker\.lifetime = .*", "pass", "lifetime"),
+    Operator(
+        "frame: not copied",
+        r"(marker\.header)( = message\.header)(?=\n)",
+        r"\1.stamp\2.stamp",
+        "frame",
+    ),
+    Operator(
+        "stamp: not copied", r"(marker\.header)( = message\.header)(?=\n)", r"\1.frame_id\2.frame_id", "stamp"
+    ),
     Operator("type", r"Marker\.(CUBE|SPHERE|CYLINDER|LINE_STRIP)", "Marker.POINTS", "type|shows 0|POINTS"),
     Operator("hard-coded: one student's value", r"my_values\(.*?\)\[.*?\]", "9.9", GEOMETRY),
     Operator(

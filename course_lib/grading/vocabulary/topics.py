@@ -6,6 +6,7 @@ from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.plain import plain
+from course_lib.grading.vocabulary.marker_state import ADD
 from course_lib.grading.vocabulary.values import compare
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
 from course_lib.ros.clock import START_NS
@@ -60,8 +61,12 @@ def expect_rate(evidence: Evidence, topic: str, hz: float, *, tolerance: float =
 
 @word("the stamps on {topic}")
 def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) -> Iterable[Problem]:
-    """The stamps in the headers are the robot time of publishing, within a tolerance in [s]."""
+    """The stamps in the headers are the robot time of publishing, within a tolerance in [s].
+
+    Markers that delete need none.
+    """
     came = [(s, m) for s, message in evidence.messages(topic) for m in getattr(message, "markers", [message])]
+    came = [(seconds, message) for seconds, message in came if getattr(message, "action", ADD) == ADD]
     for seconds, message in came:
         if not hasattr(message, "header"):
             return [Problem(f"{type_name(message)} on {topic} has no header", "a topic has the wrong type")]

@@ -1,0 +1,57 @@
+"""What our side publishes in a scenario, in the words of the check files."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from course_lib.grading.task import Message
+from course_lib.ros.clock import START_NS
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Found:
+    """One object as a detector reports it.
+
+    Args:
+        track: Number of the object.
+        label: What it is.
+        center: Of its box, [m].
+        size: Edges of its box, [m].
+        confidence: 0 to 1, or a value of the student's own, `my(...)`.
+    """
+
+    track: int
+    label: str
+    center: Vector
+    size: Vector
+    confidence: Any
+
+
+def header(at: float, frame: str) -> dict[str, Any]:
+    """The header of a message of `at` [s] after the start of the scenario."""
+    seconds, nanoseconds = divmod(START_NS + round(at * 1e9), 10**9)
+    return {"frame_id": frame, "stamp": {"sec": seconds, "nanosec": nanoseconds}}
+
+
+def xyz(values: Iterable[float]) -> dict[str, float]:
+    """Three numbers as the fields of a point or a vector."""
+    return dict(zip("xyz", values, strict=True))
+
+
+def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
+    """What a detector says on `/objects`, `at` [s] after the start."""
+    fields = {
+        "header": header(at, frame),
+        "detections": [{"header": header(at, frame), **_detection(one)} for one in found],
+    }
+    return Message("/objects", "vision_msgs/msg/Detection3DArray", fields, at=at)
+
+
+def _detection(found: Found) -> Mapping[str, Any]:
+    return {
+        "id": str(found.track),
+        "bbox": {"center": {"position": xyz(found.center)}, "size": xyz(found.size)},
+        "results": [{"hypothesis": {"class_id": found.label, "score": found.confidence}}],
+    }
