@@ -1,8 +1,12 @@
+import base64
+
+import msgpack
 import numpy as np
 import pytest
 
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Solids, Text
+from course_lib.viewer.encoding import snapshot
 from course_lib.viewer.page_link import Click
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
@@ -195,3 +199,88 @@ def test_a_lost_graphics_context_comes_back(host: Host) -> None:
     widget.flush()
     host.carry(frames=4)
     assert count(host.pixels(), GREEN) > 1000
+
+
+def test_a_page_answers_so_that_changes_go_on_for_ever(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("box", box(RED))
+    for number in range(40):
+        scene.set_transform("box", np.diag([1, 1, 1, 1]) + 0.02 * number * np.eye(4, k=3))
+        widget.flush()
+        host.carry(frames=0)
+    host.page.evaluate("() => new Promise(requestAnimationFrame)")
+    assert count(host.pixels()[:, :210], RED) == 0  # the box is at the last place, 0.78 m to the right
+
+
+def test_the_page_keeps_the_scene_for_whoever_saves_the_notebook(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("a/box", box(RED))
+    scene.set_object("mesh", Mesh(np.eye(3), None, (0, 1, 0, 1)))
+    scene.set_visible("mesh", False)
+    scene.set_transform("a", np.eye(4) + 0.5 * np.eye(4, k=3))
+    widget.flush()
+    host.carry()
+    host.page.wait_for_timeout(1300)
+    saved = host.page.evaluate("""() => {
+        const { buffer } = Object.values(models).at(-1).get("snapshot");
+        return btoa(String.fromCharCode(...new Uint8Array(buffer))); }""")
+    kept, sent = (
+        msgpack.unpackb(data, ext_hook=lambda code, part: (code, part))
+        for data in (base64.b64decode(saved), snapshot(scene))
+    )
+    assert kept["commands"] == sent["commands"]
+    matrices = dict(
+        zip(kept["paths"], np.frombuffer(kept["matrices"][1], np.float32).reshape(-1, 4, 3), strict=True)
+    )
+    assert np.array_equal(matrices["a"].T, scene.transform("a")[:3])
+    assert np.array_equal(matrices["mesh"].T, np.eye(4)[:3])
+
+
+def test_a_change_that_cannot_be_shown_is_said_and_the_others_are_seen(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("bad", MeshcatObject({}))
+    scene.set_object("good", box(GREEN))
+    widget.flush()
+    host.carry()
+    assert "bad:" in host.page.get_by_role("status").inner_text()
+    assert count(host.pixels(), GREEN) > 1000
+    scene.set_transform("good", np.full((4, 4), np.nan))
+    widget.flush()
+    host.carry()
+    assert "'good' is not finite" in host.page.get_by_role("status").inner_text()
+
+
+def test_twenty_scenes_share_one_graphics_context_and_all_are_seen(host: Host) -> None:
+    host.page.set_viewport_size({"width": 800, "height": 1600})
+    for number in range(24):
+        scene = from_above()
+        scene.set_object("box", box(RED if number % 2 else BLUE))
+        widget = SceneWidget(scene, height=60)
+        host.open(widget)
+        host.show(widget)
+    host.carry(frames=6)
+    pixels = host.pixels()
+    for number in range(24):
+        color = RED if number % 2 else BLUE
+        assert count(pixels[60 * number : 60 * number + 60], color) > 100, number
+    assert host.page.evaluate("contexts.length") == 1
+    assert not host.page.evaluate("contexts.some((context) => context.isContextLost())")
+
+
+def test_a_view_fills_the_screen_by_key_and_by_button_and_follows_its_size(host: Host) -> None:
+    scene = from_above()
+    scene.set_object("box", box(RED))
+    shown(host, scene)
+    before = count(host.pixels(), RED)
+    host.page.mouse.click(10, 10)
+    host.page.keyboard.press("f")
+    host.page.wait_for_function("document.fullscreenElement !== null")
+    host.carry(frames=4)
+    assert count(host.pixels(), RED) > 2 * before
+    host.page.get_by_role("button", name="Full screen").click()
+    host.page.wait_for_function("document.fullscreenElement === null")
+    host.carry(frames=4)
+    assert count(host.pixels(), RED) == before
