@@ -10,6 +10,7 @@ from course_lib.displays.poses.pose import PoseDisplay
 from course_lib.displays.poses.pose_array import PoseArrayDisplay
 from course_lib.displays.range import RangeDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
+from course_lib.displays.tf.display import TfDisplay
 
 PACKAGE = "rviz_default_plugins"
 
@@ -23,6 +24,7 @@ REGISTRY: dict[str, type[Display]] = {
         MarkerDisplay,
         PointCloud2Display,
         RobotModelDisplay,
+        TfDisplay,
         PoseArrayDisplay,
         PoseDisplay,
         RangeDisplay,
@@ -34,7 +36,7 @@ _RVIZ_ONLY = (
     "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
     "Illuminance", "Image", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
     "PointStamped", "Polygon", "PoseWithCovariance",
-    "RelativeHumidity", "TF", "Temperature", "TwistStamped", "Wrench",
+    "RelativeHumidity", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip
 
 

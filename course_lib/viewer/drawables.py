@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from course_lib.errors import CourseError
 from course_lib.viewer.arrays import Integers, checked, floats, rgba
+from course_lib.viewer.camera import Camera
 
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
 Spot: TypeAlias = Literal["square", "disc", "sphere", "box", "tile"]
@@ -115,18 +116,56 @@ class Points:
 
 
 class Text:
-    """Words that face the camera, centred on the origin of their node.
+    """Words that face the camera, at the origin of their node.
 
     Args:
         text: May have several lines.
         height: Height of a capital letter.
         color: Shape (4,).
+        below: Whether all of it is below the origin in the picture; else it is centred there.
     """
 
-    def __init__(self, text: str, height: float, color: npt.ArrayLike = (1.0, 1.0, 1.0, 1.0)) -> None:
+    def __init__(
+        self,
+        text: str,
+        height: float,
+        color: npt.ArrayLike = (1.0, 1.0, 1.0, 1.0),
+        below: bool = False,
+    ) -> None:
         self.text = text
         self.height = float(height)
         self.color = rgba(color)
+        self.below = below
+
+
+class Inset:
+    """A picture in a corner of the view, in front of everything, wherever its node is.
+
+    Args:
+        pixels: RGB, 0..255, shape (rows, columns, 3).
+        aspect: Width of what is shown through its height.
+        camera: Draws the scene from there over the picture; None shows the picture alone.
+        behind: Whether the picture is behind the scene; else the scene's background is.
+        over: How much of the picture covers the scene, 0..1.
+        hidden: Paths of nodes that this camera does not see.
+    """
+
+    def __init__(
+        self,
+        pixels: npt.ArrayLike,
+        aspect: float | None = None,
+        camera: Camera | None = None,
+        behind: bool = True,
+        over: float = 0.0,
+        hidden: tuple[str, ...] = (),
+    ) -> None:
+        self.pixels: npt.NDArray[np.uint8] = checked("pixels", pixels, np.uint8, (None, None, 3))
+        rows, columns = self.pixels.shape[:2]
+        self.aspect = float(aspect or columns / max(rows, 1))
+        self.camera = camera
+        self.behind = behind
+        self.over = float(over)
+        self.hidden = hidden
 
 
 class MeshcatObject:
@@ -140,7 +179,7 @@ class MeshcatObject:
         self.json = json
 
 
-Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | MeshcatObject
+Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Inset | MeshcatObject
 
 
 def _faces(faces: npt.ArrayLike | None, count: int) -> Integers:

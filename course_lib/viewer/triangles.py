@@ -1,7 +1,7 @@
 """Everything a scene can hold as triangles that a camera sees, coloured as RViz's light colours them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from course_lib.viewer.drawables import (
     Drawable,
     Lines,
     Mesh,
-    MeshcatObject,
     Points,
     Solids,
     Text,
@@ -55,16 +54,21 @@ class View:
         return (1 / self.camera.pixels_per_metre(depth, self.height)).astype(np.float32)
 
 
-def triangles_of(scene: Scene, height: int) -> Iterator[Triangles]:
-    """Iterate over what is to be seen in a picture of some height in pixels.
+def triangles_of(
+    scene: Scene, camera: Camera, height: int, hidden: tuple[str, ...] = ()
+) -> Iterator[Triangles]:
+    """Iterate over what is to be seen in a picture of some height in pixels, but for some paths.
 
     What only three.js can draw is left out.
     """
-    transform_scene_to_camera = scene.camera.view_matrix()
+    transform_scene_to_camera = camera.view_matrix()
+    without = tuple(f"{path}/" for path in hidden)
     for path, thing in scene.objects().items():
-        if scene.visible(path) and not isinstance(thing, MeshcatObject):
+        if type(thing) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
-            yield _SEEN[type(thing)](thing, View(transform, scene.camera, height))
+            seen = _SEEN[type(thing)](thing, View(transform, camera, height))
+            near = (-seen.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
+            yield seen if near.all() else replace(seen, corners=seen.corners[near])
 
 
 def _triangles(points: Floats, colors: Floats, lit_by: Floats | None = None) -> Triangles:
@@ -167,7 +171,8 @@ def _text(text: Text, view: View) -> Triangles:
     glyphs = rasterized(text.text)
     rows, columns = glyphs.mask.shape
     size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
-    corners = view.points(np.zeros(3, np.float32)) + SQUARE * size
+    lowered = SQUARE - np.array([0, 0.5 * text.below, 0], np.float32)
+    corners = view.points(np.zeros(3, np.float32)) + lowered * size
     square = _triangles(corners, text.color).corners
     square[..., 7:] = SQUARE[..., :2] + np.float32(0.5)
     return Triangles(square, True, glyphs.mask)

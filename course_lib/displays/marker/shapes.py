@@ -54,7 +54,7 @@ def _arrow_between(marker: Any) -> Drawn:
         return Drawn(status=said)
     head_length = min(max(head_length, 0.0), distance) if head_length else HEAD * distance
     shaft_length = distance - head_length
-    along = _turned_to((end - start) / distance)
+    along = turned_to((end - start) / distance)
     shaft_size = (shaft_diameter, shaft_diameter, shaft_length)
     head_size = (head_diameter, head_diameter, head_length)
     shaft = placement(along, shaft_size, start + along[:, 2] * shaft_length / 2)
@@ -67,7 +67,7 @@ def _arrow(marker: Any, shaft: Floats, head: Floats, status: tuple[Level, str] |
     return Drawn({"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status)
 
 
-def _turned_to(direction: Floats) -> Floats:
+def turned_to(direction: Floats) -> Floats:
     """Return a rotation that takes z to a direction, shape (3, 3)."""
     helper = np.eye(3)[np.argmin(np.abs(direction))]
     x = np.cross(helper, direction)

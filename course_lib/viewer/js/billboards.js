@@ -101,7 +101,8 @@ export function buildText(text) {
   mask.generateMipmaps = true;
   mask.needsUpdate = true;
   const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
-  const mesh = instances(material("spot", true, "TEXTURED"), square(), { size, inPixels: false, mask }, {
+  const shape = square().translate(0, text.below ? -0.5 : 0, 0);
+  const mesh = instances(material("spot", true, "TEXTURED"), shape, { size, inPixels: false, mask }, {
     start: perInstance(new Float32Array(3), 3),
     startTint: perInstance(text.color, 4),
   });
