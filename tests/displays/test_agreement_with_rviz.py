@@ -26,7 +26,7 @@ def replayed(name: str) -> Scene:
 
 
 def test_all_scenes_are_here() -> None:
-    assert len(SCENES) >= 9
+    assert len(SCENES) >= 12
 
 
 @pytest.mark.parametrize("renderer", ["chromium", "numpy"])
