@@ -1,14 +1,12 @@
 """MESH_RESOURCE: a mesh from a file."""
 
-import os
-import sys
-from pathlib import Path
 from typing import Any
-from urllib.parse import unquote, urlparse
 
 from course_lib.displays.marker.drawn import Drawn, Floats, label, refused, rgba, scale_of
+from course_lib.errors import CourseError
+from course_lib.robots.resources import resolve
 from course_lib.viewer.drawables import Mesh
-from course_lib.viewer.mesh_files import MeshFileError, load_mesh
+from course_lib.viewer.mesh_files import load_mesh
 
 
 def mesh(marker: Any) -> Drawn:
@@ -17,36 +15,13 @@ def mesh(marker: Any) -> Drawn:
     if not uri:
         return Drawn()
     try:
-        own = load_mesh(resolved(uri))
-    except (OSError, ValueError, MeshFileError):
+        own = load_mesh(resolve(uri))
+    except CourseError:
         return refused(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
     color, scale = rgba(marker.color), scale_of(marker)
     colors = _tinted(own.colors.astype(float), color) if marker.mesh_use_embedded_materials else color
     normals = own.normals if scale.min() == scale.max() > 0 else None  # what is stretched gets new ones
     return Drawn({"mesh": Mesh(own.vertices * scale, own.faces, colors, normals)})
-
-
-def resolved(uri: str) -> Path:
-    """Return the file of a ``package://`` or ``file://`` address.
-
-    Packages are those of the robot data that comes with the kit, and those on ROS_PACKAGE_PATH.
-
-    Raises:
-        ValueError: If it is no such address.
-        FileNotFoundError: If no such file exists.
-    """
-    parts = urlparse(uri)
-    if parts.scheme == "file":
-        return Path(unquote(parts.path))
-    if parts.scheme != "package":
-        raise ValueError(uri)
-    roots = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if root]
-    roots += [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]
-    candidates = (root / parts.netloc / unquote(parts.path).lstrip("/") for root in roots)
-    found = next((path for path in candidates if path.is_file()), None)
-    if found is None:
-        raise FileNotFoundError(uri)
-    return found
 
 
 def _tinted(own: Floats, color: Floats) -> Floats:

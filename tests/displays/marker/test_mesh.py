@@ -8,7 +8,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from course_lib.displays.marker.drawn import Drawn
-from course_lib.displays.marker.mesh import mesh, resolved
+from course_lib.displays.marker.mesh import mesh
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker
 
@@ -41,15 +41,6 @@ def test_a_mesh_of_the_robot_data_is_found_by_its_package() -> None:
     part = drawn(UPPER_ARM)
     assert len(part.faces) > 1000
     assert np.ptp(part.vertices, axis=0).max() == pytest.approx(0.7, abs=0.2)  # [m]
-
-
-def test_a_package_is_looked_for_on_the_ros_package_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "my_robot").mkdir()
-    (tmp_path / "my_robot" / "arm.stl").touch()
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
-    assert resolved("package://my_robot/arm.stl") == tmp_path / "my_robot" / "arm.stl"
 
 
 @pytest.mark.parametrize("tint", [False, True])
