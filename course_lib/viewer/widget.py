@@ -8,6 +8,7 @@ from typing import Any
 
 import anywidget
 import traitlets
+from IPython.core.getipython import get_ipython
 
 from course_lib.viewer import assets, zbuffer
 from course_lib.viewer.drawables import Mesh, Points, Solids
@@ -44,6 +45,7 @@ class SceneWidget(anywidget.AnyWidget):
 
     def __init__(self, scene: Scene, height: int = 400, label: str = "3D view") -> None:
         self.scene = scene
+        self._saved = -1  # number of the scene in the last state
         self.keeps: object = None  # whatever must live as long as a page shows this
         self.on_views: Callable[[int], None] = lambda count: None  # told how many a page has now
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
@@ -57,12 +59,16 @@ class SceneWidget(anywidget.AnyWidget):
         if "JPY_SESSION_NAME" in os.environ:
             # A page is there, but after a restart it is not heard before the running cell ends.
             self.link.expect()
+        self._shell = get_ipython()
+        if self._shell is not None:
+            self._shell.events.register("post_run_cell", self._save)
 
     def get_state(self, key: Any = None, drop_defaults: bool = False) -> dict[str, Any]:
         """Return the traits, with the scene as it is now: pages ask for them when they load."""
         state: dict[str, Any] = super().get_state(key, drop_defaults)
         if "snapshot" in state or "number" in state:
             state["number"], state["snapshot"] = self.link.snapshot()
+            self._saved = state["number"]
         return state
 
     def flush(self) -> None:
@@ -72,7 +78,15 @@ class SceneWidget(anywidget.AnyWidget):
     def close(self) -> None:
         """Remove the views from all pages and stop following the scene."""
         self.link.close()
+        if self._shell is not None:
+            self._shell.events.unregister("post_run_cell", self._save)
+            self._shell = None
         super().close()
+
+    def _save(self, _: object) -> None:
+        """Let whoever runs the notebook without a page, like nbconvert, save it with the present scene."""
+        if not self.link.ready and self.link.snapshot()[0] != self._saved:
+            self.send_state(["snapshot", "number"])
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the view, and a picture for pages that run nothing: saved, untrusted, on GitHub."""

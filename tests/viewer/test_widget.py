@@ -1,9 +1,14 @@
 import base64
 import subprocess
 import sys
+from pathlib import Path
+from typing import Any
 
+import msgpack
+import nbformat
 import numpy as np
 import pytest
+from nbclient import NotebookClient
 
 from course_lib.viewer import widget as widget_module
 from course_lib.viewer.drawables import Solids
@@ -93,3 +98,23 @@ def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.slow
+def test_a_notebook_run_without_a_page_is_saved_with_the_scene_as_it_is_at_its_end(tmp_path: Path) -> None:
+    cells = [
+        "import numpy as np\n"
+        "from course_lib.viewer.drawables import Solids\n"
+        "from course_lib.viewer.scene import Scene\n"
+        "from course_lib.viewer.widget import SceneWidget\n"
+        "scene = Scene()\n"
+        "SceneWidget(scene)",
+        "scene.set_object('late/box', Solids('box', [np.eye(4)], (1, 0, 0, 1)))",
+    ]
+    new: Any = nbformat.v4  # has no types
+    notebook = new.new_notebook(cells=[new.new_code_cell(cell) for cell in cells])
+    NotebookClient(notebook, timeout=60, resources={"metadata": {"path": tmp_path}}).execute()
+    states = notebook.metadata["widgets"]["application/vnd.jupyter.widget-state+json"]["state"].values()
+    buffers = {tuple(b["path"]): b["data"] for state in states for b in state.get("buffers", ())}
+    scene = msgpack.unpackb(base64.b64decode(buffers[("snapshot",)]))
+    assert [c["path"] for c in scene["commands"] if c["type"] == "object"] == ["late/box"]
