@@ -25,6 +25,9 @@ class Camera:
     near: float = 0.01  # nearest distance that is drawn
     # pixels per metre of a view without perspective; None for perspective
     orthographic_scale: float | None = None
+    # where it looks at, right of and below the middle of the picture, in heights of the picture
+    shift: tuple[float, float] = (0.0, 0.0)
+    far: float = FAR  # farthest distance that is drawn
 
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -10,9 +11,13 @@ from PIL import Image
 
 from course_lib.viewer.arrays import Floats
 from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Inset
+from course_lib.viewer.insets import placed_insets
 from course_lib.viewer.raster import clipped, covered
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.triangles import Triangles, triangles_of
+
+Pixels: TypeAlias = npt.NDArray[np.uint8]  # RGB, shape (rows, columns, 3)
 
 _FINER = 2  # samples per pixel along each axis
 
@@ -27,29 +32,49 @@ class Fragments:
 
 
 def draw(scene: Scene, size: tuple[int, int]) -> bytes:
-    """Draw a scene and return the PNG; the size is in pixels."""
+    """Draw a scene, with the pictures in its corner, and return the PNG; the size is in pixels."""
     with np.errstate(invalid="ignore", over="ignore"):  # what is no number covers no pixel
-        pixels = _pixels(scene, size)
+        pixels = _pixels(scene, scene.camera, size)
+        for inset, (left, top, width, height) in placed_insets(scene, size):
+            pixels[top : top + height, left : left + width] = _inset(scene, inset, (width, height))
     png = BytesIO()
     Image.fromarray(pixels).save(png, "png")
     return png.getvalue()
 
 
-def _pixels(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+def _inset(scene: Scene, inset: Inset, size: tuple[int, int]) -> Pixels:
+    """Draw a picture into its place, with the scene if it shows that too."""
+    picture = np.asarray(Image.fromarray(inset.pixels).resize(size))
+    if inset.camera is None:
+        return picture
+    drawn = _pixels(scene, inset.camera, size, picture if inset.behind else None, inset.hidden)
+    mixed: Pixels = np.rint(drawn * (1 - inset.over) + picture * inset.over).astype(np.uint8)
+    return mixed
+
+
+def _pixels(
+    scene: Scene,
+    camera: Camera,
+    size: tuple[int, int],
+    behind: Pixels | None = None,
+    hidden: tuple[str, ...] = (),
+) -> Pixels:
     width, height = size[0] * _FINER, size[1] * _FINER
     depths = np.full(width * height, np.inf, np.float32)
-    background = np.array(scene.background, np.float32) / np.float32(255)
-    colors = np.tile(background, (width * height, 1))
+    if behind is None:
+        behind = np.broadcast_to(np.array(scene.background, np.uint8), (size[1], size[0], 3))
+    fine_behind = behind.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
+    colors = fine_behind.reshape(-1, 3).astype(np.float32) / np.float32(255)
     seen_through: list[Fragments] = []
-    for triangles in triangles_of(scene, size[1]):
-        for fragments in _fragments(triangles, scene.camera, (width, height)):
+    for triangles in triangles_of(scene, camera, size[1], hidden):
+        for fragments in _fragments(triangles, camera, (width, height)):
             if triangles.transparent:
                 seen_through.append(fragments)
             else:
                 _cover(depths, colors, fragments)
     _blend(depths, colors, seen_through)
     fine = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
-    pixels: npt.NDArray[np.uint8] = np.rint(fine.mean(axis=(1, 3)) * 255).astype(np.uint8)
+    pixels: Pixels = np.rint(fine.mean(axis=(1, 3)) * 255).astype(np.uint8)
     return pixels
 
 
@@ -86,7 +111,8 @@ def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> I
     corners = clipped(triangles.corners, camera.near) if perspective else triangles.corners
     depth = -corners[..., 2:3]
     scale = camera.pixels_per_metre(depth, size[1]) * (1 if perspective else _FINER)
-    xy = np.array(size) / 2 + corners[..., :2] * scale * [1, -1]
+    middle = np.array(size) / 2 + np.array(camera.shift) * size[1]
+    xy = middle + corners[..., :2] * scale * [1, -1]
     weight = 1 / depth if perspective else np.ones_like(depth)
     values = np.concatenate([depth, corners[..., 3:]], axis=-1) * weight
     for spans in covered(xy, size):

@@ -1,5 +1,6 @@
 /* global THREE, MeshCat */
 import { buildLines, buildPoints, buildText } from "./billboards.js";
+import { buildInset } from "./insets.js";
 import { buildMesh, buildSolids, writeMatrix } from "./surfaces.js";
 import { decode } from "./decode.js";
 
@@ -13,6 +14,8 @@ export class Mirror {
     this.nodes = new Map([["", this.scene]]);
     /** @type {Set<import("./view.js").View>} */
     this.views = new Set();
+    /** @type {Set<any>} groups that are pictures in the views' corner */
+    this.insets = new Set();
     this.background = [48, 48, 48];
     this.camera = null; // as Python describes it
     this.mixer = null;
@@ -28,6 +31,7 @@ export class Mirror {
       lines: buildLines,
       points: buildPoints,
       text: buildText,
+      inset: buildInset,
       meshcat: (object) => this.load(object.json),
     };
     this.orders = {
@@ -116,6 +120,7 @@ export class Mirror {
     node.userData.object = this.builders[description.kind](description);
     node.userData.object.userData.description = description;
     node.add(node.userData.object);
+    if (node.userData.object.userData.inset) this.insets.add(node.userData.object);
   }
 
   /** @param {string} path @returns {any} the node there, without its object */
@@ -153,6 +158,7 @@ export class Mirror {
     top.parent?.remove(top);
     top.traverse((object) => {
       this.nodes.delete(object.userData.path);
+      this.insets.delete(object);
       object.geometry?.dispose();
       if (object.isInstancedMesh) object.dispose();
       object.userData.mask?.dispose();

@@ -12,6 +12,8 @@ export class Orbit {
     this.fov = 45; // [deg] vertical
     this.near = 0.01; // [m]
     this.scale = 0; // pixels per metre, without perspective
+    this.shift = [0, 0]; // see Python's Camera
+    this.far = FAR; // [m]
   }
 
   /** @param {any} camera as Python describes it */
@@ -22,6 +24,8 @@ export class Orbit {
     this.fov = (camera.vertical_fov * 180) / Math.PI;
     this.near = camera.near;
     this.scale = camera.orthographic_scale ?? 0;
+    this.shift = camera.shift;
+    this.far = camera.far;
   }
 
   /** @param {number} width in the pixels of `scale` @param {number} height @returns {any} for three.js */
@@ -30,7 +34,9 @@ export class Orbit {
     if (this.scale) {
       const [x, y] = [width / this.scale / 2, height / this.scale / 2];
       camera = new THREE.OrthographicCamera(-x, x, y, -y, -FAR, FAR);
-    } else camera = new THREE.PerspectiveCamera(this.fov, width / height, this.near, FAR);
+    } else camera = new THREE.PerspectiveCamera(this.fov, width / height, this.near, this.far);
+    const [right, down] = this.shift.map((part) => -part * height);
+    if (right || down) camera.setViewOffset(width, height, right, down, width, height);
     camera.up.copy(this.up);
     camera.position.copy(this.eye);
     camera.lookAt(this.target);

@@ -1,4 +1,5 @@
 /* global THREE */
+import { drawInsets } from "./insets.js";
 import { pixel } from "./materials.js";
 
 // Browsers keep 16 WebGL contexts at most: all views of a page share one and copy its picture.
@@ -9,7 +10,7 @@ export const views = new Set();
 
 function renderer() {
   if (!shared) {
-    shared = new THREE.WebGLRenderer({ antialias: true });
+    shared = new THREE.WebGLRenderer({ antialias: true, alpha: true });
     shared.outputEncoding = THREE.LinearEncoding; // colours are shown as they were given
     const current = shared;
     current.domElement.addEventListener("webglcontextlost", () => {
@@ -32,11 +33,17 @@ export function draw(canvas, mirror, camera) {
   const engine = renderer();
   const size = engine.getSize(new THREE.Vector2());
   if (size.x !== width || size.y !== height) engine.setSize(width, height, false);
-  engine.setClearColor(new THREE.Color(...mirror.background.map((part) => part / 255)));
-  pixel.value = metresPerPixel(camera, height);
-  mirror.light.position.setFromMatrixColumn(camera.matrixWorld, 2);
-  engine.render(mirror.scene, camera);
-  canvas.getContext("2d")?.drawImage(engine.domElement, 0, 0);
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  const render = (from, w, h, alpha = 0) => {
+    engine.setViewport(0, 0, w, h);
+    engine.setClearColor(new THREE.Color(...mirror.background.map((part) => part / 255)), alpha);
+    pixel.value = metresPerPixel(from, h);
+    mirror.light.position.setFromMatrixColumn(from.matrixWorld, 2);
+    engine.render(mirror.scene, from);
+    return engine.domElement;
+  };
+  context.drawImage(render(camera, width, height, 1), 0, 0);
+  drawInsets(context, mirror, render);
 }
 
 /** @param {any} camera @param {number} height in pixels @returns {number} see `pixel` */

@@ -1,0 +1,67 @@
+/* global THREE */
+import { Orbit } from "./orbit.js";
+
+const [SHARE, GAP] = [0.3, 0.01]; // of the view's width: how wide a picture is, how far it is from others
+
+/** @param {any} inset @returns {any} an empty group that knows its picture */
+export function buildInset(inset) {
+  const { pixels, rows, columns } = inset;
+  const canvas = Object.assign(document.createElement("canvas"), { width: columns, height: rows });
+  const image = new ImageData(columns, rows);
+  image.data.fill(255);
+  for (let i = 0; i < rows * columns; i++) {
+    for (let part = 0; part < 3; part++) image.data[4 * i + part] = pixels[3 * i + part];
+  }
+  canvas.getContext("2d")?.putImageData(image, 0, 0);
+  const group = new THREE.Group();
+  group.userData.inset = { ...inset, picture: canvas };
+  return group;
+}
+
+/**
+ * Say where pictures are, one below the other at the right; smaller if many are.
+ * @param {any[]} insets @param {number} width of the view @param {number} height
+ * @returns {number[][]} left, top, width, height of each
+ */
+function boxes(insets, width, height) {
+  const [wide, gap] = [SHARE * width, GAP * width];
+  const needed = insets.reduce((sum, { aspect }) => sum + wide / aspect, 0);
+  const shrink = Math.min(1, (height - gap * (insets.length + 1)) / needed);
+  let top = gap;
+  return insets.map(({ aspect }) => {
+    const box = [width - gap - wide * shrink, top, wide * shrink, (wide / aspect) * shrink].map(Math.round);
+    top += (wide / aspect) * shrink + gap;
+    return box.map((part, i) => (i > 1 ? Math.max(part, 1) : part));
+  });
+}
+
+/**
+ * Draw all pictures over a view.
+ * @param {CanvasRenderingContext2D} context @param {import("./mirror.js").Mirror} mirror
+ * @param {(camera: any, width: number, height: number) => HTMLCanvasElement} render draws the scene on
+ *   nothing, into the lower left corner of a canvas
+ */
+export function drawInsets(context, mirror, render) {
+  const shown = (object) => !object || (object.visible && shown(object.parent));
+  const groups = [...mirror.insets].filter(shown);
+  groups.sort((a, b) => (a.parent.userData.path < b.parent.userData.path ? -1 : 1));
+  const insets = groups.map((group) => group.userData.inset);
+  const places = boxes(insets, context.canvas.width, context.canvas.height);
+  insets.forEach((inset, i) => {
+    const [left, top, width, height] = places[i];
+    if (!inset.camera) return context.drawImage(inset.picture, left, top, width, height);
+    context.fillStyle = `rgb(${mirror.background.join()})`;
+    context.fillRect(left, top, width, height);
+    if (inset.behind) context.drawImage(inset.picture, left, top, width, height);
+    const hidden = inset.hidden.map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
+    for (const node of hidden) node.visible = false;
+    const orbit = new Orbit();
+    orbit.look(inset.camera);
+    const drawn = render(orbit.camera(width, height), width, height);
+    for (const node of hidden) node.visible = true;
+    context.drawImage(drawn, 0, drawn.height - height, width, height, left, top, width, height);
+    context.globalAlpha = inset.over;
+    context.drawImage(inset.picture, left, top, width, height);
+    context.globalAlpha = 1;
+  });
+}

@@ -1,0 +1,104 @@
+from io import BytesIO
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from course_lib.viewer.browser import find_browser
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Inset, Solids
+from course_lib.viewer.insets import placed_insets
+from course_lib.viewer.picture import Renderer, screenshot
+from course_lib.viewer.scene import Scene
+
+SIZE = (300, 240)
+RED, BLUE = (255, 0, 0), (0, 0, 255)
+AHEAD = Camera(eye=(4.0, 0.0, 0.0), target=(0.0, 0.0, 0.0))
+
+
+def pixels(scene: Scene, renderer: Renderer = "numpy") -> np.ndarray:
+    picture = Image.open(BytesIO(screenshot(scene, size=SIZE, renderer=renderer).png))
+    return np.asarray(picture.convert("RGB")).astype(int)
+
+
+def plain(color: tuple[int, int, int], columns: int = 4, rows: int = 3) -> np.ndarray:
+    return np.full((rows, columns, 3), color, np.uint8)
+
+
+def at_middle(scene: Scene, renderer: Renderer = "numpy") -> list[tuple[int, ...]]:
+    """Return the colour in the middle of each picture."""
+    drawn = pixels(scene, renderer)
+    return [
+        tuple(drawn[top + height // 2, left + width // 2].tolist())
+        for _, (left, top, width, height) in placed_insets(scene, SIZE)
+    ]
+
+
+def red_box() -> Scene:
+    scene = Scene()
+    scene.camera = Camera(eye=(40.0, 0.0, 0.0), target=(0.0, 0.0, 0.0))
+    scene.set_object("box", Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+    return scene
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_pictures_are_in_the_view_and_do_not_cover_each_other(count: int) -> None:
+    scene = Scene()
+    for number in range(count):
+        scene.set_object(f"picture/{number}", Inset(plain(BLUE, rows=2 + number)))
+    boxes = [box for _, box in placed_insets(scene, SIZE)]
+    assert len(boxes) == count
+    for left, top, width, height in boxes:
+        assert 0 <= left < left + width <= SIZE[0]
+        assert 0 <= top < top + height <= SIZE[1]
+    for (_, top, _, height), (_, below, _, _) in pairwise(boxes):
+        assert top + height <= below
+
+
+def test_a_picture_that_is_hidden_leaves_its_place() -> None:
+    scene = Scene()
+    scene.set_object("first", Inset(plain(RED)))
+    scene.set_object("second", Inset(plain(BLUE)))
+    scene.set_visible("first", False)
+    assert at_middle(scene) == [BLUE]
+
+
+@pytest.mark.parametrize("renderer", ["numpy", "chromium"])
+def test_a_camera_sees_the_scene_over_its_picture(renderer: Renderer) -> None:
+    if renderer == "chromium" and find_browser() is None:
+        pytest.skip("no Chromium or Chrome here")
+    scene = red_box()
+    scene.set_object("a", Inset(plain(BLUE), camera=AHEAD))
+    scene.set_object("b", Inset(plain(BLUE), camera=AHEAD, hidden=("box",)))
+    scene.set_object("c", Inset(plain(BLUE), camera=AHEAD, behind=False, hidden=("box",)))
+    scene.set_object("d", Inset(plain(BLUE), camera=AHEAD, over=1.0))
+    assert at_middle(scene, renderer) == [RED, BLUE, scene.background, BLUE]
+
+
+def test_what_is_farther_than_a_camera_draws_is_left_out() -> None:
+    scene = red_box()
+    scene.set_object("a", Inset(plain(BLUE), camera=Camera(eye=(4.0, 0.0, 0.0), far=2.0)))
+    assert at_middle(scene) == [BLUE]
+
+
+def test_the_shift_moves_what_the_camera_looks_at_by_heights_of_the_picture() -> None:
+    scene = red_box()
+    scene.set_object("a", Inset(plain(BLUE), camera=Camera(eye=(9.0, 0.0, 0.0), shift=(0.25, -0.25))))
+    ((_, (left, top, width, height)),) = placed_insets(scene, SIZE)
+    inside = pixels(scene)[top : top + height, left : left + width]
+    rows, columns = np.nonzero(inside[..., 0] > 128)
+    assert columns.mean() == pytest.approx(width / 2 + height / 4, abs=1)
+    assert rows.mean() == pytest.approx(height / 2 - height / 4, abs=1)
+
+
+def test_both_renderers_agree_on_pictures() -> None:
+    if find_browser() is None:
+        pytest.skip("no Chromium or Chrome here")
+    scene = red_box()
+    ramp = np.zeros((60, 80, 3), np.uint8)
+    ramp[..., 1] = np.arange(80)
+    scene.set_object("a", Inset(ramp))
+    scene.set_object("b", Inset(ramp, camera=AHEAD, over=0.5))
+    ours, theirs = pixels(scene), pixels(scene, "chromium")
+    assert (np.abs(ours - theirs).max(axis=2) > 40).mean() < 0.002
