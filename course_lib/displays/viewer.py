@@ -26,7 +26,7 @@ from course_lib.viewer.picture import Picture, screenshot
 from course_lib.viewer.scene import Scene
 
 if TYPE_CHECKING:
-    from pinocchio.robot_wrapper import RobotWrapper
+    from course_lib.robots.robot import Robot
 
     from course_lib.viewer.visualizer import Visualizer
 
@@ -76,7 +76,7 @@ class Viewer:
 
         Args:
             class_name: RViz's name, ``Marker`` or ``rviz_default_plugins/Marker``.
-            topic: Its Topic property.
+            topic: Its Topic property, or whatever the display calls it.
             name: Its class if not given.
             properties: By RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell Size": 0.5}``.
 
@@ -88,7 +88,7 @@ class Viewer:
             known = ", ".join(map(short_name, REGISTRY))
             raise CourseError(f"There is no display {class_name!r} here; add one of {known}.")
         if topic is not None:
-            properties["Topic"] = topic
+            properties[getattr(REGISTRY[wanted], "topic_label", "Topic")] = topic
         return self.session.add(wanted, name or short_name(wanted), {}, **properties)
 
     def remove(self, display: Display) -> None:
@@ -145,12 +145,12 @@ class Viewer:
         self.look()
         return StatusTable(self.session.rows())
 
-    def show_robot(self, robot: "RobotWrapper", configuration: npt.ArrayLike | None = None) -> None:
+    def show_robot(self, robot: "Robot", configuration: npt.ArrayLike | None = None) -> None:
         """Draw a robot's links in the fixed frame, without any messages.
 
         Args:
             robot: What `load_robot` returns.
-            configuration: Joint positions, shape (nq,); None takes the neutral one.
+            configuration: Joint positions, shape (nq,); None takes the rest posture.
         """
         from pinocchio.visualize import MeshcatVisualizer  # here: heavy
 
