@@ -105,7 +105,7 @@ async def _keep_running(graph: Graph) -> None:
         if not _runs_of(graph):
             return
         now = wall.monotonic()
-        step_ns = round(min(now - last, CATCH_UP) * 1e9)
+        step_ns = pace.speed_of(graph).passed_ns(min(now - last, CATCH_UP))
         last = now
         try:
             with executor_with(()) as executor:

@@ -1,6 +1,7 @@
 """How fast robot time goes: as the wall clock while somebody is watching, else at full speed."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Literal
@@ -32,12 +33,34 @@ def wanted() -> Literal["real", "fast"]:
     raise CourseError(f"COURSE_PACE is {said!r}; write COURSE_PACE=real or COURSE_PACE=fast.")
 
 
+class Speed:
+    """How fast robot time goes beside the wall clock's, as the Time panel says; set from any thread."""
+
+    def __init__(self) -> None:
+        self.rate = 1.0
+        self.paused = False
+        self.step_ns = 0  # robot time that shall go by although it is paused, [ns]
+
+    def passed_ns(self, seconds: float) -> int:
+        """Say how much robot time, [ns], goes by in so much wall time, [s]."""
+        step_ns, self.step_ns = self.step_ns, 0
+        return step_ns + (0 if self.paused else round(seconds * self.rate * 1e9))
+
+
+def speed_of(graph: Graph) -> Speed:
+    """Return the speed that a graph's robot time has, where the wall clock is kept to at all."""
+    speed: Speed = graph.state.setdefault("pace.speed", Speed())
+    return speed
+
+
 @contextmanager
 def kept(graph: Graph) -> Iterator[None]:
     """Keep the wanted pace in a call that waits; first give the page time to show its viewer."""
     if not graph.notebook or wanted() == "fast" or graph.pace is not None:
         yield
         return
+    if speed_of(graph).paused:
+        sys.stdout.write("Robot time is paused: ▶ in the viewer's Time panel lets it go on.\n")
     _wait_for_pages()
     graph.pace = WallPace(graph)
     try:
@@ -47,15 +70,18 @@ def kept(graph: Graph) -> Iterator[None]:
 
 
 class WallPace:
-    """Holds robot time back to the wall clock, from now on."""
+    """Holds robot time back to the wall clock, from now on, at the graph's speed."""
 
     def __init__(self, graph: Graph) -> None:
-        self._robot_ns = graph.now_ns
+        self._speed = speed_of(graph)
+        self._allowed_ns = graph.now_ns  # robot time that the wall clock has come to
         self._wall = wall.monotonic()
 
     def __call__(self, due_ns: int) -> bool:
         """Say whether the wall clock has come to robot time `due_ns`, [ns]; wait for it a little if not."""
-        left = (due_ns - self._robot_ns) * 1e-9 - (wall.monotonic() - self._wall)
+        before, self._wall = self._wall, wall.monotonic()
+        self._allowed_ns += self._speed.passed_ns(self._wall - before)
+        left = (due_ns - self._allowed_ns) * 1e-9 / self._speed.rate
         if left > 0:
             wall.sleep(min(left, SLICE))
         return left <= 0

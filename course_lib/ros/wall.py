@@ -4,3 +4,4 @@ import time
 
 monotonic = time.monotonic
 sleep = time.sleep
+time_ns = time.time_ns

@@ -12,7 +12,7 @@ from course_lib.errors import CourseError
 # In the order in which they need each other.
 _MODULES = (
     "decode", "encode", "materials", "surfaces", "billboards", "orbit", "insets", "mirror", "renderer",
-    "view", "link", "film", "panels/time", "player", "page", "socket",
+    "view", "panels/time", "link", "film", "player", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

@@ -13,6 +13,7 @@ _PAGE = """\
 <!doctype html>
 <html lang="en">
 <meta charset="utf-8">
+<link rel="icon" href="data:,">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>html, body {{ margin: 0; height: 100%; background: rgb{background} }}</style>
@@ -25,13 +26,20 @@ _FRAGMENT = """\
 <div class="course-scene" style="height:{height};overflow:hidden" data-label="{label}" data-alone="{alone}">\
 <noscript>{label}: needs JavaScript.</noscript><script type="text/plain">{scene}</script></div>"""
 
+_MAIN = """\
+<style>
+main { display: flex; flex-direction: column; height: 100% }
+main > div:first-child { flex: 1; min-height: 0; height: auto !important }
+</style>
+<main></main>"""
+
 _SCRIPT = """\
 <script>
 (async () => {{
   const zipped = Uint8Array.from(atob("{zipped}"), (sign) => sign.charCodeAt(0));
   const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
   (0, eval)(await new Response(stream).text());
-  await globalThis["{key}"].mountAll();
+  await globalThis["{key}"].{start};
 }})().catch((error) => document.body.append("The 3D view could not start: " + error));
 </script>"""
 
@@ -63,7 +71,13 @@ def scene_fragment(
     return _FRAGMENT.format(height=height, label=escape(label), alone=str(alone).lower(), scene=zipped)
 
 
-def bundle_script() -> str:
+def live_page(title: str) -> str:
+    """Return a page that follows the scene of the program that it comes from, over a WebSocket."""
+    script = bundle_script('follow(document.querySelector("main"))')
+    return _PAGE.format(title=escape(title), background=Scene().background, fragment=_MAIN, script=script)
+
+
+def bundle_script(start: str = "mountAll()") -> str:
     """Return the element that starts all scenes of a page."""
     zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _SCRIPT.format(zipped=zipped, key=assets.bundle()[0])
+    return _SCRIPT.format(zipped=zipped, key=assets.bundle()[0], start=start)

@@ -1,6 +1,8 @@
 import { bytesOf } from "./decode.js";
 import { encode } from "./encode.js";
 import { Mirror } from "./mirror.js";
+import { Desk, DeskState } from "./panels/desk.js";
+import { timeBelow } from "./panels/time.js";
 import { View } from "./view.js";
 
 const SAVE_AFTER = 1000; // [ms] without a change
@@ -18,6 +20,8 @@ export class Link {
     this.number = model.get("number");
     this.asked = 0; // [ms] when the scene was asked for, as a batch was lost
     this.saving = 0; // a timer
+    /** @type {Set<(time: any) => void>} */
+    this.timeBars = new Set();
     /** @type {Record<string, (message: any, buffers: DataView[]) => void>} what is done with which message */
     this.orders = {
       reset: ({ number, page }, [scene]) => {
@@ -36,6 +40,8 @@ export class Link {
         }
       },
       status: ({ text }) => this.say(text),
+      desk: (news) => this.desk.take(news),
+      time: (time) => this.timeBars.forEach((update) => update(time)),
     };
     this.receive = (message, buffers) => {
       this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
@@ -47,6 +53,7 @@ export class Link {
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
     this.send({ type: "ready" });
+    this.desk = new DeskState((order) => this.send(order));
   }
 
   /** @param {any} message for Python: it also tells which page this is, and how far it has come */
@@ -89,8 +96,10 @@ export class Link {
     element.append(host);
     const label = this.model.get("label");
     const view = new View(host, this.mirror, { label, onClick: (click) => this.send(click) });
+    const endTime = timeBelow(this, element);
     this.count();
     return () => {
+      endTime();
       view.dispose();
       host.remove();
       this.count();

@@ -27,11 +27,11 @@ export class TimeBar {
     this.time = { elapsed: 0, paused: true, rate: 1 };
     this.box = barPart("div", { className: "course-time", role: "group", ariaLabel: "Time" });
     this.play = this.button("", () => act({ paused: !this.time.paused }));
-    this.back = this.button("⏮", () => act({ step: -1 }), "Step back (comma)");
-    this.step = this.button("⏭", () => act({ step: 1 }), "Step (period)");
+    this.back = this.button("−1", () => act({ step: -1 }), "Step back (comma)");
+    this.step = this.button("+1", () => act({ step: 1 }), "Step (period)");
     this.scrub = barPart("input", { type: "range", step: "any", ariaLabel: "Time" });
     this.scrub.oninput = () => act({ now: Number(this.scrub.value) });
-    this.loop = this.button("⟳", () => act({ loop: !this.time.loop }), "Loop (L)");
+    this.loop = this.button("↻", () => act({ loop: !this.time.loop }), "Loop (L)");
     this.speed = barPart("select", { ariaLabel: "Speed", title: "Speed" });
     for (const rate of SPEEDS) this.speed.append(new Option(`${rate}×`, String(rate)));
     this.speed.onchange = () => act({ rate: Number(this.speed.value) });
@@ -48,7 +48,7 @@ export class TimeBar {
     this.time = time;
     const name = time.paused ? "Play (Space)" : "Pause (Space)";
     if (this.play.title !== name) Object.assign(this.play, { title: name, ariaLabel: name });
-    this.play.textContent = time.paused ? "▶" : "⏸";
+    this.play.textContent = time.paused ? "▶" : "‖";
     const range = time.range ?? [0, 0];
     for (const part of [this.back, this.scrub, this.loop]) part.hidden = !time.range;
     Object.assign(this.scrub, { min: range[0], max: range[1], value: time.elapsed });
@@ -77,6 +77,25 @@ export class TimeBar {
   button(sign, onclick, name = "") {
     return barPart("button", { type: "button", textContent: sign, title: name, ariaLabel: name, onclick });
   }
+}
+
+/**
+ * Show the time below a view as soon as Python says it, and tell Python what is done there.
+ * @param {import("../link.js").Link} link @param {HTMLElement} element with the view @returns {() => void} ends that
+ */
+export function timeBelow(link, element) {
+  /** @type {TimeBar | null} */
+  let bar = null;
+  const update = (time) => {
+    bar ??= new TimeBar(element, (change) => link.send({ type: "time", ...change }));
+    bar.update(time);
+  };
+  link.timeBars.add(update);
+  link.send({ type: "time" }); // Python answers, if it has one
+  return () => {
+    link.timeBars.delete(update);
+    bar?.box.remove();
+  };
 }
 
 /** @param {Time} time @returns {string} as RViz's Time panel says it */

@@ -1,0 +1,77 @@
+"""RViz's Time panel: what time it is, and orders to the running graph or to the recording that is played."""
+
+from typing import Any, Protocol
+
+from course_lib.displays.frames import NS
+from course_lib.ros import pace, wall
+from course_lib.ros.graph import Graph
+from course_lib.viewer.page_link import PageLink
+
+PERIOD = 0.1  # [s] of the wall clock between two readings
+_STEP_NS = NS // 30  # one frame
+RATES = (0.01, 100.0)
+
+
+class TimeSource(Protocol):
+    """What a time bar shows and drives."""
+
+    def time(self) -> dict[str, Any]:
+        """Say what a time bar shows."""
+
+    def act(self, change: dict[str, Any]) -> None:
+        """Do what somebody did with a time bar."""
+
+
+class LiveTime:
+    """Robot time of the running graph: it stands, steps, goes slower or faster; clicks are served all the while."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._speed = pace.speed_of(graph)
+        self._start_ns = graph.now_ns
+        self._wall = wall.monotonic()
+
+    def time(self) -> dict[str, Any]:
+        """Say what a time bar shows."""
+        return {
+            "now": self._graph.now_ns / NS,
+            "elapsed": (self._graph.now_ns - self._start_ns) / NS,
+            "wall": wall.time_ns() / NS,
+            "wallElapsed": wall.monotonic() - self._wall,
+            "paused": self._speed.paused,
+            "rate": self._speed.rate,
+        }
+
+    def act(self, change: dict[str, Any]) -> None:
+        """Do what somebody did with a time bar."""
+        if change.get("step") == 1:
+            self._speed.paused = True
+            self._speed.step_ns += _STEP_NS
+        rate = change.get("rate")
+        if isinstance(rate, int | float) and RATES[0] <= rate <= RATES[1]:
+            self._speed.rate = float(rate)
+        self._speed.paused = bool(change.get("paused", self._speed.paused))
+
+
+class TimePanel:
+    """Keeps the time bars of pages up to date, and hears what is done with them."""
+
+    def __init__(self, link: PageLink, source: TimeSource) -> None:
+        self._link = link
+        self._source = source
+        self._posted = 0.0  # [s] of the wall clock
+        link.listen("time", self._act)
+
+    def post(self) -> None:
+        """Show the time, now."""
+        self._posted = wall.monotonic()
+        self._link.post({"type": "time", **self._source.time()}, [])
+
+    def refresh(self) -> None:
+        """Show the time to whoever looks, unless that was done a moment ago."""
+        if self._link.ready and wall.monotonic() - self._posted >= PERIOD:
+            self.post()
+
+    def _act(self, change: dict[str, Any]) -> None:
+        self._source.act(change)
+        self.post()
