@@ -63,6 +63,9 @@ def run(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seeds every source of chance.")] = 0,
     bag: Annotated[Path | None, typer.Option(help="Record everything into this new folder.")] = None,
+    params_file: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="Parameters of the nodes, YAML.")
+    ] = None,
     real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
 ) -> None:
     """Run programs on robot time. What follows `--` is passed on to them."""
@@ -72,8 +75,26 @@ def run(
     with_fixed_hashes()
     if seconds is None and not real_time and all(file.suffix != ".ipynb" for file in files):
         seconds = RUN_SECONDS
-    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=context.obj, real_time=real_time)
+    for_ros = ["--ros-args", "--params-file", str(params_file), "--"] if params_file else []
+    args = [*for_ros, *context.obj]
+    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=args, real_time=real_time)
     raise typer.Exit(code)
+
+
+@app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+def ros2(
+    words: Annotated[list[str] | None, typer.Argument(help="What follows `ros2`: topic list -t")] = None,
+    run: Annotated[list[Path] | None, typer.Option(help="A program to run; may be given again.")] = None,
+    bag: Annotated[Path | None, typer.Option(help="A recording to look into instead.")] = None,
+    seconds: Annotated[float, typer.Option(min=0, help="Robot time to run.")] = RUN_SECONDS,
+) -> None:
+    """Do what `ros2` does, over programs or a recording; options for `course` come first."""
+    from course_lib.tools.ros2 import ros2_over
+    from course_lib.tools.run import with_fixed_hashes
+
+    if run:
+        with_fixed_hashes()
+    raise typer.Exit(ros2_over(words or [], files=run or [], bag=bag, seconds=seconds))
 
 
 @app.command()

@@ -18,7 +18,8 @@ from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
 
 INPUT_NODE = "scenario"
-NOT_EVIDENCE = ("/rosout",)  # it names files, and those of cells are called otherwise in each process
+# Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
+NOT_EVIDENCE = ("/rosout", "/parameter_events")
 WALL_LIMIT = 20.0  # [s] of the wall clock for a run in this process
 
 

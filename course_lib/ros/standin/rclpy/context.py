@@ -1,5 +1,6 @@
 """The life between init and shutdown."""
 
+import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from types import TracebackType
@@ -7,6 +8,7 @@ from types import TracebackType
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from rclpy.exceptions import RCLError
+from rclpy.impl.arguments import Arguments, parse
 from rclpy.impl.run import current_run
 
 
@@ -15,7 +17,7 @@ class Context(AbstractContextManager["Context"]):
 
     def __init__(self) -> None:
         self.graph = current_graph()
-        self.args: list[str] | None = None
+        self.arguments = Arguments()  # of the command line, for all nodes
         self._initialized = False
         self._shut_down = False
         self._domain_id = 0
@@ -24,14 +26,15 @@ class Context(AbstractContextManager["Context"]):
     def init(
         self, args: list[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
-        """Begin; `args` are the command line's."""
+        """Begin; `args` are the command line's, by default `sys.argv`."""
         if domain_id is not None and domain_id < 0:
             raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
         if self._initialized:
             raise RuntimeError("Context.init() must only be called once")
+        self.arguments = parse(sys.argv if args is None else args)
+        current_run().log_levels |= self.arguments.log_levels
         self._initialized = True
         current_run().contexts.append(self)
-        self.args = args
         self._domain_id = domain_id or 0
 
     @property

@@ -19,6 +19,14 @@ class RCLError(RuntimeError):
     """An error that rcl, the layer below rclpy, reports."""
 
 
+class RCLInvalidROSArgsError(RCLError):
+    """What stands behind `--ros-args` is wrong."""
+
+
+class UnknownROSArgsError(RuntimeError):
+    """There are arguments behind `--ros-args` that ROS does not know."""
+
+
 class InvalidHandle(Exception):
     """Something was used that had been destroyed."""
 
@@ -103,6 +111,20 @@ class InvalidParameterTypeException(ParameterException):
             f" of type '{desired_parameter.type_.name}', expecting type '{expected_type}'",
             desired_parameter.name,
         )
+
+
+class InvalidParameterValueException(ParameterException):
+    """A parameter's range or a callback refuses a value."""
+
+    def __init__(self, parameter: str, value: object, reason: str) -> None:
+        super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
+
+
+class ParameterImmutableException(ParameterException):
+    """A read-only parameter was to be changed."""
+
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Attempted to modify read-only parameter", parameter_name)
 
 
 class ParameterUninitializedException(ParameterException):

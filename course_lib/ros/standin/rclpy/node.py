@@ -2,7 +2,7 @@
 
 from typing import TypedDict
 
-from rcl_interfaces.msg import Log, ParameterEvent
+from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 
 from rclpy.clock import Clock
 from rclpy.context import Context
@@ -10,6 +10,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
 from rclpy.impl import names
+from rclpy.impl.arguments import Arguments, joined, parse
 from rclpy.impl.node_entities import NodeEntities
 from rclpy.impl.node_graph import NodeNameNonExistentError
 from rclpy.impl.node_handle import NodeHandle
@@ -19,6 +20,7 @@ from rclpy.impl.run import current_run
 from rclpy.impl.same_name import settle_same_names
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
+from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.utilities import get_default_context
 
@@ -49,7 +51,11 @@ class Node(NodeEntities, NodeParameters):
         node_name: Letters, digits and underscores; it does not begin with a digit.
         context: Where it lives; default: what `rclpy.init()` has begun.
         namespace: Put before its name and before its topics that do not begin with a slash.
+        cli_args: A command line for this node alone; it counts more than that of `rclpy.init()`.
+        use_global_arguments: Whether that of `rclpy.init()` counts, too.
         parameter_overrides: Values that count more than the defaults of its parameters.
+        automatically_declare_parameters_from_overrides: Whether those are declared at once.
+        start_parameter_services: Whether other nodes may see and change its parameters.
         allow_undeclared_parameters: Whether parameters may be used that were not declared.
         enable_rosout: Whether its log is published on /rosout.
 
@@ -77,20 +83,27 @@ class Node(NodeEntities, NodeParameters):
         context = context or get_default_context()
         if not context.is_valid:
             raise NotInitializedException("cannot create node")
-        super().__init__(_enter_graph(context, node_name, namespace or ""))
+        local = parse(cli_args or [])
+        arguments = joined(local, context.arguments) if use_global_arguments else local
+        super().__init__(_enter_graph(context, node_name, namespace or "", arguments))
         self._logger = get_logger(self.handle.logger_name)
-        self._parameters = {}
-        self._parameter_types = {}
-        self._parameter_overrides = {parameter.name: parameter for parameter in parameter_overrides or []}
-        self._allow_undeclared_parameters = allow_undeclared_parameters
         settle_same_names(self)
         context.on_shutdown(self._leave_graph)
         self._rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
         if self._rosout is not None:
             current_run().rosout.setdefault(self.handle.logger_name, self._rosout)
-        self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+        events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+        overrides = arguments.parameters(self.handle.full_name)
+        overrides |= {parameter.name: parameter for parameter in parameter_overrides or []}
+        self._keep_parameters(overrides, allow_undeclared_parameters, events, self._clock)
+        if automatically_declare_parameters_from_overrides:
+            given = [(name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()]
+            self.declare_parameters("", given, ignore_override=True)
         for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
-            self.declare_parameter(name, value)
+            if not self.has_parameter(name):
+                self.declare_parameter(name, value)
+        if start_parameter_services:
+            ParameterService(self)
 
     @property
     def context(self) -> Context:
@@ -149,9 +162,11 @@ class Node(NodeEntities, NodeParameters):
         self.handle.leave()
 
 
-def _enter_graph(context: Context, name: str, namespace: str) -> NodeHandle:
+def _enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:
     """Check the names and enter the graph; a namespace may be written without its leading slash."""
     names.validate_node_name(name)
+    name = arguments.renamed(name, "__node", name)
+    namespace = arguments.renamed(name, "__ns", namespace)
     absolute = namespace if namespace.startswith("/") else f"/{namespace}"
     names.validate_namespace(absolute)
-    return NodeHandle(context, name, absolute)
+    return NodeHandle(context, name, absolute, arguments)

@@ -100,7 +100,9 @@ class NodeGraph:
         return self._resolve(service, "service", only_expand)
 
     def _resolve(self, name: str, kind: names.Kind, only_expand: bool) -> str:
-        return names.expand_name(name, self.handle.name, self.handle.namespace, kind)
+        node = self.handle
+        full = names.expand_name(name, node.name, node.namespace, kind)
+        return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
 
     def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         topic = self.resolve_topic_name(topic_name)

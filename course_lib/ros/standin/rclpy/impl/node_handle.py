@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.context import Context
     from rclpy.executors import Executor
+    from rclpy.impl.arguments import Arguments
 
 _order = itertools.count()  # in which entities become ready
 
@@ -23,13 +24,15 @@ class NodeHandle:
         context: The context that it lives in.
         name: Its name, valid.
         namespace: Its absolute namespace, valid.
+        arguments: What the command line asks for.
     """
 
-    def __init__(self, context: "Context", name: str, namespace: str) -> None:
+    def __init__(self, context: "Context", name: str, namespace: str, arguments: "Arguments") -> None:
         self.context = context
         self.graph = context.graph
         self.name = name
         self.namespace = namespace
+        self.arguments = arguments
         self.id = self.graph.add_node(name, namespace)
         self._executor: weakref.ref[Executor] | None = None
         self.has_left = False  # the graph: destroyed, replaced, or its context shut down

@@ -1,27 +1,31 @@
 """The parameters of a node."""
 
-import warnings
+from collections.abc import Sequence
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    ParameterDescriptor,
+    ParameterValue,
+)
+from rcl_interfaces.msg import Parameter as ParameterMsg
 
 from rclpy.exceptions import (
-    InvalidParameterException,
     InvalidParameterTypeException,
+    InvalidParameterValueException,
     ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
+from rclpy.impl.parameter_declaration import checked
+from rclpy.impl.parameter_rules import refusal
+from rclpy.impl.parameter_setting import ParameterSetting
 from rclpy.parameter import Parameter
 
 
-class NodeParameters:
-    """The part of Node that keeps parameters."""
-
-    _parameters: dict[str, Parameter]
-    _parameter_types: dict[str, Parameter.Type | None]  # None: it may change its type
-    _parameter_overrides: dict[str, Parameter]
-    _allow_undeclared_parameters: bool
+class NodeParameters(ParameterSetting):
+    """The part of Node that declares parameters and tells of them."""
 
     def declare_parameter(
         self,
@@ -45,29 +49,42 @@ class NodeParameters:
             InvalidParameterException: If the name is empty.
             ParameterAlreadyDeclaredException: If it was declared before.
             InvalidParameterTypeException: If a value from outside the program has another type.
+            InvalidParameterValueException: If its range or a callback refuses the value.
         """
-        if not name:
-            raise InvalidParameterException(name)
-        if name in self._parameters:
-            raise ParameterAlreadyDeclaredException([name])
-        if value is Parameter.Type.NOT_SET:
-            raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
-        if value is None and descriptor is None:
-            warnings.warn(_name_only(name), stacklevel=2)
-        dynamic = value is None if descriptor is None else descriptor.dynamic_typing
-        if value is None and not dynamic:
-            raise ValueError(
-                "Cannot declare a statically typed parameter with default value of type PARAMETER_NOT_SET"
-            )
-        typed_only = isinstance(value, Parameter.Type)
-        kind = value if typed_only else Parameter.Type.from_parameter_value(value)
-        default = Parameter(name, Parameter.Type.NOT_SET) if typed_only else Parameter(name, kind, value)
-        parameter = default if ignore_override else self._parameter_overrides.get(name, default)
-        if parameter is not default and not dynamic and parameter.type_ is not kind:
-            raise InvalidParameterTypeException(parameter, kind.name)
-        self._parameters[name] = parameter
-        self._parameter_types[name] = None if dynamic else kind
-        return parameter
+        more = () if value is None and descriptor is None else (value, descriptor or ParameterDescriptor())
+        return self.declare_parameters("", [(name, *more)], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter]:
+        """Declare several: (name), (name, value) or (name, value, descriptor) each, put into a namespace."""
+        declared: list[Parameter] = []
+        descriptors: dict[str, ParameterDescriptor] = {}
+        for index, given in enumerate(parameters):
+            name, value, descriptor = checked(index, given, namespace)
+            if not ignore_override and name in self._parameter_overrides:
+                value = self._parameter_overrides[name].value
+            declared.append(Parameter(name, value=value))
+            descriptors[name] = descriptor
+        already = [parameter.name for parameter in declared if parameter.name in self._parameters]
+        if already:
+            raise ParameterAlreadyDeclaredException(already)
+        for parameter in declared:
+            self._declare(parameter, descriptors[parameter.name])
+        return [self._parameters[parameter.name] for parameter in declared]
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Forget a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: If it is not declared.
+            ParameterImmutableException: If it is read-only.
+        """
+        if name not in self._parameters:
+            raise ParameterNotDeclaredException(name)
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self._parameters[name], self._descriptors[name]
 
     def has_parameter(self, name: str) -> bool:
         """Say whether a parameter is declared."""
@@ -80,22 +97,99 @@ class NodeParameters:
             ParameterNotDeclaredException: If it is not declared.
             ParameterUninitializedException: If it was declared with a type only and has no value.
         """
-        if name not in self._parameters:
+        parameter = self._parameters.get(name)
+        if parameter is None:
             if self._allow_undeclared_parameters:
                 return Parameter(name, Parameter.Type.NOT_SET)
             raise ParameterNotDeclaredException(name)
-        parameter = self._parameters[name]
-        if parameter.type_ is Parameter.Type.NOT_SET and self._parameter_types[name] is not None:
+        if parameter.type_ is Parameter.Type.NOT_SET and not self._descriptors[name].dynamic_typing:
             raise ParameterUninitializedException(name)
         return parameter
 
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return several parameters; raises as `get_parameter` does."""
+        return [self.get_parameter(name) for name in _strings(names)]
 
-def _name_only(name: str) -> str:
-    return (
-        f"when declaring parameter named '{name}', "
-        "declaring a parameter only providing its name is deprecated. You have to either:\n"
-        '\t- Pass a name and a default value different to "PARAMETER NOT SET"'
-        " (and optionally a descriptor).\n"
-        "\t- Pass a name and a parameter type.\n"
-        "\t- Pass a name and a descriptor with `dynamic_typing=True"
-    )
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
+        """Return the parameters whose names begin with `prefix.`, by the rest of their names."""
+        start = f"{prefix}." if prefix else ""
+        return {n[len(start) :]: value for n, value in self._parameters.items() if n.startswith(start)}
+
+    def get_parameter_type(self, name: str) -> int:
+        """Return the number of a parameter's type; as in rclpy no `Parameter.Type`."""
+        if name in self._parameters or not self._allow_undeclared_parameters:
+            self.describe_parameter(name)
+            return int(self._parameters[name].type_.value)
+        return Parameter.Type.NOT_SET.value
+
+    def get_parameter_types(self, names: Sequence[str]) -> list[int]:
+        """Return the numbers of several parameters' types."""
+        return [self.get_parameter_type(name) for name in _strings(names)]
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """Return what is known about a parameter; raises ParameterNotDeclaredException."""
+        if name not in self._descriptors and not self._allow_undeclared_parameters:
+            raise ParameterNotDeclaredException(name)
+        return self._descriptors.get(name) or ParameterDescriptor()
+
+    def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
+        """Return what is known about several parameters."""
+        return [self.describe_parameter(name) for name in names]
+
+    def set_descriptor(
+        self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
+    ) -> ParameterValue:
+        """Replace a parameter's descriptor; the alternative is its value if the present one does not fit.
+
+        Raises:
+            ParameterNotDeclaredException: If it is not declared.
+            ParameterImmutableException: If it is read-only.
+            InvalidParameterValueException: If neither value fits.
+        """
+        if self.describe_parameter(name).read_only:
+            raise ParameterImmutableException(name)
+        parameter = self.get_parameter(name)
+        if name not in self._parameters:
+            return parameter.get_parameter_value()
+        reason = refusal(parameter, descriptor, is_declared=True, new_descriptor=True)
+        if reason:
+            if alternative_value is not None:
+                parameter = Parameter.from_parameter_msg(ParameterMsg(name=name, value=alternative_value))
+                reason = refusal(parameter, descriptor, is_declared=True, new_descriptor=True)
+            if reason:
+                raise InvalidParameterValueException(name, parameter.value, reason)
+        self._parameters[name], self._descriptors[name] = parameter, descriptor
+        return parameter.get_parameter_value()
+
+    def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
+        """List names below prefixes, at most `depth` parts deep (0: without limit), and their prefixes."""
+        if not isinstance(prefixes, list):
+            raise TypeError("The prefixes argument must be a list")
+        if not all(isinstance(prefix, str) for prefix in prefixes):
+            raise TypeError("All prefixes must be instances of type str")
+        if not isinstance(depth, int):
+            raise TypeError("The depth must be instance of type int")
+        if depth < 0:
+            raise ValueError("The depth must be greater than or equal to zero")
+
+        def shown(name: str) -> bool:
+            rests = [name[len(p) + 1 :] for p in prefixes if name.startswith(f"{p}.")] if prefixes else [name]
+            return name in prefixes or any(not depth or rest.count(".") < depth for rest in rests)
+
+        names = [name for name in self._parameters if shown(name)]
+        above = dict.fromkeys(name.rpartition(".")[0] for name in names if "." in name)
+        return ListParametersResult(names=names, prefixes=list(above))
+
+    def _declare(self, parameter: Parameter, descriptor: ParameterDescriptor) -> None:
+        result = self._set([parameter], {parameter.name: descriptor})
+        if result.successful:
+            return
+        if result.reason.startswith("Wrong parameter type"):
+            raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
+        raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
+
+
+def _strings(names: Sequence[str]) -> Sequence[str]:
+    if not all(isinstance(name, str) for name in names):
+        raise TypeError("All names must be instances of type str")
+    return names

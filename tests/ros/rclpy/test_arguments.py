@@ -1,0 +1,180 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.exceptions import RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy.impl.arguments import parse
+from rclpy.logging import LoggingSeverity
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from course_lib.ros.graph import Graph
+
+
+def begin(*args: str) -> None:
+    rclpy.init(args=["program", "--ros-args", *args], signal_handler_options=SignalHandlerOptions.NO)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5", 5),
+        ("0x10", 16),
+        ("010", 8),  # as in C
+        ("-3", -3),
+        ("5.0", 5.0),
+        ("1e3", 1000.0),
+        (".inf", float("inf")),
+        ("true", True),
+        ("Y", True),
+        ("off", False),
+        ("hello", "hello"),
+        ("'5'", "5"),
+        ("1_000", "1_000"),
+        ("99999999999999999999", 1e20),
+        ("[1, 2]", [1, 2]),
+        ("[a, 'b']", ["a", "b"]),
+    ],
+)
+def test_a_value_has_the_type_that_rcl_gives_it(text: str, value: Any) -> None:
+    found = parse(["--ros-args", "-p", f"x:={text}"]).parameters("/any/node")["x"]
+    assert found.value == value
+    assert type(found.value) is type(value)
+
+
+def test_parameters_from_the_command_line_count_more_than_defaults(graph: Graph) -> None:
+    begin("-p", "speed:=2", "--param", "talker:name:=left", "-p", "other:name:=right")
+    node = Node("talker")
+    assert node.declare_parameter("speed", 1).value == 2
+    assert node.declare_parameter("name", "").value == "left"
+
+
+PARAMETERS = """
+/**:
+  ros__parameters:
+    everywhere: 1
+    speed: 1.0
+talker:
+  ros__parameters:
+    speed: 2.0
+    arm:
+      joints: [a, b]
+robot:
+  talker:
+    ros__parameters: {speed: 3.0}
+/*/listener:
+  ros__parameters: {speed: 4.0}
+"""
+
+
+@pytest.mark.parametrize(
+    ("node", "speed"),
+    [("/talker", 2.0), ("/robot/talker", 3.0), ("/robot/listener", 4.0), ("/a/b/listener", 1.0)],
+)
+def test_a_file_names_nodes_by_name_namespace_and_wildcard(tmp_path: Path, node: str, speed: float) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(PARAMETERS)
+    found = parse(["--ros-args", "--params-file", str(file)]).parameters(node)
+    assert found["speed"].value == speed
+    assert found["everywhere"].value == 1
+    assert (node == "/talker") == ("arm.joints" in found)
+
+
+def test_of_two_values_the_later_one_counts(tmp_path: Path) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(PARAMETERS)
+    from_file, given = ["--params-file", str(file)], ["-p", "speed:=9.0"]
+    assert parse(["--ros-args", *from_file, *given]).parameters("/talker")["speed"].value == 9.0
+    assert parse(["--ros-args", *given, *from_file]).parameters("/talker")["speed"].value == 2.0
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("speed: 5\n", "Cannot have a value before ros__parameters at line 1"),
+        ("ros__parameters:\n  x: 1\n", "There are no node names before ros__parameters at line 1"),
+        (
+            "/**:\n  ros__parameters:\n    x: [1, a]\n",
+            "Sequence should be of same type. Value type 'string' do not belong at line_num 3",
+        ),
+        ("/**:\n  ros__parameters:\n    x:\n", "No value at line 3"),
+        ("a: [\n", "Error parsing a event near line 2"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(text)
+    with pytest.raises(RCLInvalidROSArgsError) as caught:
+        parse(["--ros-args", "--params-file", str(file)])
+    start = f"Failed to parse ROS arguments: Couldn't parse params file: '--params-file {file}'. Error: "
+    assert str(caught.value).startswith(start + complaint)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (
+            ["-p", "speed=1"],
+            "Couldn't parse parameter override rule: '-p speed=1'. Error: Expected name:=value",
+        ),
+        (["-p"], "Couldn't parse trailing -p flag. No parameter override rule found."),
+        (["-r", "a"], "Couldn't parse remap rule: '-r a'. Error: Expected from:=to"),
+        (["-r", "a:=b c"], "Couldn't parse remap rule: '-r a:=b c'. Error: Invalid topic name"),
+        (
+            ["--params-file", "no.yaml"],
+            "Couldn't parse params file: '--params-file no.yaml'. Error: Error opening",
+        ),
+        (["--log-level", "loud"], "Couldn't parse log level: '--log-level loud'. Error: 'loud' is none of"),
+    ],
+)
+def test_a_wrong_argument_is_refused(words: list[str], complaint: str) -> None:
+    with pytest.raises(RCLInvalidROSArgsError) as caught:
+        parse(["--ros-args", *words])
+    assert str(caught.value).startswith(f"Failed to parse ROS arguments: {complaint}")
+
+
+def test_an_unknown_argument_is_named_and_those_for_the_program_are_left_alone() -> None:
+    with pytest.raises(UnknownROSArgsError, match=r"^\['--fast'\]$"):
+        parse(["program", "--slow", "--ros-args", "--fast"])
+    assert parse(["program", "--slow", "--ros-args", "-p", "x:=1", "--", "--fast"]).remaps == []
+
+
+def test_topics_and_services_get_other_names(graph: Graph) -> None:
+    begin("-r", "chatter:=/robot/talk", "-r", "~/go:=start", "-r", "listener:chatter:=hear")
+    talker, listener = Node("talker"), Node("listener")
+    assert talker.create_publisher(String, "chatter", 1).topic_name == "/robot/talk"
+    assert talker.create_service(Trigger, "~/go", lambda q, a: a).service_name == "/start"
+    assert listener.resolve_topic_name("chatter") == "/robot/talk"  # the first rule that fits counts
+    assert listener.resolve_topic_name("chatter", only_expand=True) == "/chatter"
+
+
+def test_a_rule_may_be_for_nodes_of_one_name(graph: Graph) -> None:
+    begin("-r", "listener:chatter:=hear")
+    assert Node("listener").resolve_topic_name("chatter") == "/hear"
+    assert Node("talker").resolve_topic_name("chatter") == "/chatter"
+
+
+def test_a_node_gets_another_name_and_namespace(graph: Graph) -> None:
+    begin("-r", "__node:=speaker", "-r", "__ns:=/robot")
+    node = Node("talker")
+    assert node.get_fully_qualified_name() == "/robot/speaker"
+    assert node.get_logger().name == "robot.speaker"
+    assert node.resolve_topic_name("x") == "/robot/x"
+
+
+def test_a_nodes_own_arguments_count_more_and_it_may_do_without_the_others(graph: Graph) -> None:
+    begin("-p", "x:=1", "-r", "a:=b")
+    own = ["--ros-args", "-p", "x:=2", "-r", "a:=c"]
+    node = Node("own", cli_args=own)
+    assert (node.declare_parameter("x", 0).value, node.resolve_topic_name("a")) == (2, "/c")
+    alone = Node("alone", use_global_arguments=False)
+    assert (alone.declare_parameter("x", 0).value, alone.resolve_topic_name("a")) == (0, "/a")
+
+
+def test_log_levels_are_for_all_loggers_or_for_one(graph: Graph) -> None:
+    begin("--log-level", "warn", "--log-level", "talker:=debug")
+    assert Node("talker").get_logger().get_effective_level() == LoggingSeverity.DEBUG
+    assert Node("other").get_logger().get_effective_level() == LoggingSeverity.WARN
