@@ -51,6 +51,7 @@ class Notebook:
 
     def __init__(self, page: Page, address: str, name: str) -> None:
         self.page = page
+        self.week = Path(name).name[:6]
         base, _, query = address.partition("?")
         self._url = f"{base.split('/lab')[0]}/lab/tree/{name}?{query}"
         self.open()
