@@ -1,6 +1,7 @@
 """`course …`: every command calls one function of the library."""
 
 import sys
+from math import inf
 from pathlib import Path
 from typing import Annotated, NoReturn
 
@@ -114,9 +115,28 @@ def render(
     width, _, height = size.partition("x")
     if not (width.isdigit() and height.isdigit() and 0 < int(width) <= 8192 and 0 < int(height) <= 8192):
         raise CourseError(f"--size {size}: write width x height in pixels, like --size 800x600.")
+    if at is not None and not 0 <= at < inf:
+        raise CourseError(f"--at {at:g}: write seconds after the first message, like --at 2.5.")
+    for file, kind in ((png, ".png"), (html, ".html")):
+        if file is not None and file.suffix.lower() != kind:
+            raise CourseError(f"{file} would hold something else; call it {file.with_suffix(kind).name}.")
     if (png is None) == (html is None):
         raise CourseError("Say what to write: --png picture.png or --html page.html.")
     typer.echo(render_bag(bag, rviz=rviz, at=at, size=(int(width), int(height)), png=png, html=html))
+
+
+@app.command()
+def view(
+    bag: Annotated[Path | None, typer.Option(help="The recording to play.")] = None,
+    rviz: Annotated[Path | None, typer.Option(help="The layout to show it through.")] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any that is free.")] = 0,
+    token: Annotated[str | None, typer.Option(help="The address's secret part; default: by chance.")] = None,
+    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+) -> None:
+    """Show a layout, or play a recording through it, in a browser's tab."""
+    from course_lib.displays.view import view as show
+
+    show(bag, rviz, port=port, token=token, browser=browser)
 
 
 @bag.command()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import record, write_bag
+from course_lib.recording import Recording, record, write_bag
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import WallPace
 from course_lib.ros.program import run_files
@@ -42,6 +42,21 @@ def run(
     """
     if bag is not None and bag.exists():
         raise CourseError(f"{bag} is there already. Give the recording another folder, or remove that one.")
+    recording, code = recorded(files, seconds=seconds, seed=seed, args=args, real_time=real_time)
+    if bag is not None:
+        write_bag(recording, bag)
+    return code
+
+
+def recorded(
+    files: Sequence[Path],
+    *,
+    seconds: float | None,
+    seed: int = 0,
+    args: Sequence[str] = (),
+    real_time: bool = False,
+) -> tuple[Recording, int]:
+    """Run programs as `run` does; returns what they published and their exit code."""
     graph = Graph()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
@@ -49,9 +64,7 @@ def run(
     with use_graph(graph):
         recorder = record(graph)
         code = run_files(files, seed=seed, args=args)
-        if bag is not None:
-            write_bag(recorder.recording(), bag)
-    return code
+        return recorder.recording(), code
 
 
 def with_fixed_hashes() -> None:

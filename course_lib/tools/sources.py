@@ -1,7 +1,9 @@
 """Where the tools look: at the nodes of a run, or at a recording."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
 from typing import Protocol
 
 from course_lib.errors import CourseError
@@ -36,6 +38,11 @@ class Source(Protocol):
         self, topic: str, type_name: str, qos: Qos, *, patience: float, seconds: float | None
     ) -> Iterator[Message]:
         """Yield messages; ends after `patience` [s] without one, or after `seconds` [s] in all."""
+
+    def stream(
+        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
+    ) -> Iterator[tuple[int, str, Message | None]]:
+        """Yield (robot time [ns], topic, message) of several topics, and no message once per `every` [s]."""
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """Say what keeps messages from coming, as a sentence with a space before it, or ""."""
@@ -73,22 +80,25 @@ class GraphSource:
         Raises:
             CourseError: rclpy has not been started.
         """
-        import rclpy
-
-        if not rclpy.ok():
-            raise CourseError(
-                "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."
-            )
-        arrived: deque[bytes] = deque()
-        cls = message_class(type_name)
         end_ns = None if seconds is None else self._graph.now_ns + round(seconds * 1e9)
-        node = self._graph.add_node(NODE_NAME, "/")
-        self._graph.add_subscription(node, 0, topic, type_name, qos, lambda cdr, *_: arrived.append(cdr))
-        try:
+        with self._heard({topic: qos}, type_name) as arrived:
             while arrived or wait_for(lambda: bool(arrived), seconds=self._left(patience, end_ns)):
-                yield deserialize(arrived.popleft(), cls)
-        finally:
-            self._graph.remove_node(node)
+                yield arrived.popleft()[2]
+
+    def stream(
+        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
+    ) -> Iterator[tuple[int, str, Message | None]]:
+        """Yield what arrives at subscriptions of our own, and no message at the start and every while."""
+        next_ns = self._graph.now_ns
+        end_ns = None if seconds is None else next_ns + round(seconds * 1e9)
+        with self._heard(topics, type_name) as arrived:
+            while end_ns is None or next_ns <= end_ns:
+                wait_for(lambda: bool(arrived), seconds=max(0, next_ns - self._graph.now_ns) * 1e-9)
+                while arrived:
+                    yield arrived.popleft()
+                if self._graph.now_ns >= next_ns:
+                    yield self._graph.now_ns, "", None
+                    next_ns += round(every * 1e9)
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """Say what keeps messages from coming."""
@@ -99,6 +109,29 @@ class GraphSource:
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
         return "" if running_nodes() else " No node is running: start one, like run_live(MyNode())."
+
+    @contextmanager
+    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, str, Message]]]:
+        """Subscribe for a while; gives what arrives."""
+        import rclpy
+
+        if not rclpy.ok():
+            raise CourseError(
+                "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."
+            )
+        arrived: deque[tuple[int, str, Message]] = deque()
+        cls = message_class(type_name)
+
+        def hear(topic: str, cdr: bytes, _: int, received_ns: int) -> None:
+            arrived.append((received_ns, topic, deserialize(cdr, cls)))
+
+        node = self._graph.add_node(NODE_NAME, "/")
+        try:
+            for topic, qos in topics.items():
+                self._graph.add_subscription(node, 0, topic, type_name, qos, partial(hear, topic))
+            yield arrived
+        finally:
+            self._graph.remove_node(node)
 
     def _on(self, topic: str) -> list[EndpointInfo]:
         return [endpoint for endpoint in self._graph.endpoints() if endpoint.topic == topic]
@@ -139,6 +172,21 @@ class RecordingSource:
         for stamp_ns, message in self._recording.messages(topic):
             if end_ns is None or stamp_ns <= end_ns:
                 yield message
+
+    def stream(
+        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
+    ) -> Iterator[tuple[int, str, Message | None]]:
+        """Yield what was recorded in the first `seconds` [s], and no message at the start and every while."""
+        next_ns, end_ns = self._recording.start_ns, self._recording.end_ns
+        if seconds is not None:
+            end_ns = next_ns + round(seconds * 1e9)
+        samples = deque(s for s in self._recording.samples if s.topic in topics and s.type_name == type_name)
+        while next_ns <= end_ns:
+            while samples and samples[0].stamp_ns <= next_ns:
+                sample = samples.popleft()
+                yield sample.stamp_ns, sample.topic, deserialize(sample.cdr, message_class(type_name))
+            yield next_ns, "", None
+            next_ns += round(every * 1e9)
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """A recorded topic has messages: only a time limit keeps them away."""

@@ -30,10 +30,15 @@ def value(*flags: str, help: str, **settings: Any) -> Option:  # noqa: A002  # a
 
 @dataclass(frozen=True)
 class Verb:
-    """What `ros2 <command> <name>` does, with its arguments."""
+    """What `ros2 <command> <name>` does, with its arguments; an executable's command is `run <package>`."""
 
     command: str
     name: str
     help: str
     options: tuple[Option, ...]
     run: Callable[[Source, Namespace, Write], None]
+
+    @property
+    def words(self) -> list[str]:
+        """What a command line that means it begins with."""
+        return [*self.command.split(), self.name]

@@ -12,6 +12,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.time import Time
 from std_msgs.msg import Header, String
+from tf2_msgs.srv import FrameGraph
 from tf2_ros import Buffer, TransformListener
 from tf2_ros.buffer_interface import TypeException
 
@@ -173,3 +174,13 @@ def test_clear_forgets_what_moves() -> None:
     buffer.clear()
     assert not buffer.can_transform("map", "base", Time())
     assert buffer.can_transform("base", "tool", Time())
+
+
+def test_a_buffer_with_a_node_answers_the_service_tf2_frames(begun: Graph, node: Node) -> None:
+    buffer = Buffer(node=node)
+    buffer.set_transform(stamped("map", "base", 5), "me")
+    asked = node.create_client(FrameGraph, "tf2_frames").call_async(FrameGraph.Request())
+    rclpy.spin_until_future_complete(node, asked)
+    answer = asked.result()
+    assert answer is not None
+    assert answer.frame_yaml == buffer.all_frames_as_yaml()

@@ -7,6 +7,7 @@ from geometry_msgs.msg import TransformStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.task import Future
+from tf2_msgs.srv import FrameGraph
 from tf2_py import AnyTime, BufferCore
 
 from course_lib.ros.baton import baton
@@ -23,12 +24,14 @@ class Buffer(BufferCore, BufferInterface):
 
     Args:
         cache_time: How long dynamic transforms are remembered; default 10 s.
-        node: Nothing is asked of it here.
+        node: Answers the service tf2_frames with a description of all frames.
     """
 
     def __init__(self, cache_time: Duration | None = None, node: Node | None = None) -> None:
         BufferCore.__init__(self, cache_time)
         BufferInterface.__init__(self)
+        if node is not None:
+            self.srv = node.create_service(FrameGraph, "tf2_frames", self._describe)
         self._on_new_data: dict[Callable[[], None], None] = {}  # a set that keeps its order
 
     def set_transform(self, transform: TransformStamped, authority: str) -> None:
@@ -174,6 +177,10 @@ class Buffer(BufferCore, BufferInterface):
         asked = target_frame, target_time, source_frame, source_time, fixed_frame
         await self.wait_for_transform_full_async(*asked)
         return self.lookup_transform_full_core(*asked)
+
+    def _describe(self, request: FrameGraph.Request, response: FrameGraph.Response) -> FrameGraph.Response:
+        response.frame_yaml = self.all_frames_as_yaml()
+        return response
 
     def _future(
         self, ready: Callable[[], bool], lookup: Callable[[], TransformStamped]

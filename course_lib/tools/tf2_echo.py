@@ -1,0 +1,74 @@
+"""`ros2 run tf2_ros tf2_echo` (geometry2, tf2_ros/src/tf2_echo.cpp)."""
+
+from argparse import Namespace
+from math import asin, atan2, degrees, pi
+
+from course_lib.ros.driving import until_interrupted
+from course_lib.ros.tf2_errors import TransformException
+from course_lib.ros.tf2_transform import Transform
+from course_lib.tools.sources import Source
+from course_lib.tools.tf2_heard import Heard, limit
+from course_lib.tools.verb import Verb, Write, value
+
+
+def run(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print how one frame lies in another, again and again."""
+    target, other = arguments.source_frame, arguments.target_frame  # named the wrong way round there, too
+    heard, waiting = Heard(source), True
+    with until_interrupted():
+        for now_ns in heard.ticks(1.0 / arguments.echo_rate, limit(source)):
+            waiting = waiting and not heard.can_transform(target, other, now_ns, write, "tf2_echo")
+            if waiting:
+                continue
+            try:
+                write(_text(heard.buffer.lookup(target, other)))
+            except TransformException as error:
+                write(f"Failure at {now_ns / 1e9:.3f}\nException thrown:{error}\n")
+                write(f"The current list of frames is:\n{heard.buffer.described()}\n")
+
+
+def _text(found: Transform) -> str:
+    seconds, nanoseconds = divmod(found.stamp_ns, 10**9)
+    angles = _roll_pitch_yaw(found)
+    rows = "".join("".join(f" {number:6.3f}" for number in row) + "\n" for row in found.matrix())
+    return (
+        f"At time {seconds}.{nanoseconds}\n"
+        f"- Translation: [{_joined(found.translation)}]\n"
+        f"- Rotation: in Quaternion [{_joined(found.rotation)}]\n"
+        f"- Rotation: in RPY (radian) [{_joined(angles)}]\n"
+        f"- Rotation: in RPY (degree) [{_joined(tuple(map(degrees, angles)))}]\n"
+        f"- Matrix:\n{rows}"
+    )
+
+
+def _roll_pitch_yaw(found: Transform) -> tuple[float, float, float]:
+    """Return the angles, [rad], as tf2's getEulerYPR does, also straight up and down."""
+    m = found.matrix()
+    if abs(m[2, 0]) >= 1:
+        roll, up = atan2(m[2, 1], m[2, 2]), m[2, 0] < 0
+        return (roll, pi / 2, 0.0) if up else (roll, -pi / 2, 0.0)
+    return atan2(m[2, 1], m[2, 2]), -asin(m[2, 0]), atan2(m[1, 0], m[0, 0])
+
+
+def _joined(numbers: tuple[float, ...]) -> str:
+    return ", ".join(f"{number:.3f}" for number in numbers)
+
+
+def _rate(text: str) -> float:
+    rate = float(text)
+    if not 0 < rate <= 1000:
+        raise ValueError
+    return rate
+
+
+TF2_ECHO = Verb(
+    "run tf2_ros",
+    "tf2_echo",
+    "Print how target_frame lies in source_frame, once a second",
+    (
+        value("source_frame", help="Frame that the transform is expressed in"),
+        value("target_frame", help="Frame whose pose it is"),
+        value("echo_rate", nargs="?", type=_rate, default=1.0, help="How often to print it [Hz]"),
+    ),
+    run,
+)
