@@ -1,13 +1,16 @@
 import os
 import socket
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from course_lib.ros import virtual_time
 from course_lib.ros.channel import Channel, ChannelClosedError, ChannelError
 from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.graph_server import GraphServer
+from course_lib.ros.program import run_files
 from course_lib.ros.qos import Qos
 from course_lib.ros.remote_graph import RemoteGraph
 
@@ -104,3 +107,32 @@ def test_garbage_on_the_pipe_is_a_channel_error(raw: bytes) -> None:
 def test_a_process_that_is_gone_is_said_to_be_gone() -> None:
     with pytest.raises(ChannelClosedError):
         GraphServer(Graph(end_ns=END_NS), in_a_child(lambda channel: None)).serve()
+
+
+PROGRAM = Path(__file__).parents[1] / "programs" / "services.py"
+
+
+def ask_services(graph: Graph) -> None:
+    virtual_time.install()
+    with use_graph(graph):
+        assert run_files([PROGRAM], seed=0) == 0
+
+
+def services_behind_the_pipe(graph: Graph) -> None:
+    def child(channel: Channel) -> None:
+        ask_services(RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS))
+        channel.send(["done"])
+
+    server = GraphServer(graph, in_a_child(child))
+    server.serve()
+    while graph.advance():
+        pass
+    server.end()
+    assert server.last_frame == ["done"]
+
+
+def test_services_and_parameters_behind_the_pipe_give_the_same_recording_as_here() -> None:
+    here = recorded(ask_services)
+    assert {"/sums", "/parameter_events", "/rosout"} == {sample.topic for sample in here}
+    assert len([sample for sample in here if sample.topic == "/sums"]) > 40
+    assert recorded(services_behind_the_pipe) == recorded(ask_services) == here
