@@ -71,20 +71,23 @@ def picture(frames: Mapping[str, Any], now_ns: int, kind: str) -> bytes:
     places = _places(frames)
     wide = 1 + max((x for x, _ in places.values()), default=0)
     deep = 2 + max((depth for _, depth in places.values()), default=0)
-    figure = Figure(figsize=(wide * _WIDTH, deep * _HEIGHT))
-    axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.5, wide - 0.5), ylim=(deep - 0.5, -0.5))
+    figure = Figure(figsize=(wide * _WIDTH, (deep - 0.8) * _HEIGHT))
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.5, wide - 0.5), ylim=(deep - 0.6, 0.2))
     axes.axis("off")
     legend = f"view_frames Result\nRecorded at time: {now_ns / 1e9}"
-    axes.text(-0.45, -0.4, legend if frames else "No tf data received", va="top", bbox={"fc": "white"})
+    axes.text(-0.45, 0.3, legend if frames else "No tf data received", va="top", bbox={"fc": "white"})
     for frame, (x, depth) in places.items():
         about = frames.get(frame)
         if about:
-            start = places[about["parent"]]
-            arrow = {"arrowstyle": "-|>", "shrinkA": 14, "shrinkB": 14}
-            axes.annotate("", (x, depth + 1), (start[0], start[1] + 1), arrowprops=arrow)
-            label = _label(about, end="\n").rstrip()
-            axes.text((x + start[0]) / 2, (depth + start[1]) / 2 + 1, label, fontsize=7, va="center")
-        axes.text(x, depth + 1, frame, ha="center", va="center", bbox={"fc": "white", "boxstyle": "round"})
+            start, above = places[about["parent"]]
+            corner = "angle,angleA=0,angleB=90"  # sideways, then down through the label
+            arrow = {"arrowstyle": "-|>", "fc": "black", "shrinkB": 12, "connectionstyle": corner}
+            axes.annotate("", (x, depth + 1), (start, above + 1), arrowprops=arrow)
+            label, blank = _label(about, end="\n").rstrip(), {"fc": "white", "ec": "none", "pad": 1}
+            axes.text(x, depth + 0.55, label, fontsize=8, ha="center", va="center", bbox=blank)
+        axes.text(
+            x, depth + 1, frame, ha="center", va="center", bbox={"fc": "white", "boxstyle": "round"}, zorder=4
+        )
     file = BytesIO()
     with rc_context({"svg.hashsalt": "view_frames", "svg.fonttype": "none"}):
         figure.savefig(file, format=kind, metadata={"Date" if kind == "svg" else "CreationDate": None})
