@@ -182,11 +182,20 @@ def grade(
     jobs: Annotated[int | None, typer.Option(min=1, help="Submissions at a time.")] = None,
     only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
     resume: Annotated[bool, typer.Option("--resume", help="Leave out what is graded already.")] = False,
+    require_sandbox: Annotated[
+        bool, typer.Option("--require-sandbox", help="Refuse to run submissions in less than a full sandbox.")
+    ] = False,
+    trust: Annotated[
+        bool, typer.Option("--i-trust-these-submissions", help="Run them with your rights if need be.")
+    ] = False,
 ) -> None:
     """Grade a folder of submissions: results, gradebook.csv and one report per student."""
     from course_lib.grading.grade import grade as grade_all
+    from course_lib.grading.jail.isolation import Need
 
-    raise typer.Exit(0 if grade_all(submissions, out, jobs=jobs, only=only, resume=resume) else NOT_PASSED)
+    need: Need = "full" if require_sandbox else "any" if trust else "partial"
+    passed = grade_all(submissions, out, jobs=jobs, only=only, resume=resume, need=need)
+    raise typer.Exit(0 if passed else NOT_PASSED)
 
 
 def main() -> None:

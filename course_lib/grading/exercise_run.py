@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from course_lib.grading.catalog import Catalog
+from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.runner import CellLog, Session
@@ -19,6 +20,7 @@ class ExerciseRun:
     tasks: tuple[Task, ...]
     runs: tuple[Run, ...]
     log: CellLog
+    isolation: Isolation
     results: tuple[TaskResult, ...] = ()
 
     @property
@@ -54,7 +56,7 @@ def run_scenarios(
     personal = {task.id: personal_values(task, student) for task in tasks}
     with closing(Session(cells, personal, catalog.course.limits)) as session:
         runs = [Run(scenario, session.run(task, scenario), is_hidden) for task, scenario, is_hidden in plan]
-    return ExerciseRun(tuple(tasks), tuple(runs), session.log)
+    return ExerciseRun(tuple(tasks), tuple(runs), session.log, session.isolation)
 
 
 def judge_exercise(run: ExerciseRun, catalog: Catalog) -> ExerciseRun:

@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.grade_one import Course, catalog_of, grade_one, our_fault, stored
 from course_lib.grading.gradebook import write_gradebook
-from course_lib.grading.result import ISOLATION, read_result, result_path
+from course_lib.grading.jail.isolation import Need
+from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
 
 Row = dict[str, Any]  # of the gradebook
@@ -28,6 +31,7 @@ def grade(
     jobs: int | None = None,
     only: str = "*",
     resume: bool = False,
+    need: Need = "partial",
     course: Course | None = None,
 ) -> bool:
     """Grade all submissions of a folder.
@@ -38,16 +42,19 @@ def grade(
         jobs: Submissions at a time; default: the number of processors.
         only: Pattern of STUDENT/EXERCISE, to grade some.
         resume: Leave out what has been graded already.
+        need: The sandbox without which nothing is run.
         course: Where tasks and hidden checks are; default: this checkout.
 
     Returns:
         Whether every submission could be graded.
 
     Raises:
-        CourseError: No submissions, broken check files, or `out` can't be written.
+        CourseError: Too little of a sandbox, no submissions, broken check files, or `out` can't be written.
     """
-    course = course or Course(exercises_dir(), solutions_dir())
+    course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
     catalog_of(course)  # a broken check file is named before the first submission
+    isolation = shared_template().isolation
+    isolation.demand(course.sandbox)
     found = find_submissions(submissions)
     chosen = [s for s in found if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
     if not chosen:
@@ -58,7 +65,9 @@ def grade(
     for submission in todo:
         for note in submission.notes:
             _say(f"{submission.student}  {submission.exercise}  note: {note}")
-    _say_summary(rows, write_gradebook(out))
+    _say_summary(rows)
+    _say(f"Isolation: {isolation}.")
+    _say(f"Wrote {write_gradebook(out)}")
     return all(row["status"] in GRADED for row in rows)
 
 
@@ -103,14 +112,14 @@ def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: 
                 yield stored(our_fault(futures[future], error), out)
 
 
-def _say_summary(rows: Sequence[Row], gradebook: Path) -> None:
+def _say_summary(rows: Sequence[Row]) -> None:
     for row in sorted(rows, key=lambda row: (row["student"], row["exercise"])):
         if row["status"] != "graded":
             _say("  ".join(str(row[name]) for name in ("student", "exercise", "status", "reason", "message")))
     counts = ", ".join(f"{n} {status}" for status, n in sorted(Counter(r["status"] for r in rows).items()))
-    _say(f"{len(rows)} submissions: {counts or 'nothing to do'}. Isolation: {ISOLATION}.")
-    _say(f"Wrote {gradebook}")
+    _say(f"{len(rows)} submissions: {counts or 'nothing to do'}.")
 
 
 def _say(line: str) -> None:
-    print(line.encode("utf-8", "replace").decode())  # noqa: T201  the terminal is its page; names may be broken
+    safe = "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
+    print(safe)  # noqa: T201  the terminal is its page; names may be broken, or try to control it

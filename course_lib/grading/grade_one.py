@@ -8,6 +8,8 @@ from typing import Any
 from course_lib.course.whole_file import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.exercise_run import ExerciseRun, judge_exercise, run_scenarios
+from course_lib.grading.jail.isolation import Need
+from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.marks import count_days_late, mark
 from course_lib.grading.report import write_report
 from course_lib.grading.result import Result, Status
@@ -21,6 +23,7 @@ class Course:
 
     exercises: Path
     solutions: Path
+    sandbox: Need = "partial"  # without it nothing is run
 
 
 @lru_cache(maxsize=4)
@@ -32,7 +35,7 @@ def catalog_of(course: Course) -> Catalog:
 def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, Any]:
     """Grade a submission and write evidence, report and result; returns its line of the gradebook."""
     try:
-        result = _graded(submission, catalog_of(course), out)
+        result = _graded(submission, course, out)
     except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
         result = our_fault(submission, error)
     return stored(result, out)
@@ -53,7 +56,8 @@ def stored(result: Result, out: Path) -> dict[str, Any]:
     return result.row()
 
 
-def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
+def _graded(submission: Submission, course: Course, out: Path) -> Result:
+    catalog = catalog_of(course)
     week = submission.exercise.split("_")[0]
     tasks = catalog.of_week(week)
     if submission.notebook is None:
@@ -61,6 +65,7 @@ def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
     if not tasks:
         problem = submission.problem or f"the course has no {submission.exercise}"
         return Result(submission, "rejected", "wrong exercise", problem)
+    shared_template().isolation.demand(course.sandbox)
     run = run_scenarios(submission.notebook.cells, tasks, catalog, submission.claimed, hidden=True)
     path = out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
     write_whole(path, evidence_bytes(run.runs))
@@ -73,8 +78,8 @@ def _graded(submission: Submission, catalog: Catalog, out: Path) -> Result:
 
 def _status(run: ExerciseRun) -> tuple[Status, str]:
     """Whether a person has to look, a limit was met, or all is done; with the limit's name."""
-    stopped = [task.stopped for task in run.results if task.stopped] + ["time"] * run.log.timed_out
-    reason = stopped[0] if stopped else ""
+    stopped = [task.stopped for task in run.results if task.stopped]
+    reason = stopped[0] if stopped else run.log.limit
     if any(task.kind == "written" for task in run.tasks):
         return "needs_marking", reason
     return ("limit", reason) if reason else ("graded", "")

@@ -7,7 +7,7 @@ from course_lib.course.whole_file import write_whole
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.ghost import expected
 from course_lib.grading.judge import TaskResult
-from course_lib.grading.result import ISOLATION, Result
+from course_lib.grading.result import Result
 from course_lib.grading.table import fill, rows
 from course_lib.grading.task import Task
 from course_lib.recording import Recording
@@ -31,7 +31,7 @@ def write_report(result: Result, out: Path) -> None:
         "report.html",
         **vars(result),
         **{name: getattr(submission, name) for name in ("student", "exercise", "received")},
-        isolation=ISOLATION,
+        isolation=result.isolation,
         tasks=tasks,
         cell_errors=run.cell_errors if run else (),
         output=run.log.output[:MAX_OUTPUT] if run else "",

@@ -14,7 +14,6 @@ from course_lib.grading.submission import Submission
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")
 COLUMNS = ("student", "exercise", *MARK_COLUMNS, "status", "reason", "message")
-ISOLATION = "separate process, no sandbox"
 
 
 @dataclass(frozen=True)
@@ -39,6 +38,11 @@ class Result:
     run: ExerciseRun | None = None
     notes: tuple[str, ...] = ()
 
+    @property
+    def isolation(self) -> str:
+        """How well it was kept apart from the machine that it ran on."""
+        return str(self.run.isolation) if self.run else "not run"
+
     def row(self) -> dict[str, Any]:
         """Its line of the gradebook."""
         known = vars(self.submission) | vars(self) | (asdict(self.mark) if self.mark else {})
@@ -53,7 +57,7 @@ class Result:
             "sha256": submission.sha256,
             "received": submission.received.time.isoformat(),
             "received_from": submission.received.source,
-            "isolation": ISOLATION,
+            "isolation": self.isolation,
             "notes": [*submission.notes, *self.notes],
             **(self.run.as_plain() if self.run else {}),
         }

@@ -15,9 +15,17 @@ from course_lib.grading.task import Scenario, Task
 from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelClosedError, ChannelError, ChannelTimeoutError
-from course_lib.ros.graph_server import GraphServer, RecordingLimitError
+from course_lib.ros.graph_server import GraphServer, RecordingLimitError, Room
 
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
+
+LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
+    "MemoryError": "memory",
+    "RuntimeError: can't start new thread": "processes",
+    "BlockingIOError: [Errno 11]": "processes",
+    "OSError: [Errno 27]": "size",
+    "OSError: [Errno 28]": "size",
+}
 
 
 @dataclass
@@ -27,7 +35,7 @@ class CellLog:
     output: str = ""
     errors: list[str] = field(default_factory=list)
     stopped: dict[int, str] = field(default_factory=dict)  # cells that are not run again, and why
-    timed_out: bool = False
+    limit: str = ""  # which one was met, if one was
     complete: bool = False  # nothing is added then: cells that run again may know hidden inputs
 
 
@@ -52,9 +60,11 @@ class Session:
     ) -> None:
         self.log = CellLog()
         self._template = template or shared_template()
+        self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
         self._deadline = wall.monotonic() + limits.total_seconds
         self._worker: WorkerProcess | None = None
+        self._room = Room()  # for all scenarios
         self._hung: set[str] = set()  # tasks
 
     def run(self, task: Task, scenario: Scenario) -> Evidence:
@@ -111,6 +121,7 @@ class Session:
                         output = worker.take_output()
                         if not log.complete:
                             log.output, log.errors, log.complete = output, _sentences(errors), True
+                            log.limit = log.limit or limit_met(log.errors)
                         return True
                     case _:
                         raise ChannelError("what came is not the next cell")
@@ -118,7 +129,7 @@ class Session:
             if current < 0:
                 raise WorkerError(f"a worker does not begin: {worker.take_output() or error}") from error
             timed_out = isinstance(error, ChannelTimeoutError)
-            log.timed_out |= timed_out
+            log.limit = log.limit or "time" * timed_out
             why = f"was stopped after {limit:g} s" if timed_out else f"ended the process ({error})"
             log.stopped[current] = f"cell {current + 1} {why}"
             return False
@@ -130,7 +141,8 @@ class Session:
         worker.allow(seconds)
         try:
             worker.channel.send(["scenario", *order])
-            return _drive(worker.channel, stage), ""
+            outcome = _drive(worker.channel, stage, self._room)
+            return outcome, limit_met(outcome.errors)
         except ChannelError as error:
             self._worker = None  # what it says can't be followed any more
             match error:
@@ -141,13 +153,18 @@ class Session:
             return Outcome(errors=[str(error)]), "size" if isinstance(error, RecordingLimitError) else ""
 
 
-def _drive(channel: Channel, stage: Stage) -> Outcome:
+def limit_met(errors: Sequence[str]) -> str:
+    """Which limit the student's code met, by the errors that it got."""
+    return next((LIMITS_MET[start] for e in errors for start in LIMITS_MET if e.startswith(start)), "")
+
+
+def _drive(channel: Channel, stage: Stage, room: Room) -> Outcome:
     """Run the stage's clock in lock-step with the worker's child, to the child's end.
 
     Raises:
         ChannelError: What came is not what it has to be.
     """
-    server = GraphServer(stage.graph, channel)
+    server = GraphServer(stage.graph, channel, room)
     server.serve()
     while server.last_frame is None and stage.graph.advance():
         pass

@@ -11,7 +11,8 @@ import msgpack
 from course_lib.errors import CourseError
 from course_lib.ros import wall
 
-MAX_FRAME = 64 * 2**20  # [B]
+MAX_FRAME = 32 * 2**20  # [B]
+MAX_ITEMS = 1_000_000  # of all lists and dicts in a frame: an empty one is 1 byte there, and 60 here
 _HEADER = struct.Struct("!I")
 
 
@@ -69,7 +70,10 @@ class Channel:
             raise ChannelError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
         body = self._read(size)
         try:
-            frame = msgpack.unpackb(body, raw=False, strict_map_key=True)
+            count = _Count()
+            frame = msgpack.unpackb(
+                body, raw=False, strict_map_key=True, list_hook=count.add, object_hook=count.add
+            )
         except (ValueError, msgpack.UnpackException, RecursionError) as error:
             raise ChannelError(f"What came is not a frame: {error}") from error
         if not isinstance(frame, list) or not frame or not isinstance(frame[0], str):
@@ -102,3 +106,17 @@ class Channel:
             raise ChannelTimeoutError("The other process did not answer in time.") from error
         except OSError as error:
             raise ChannelClosedError("The other process is gone.") from error
+
+
+class _Count:
+    """Counts what a frame holds while it is unpacked."""
+
+    def __init__(self) -> None:
+        self._left = MAX_ITEMS
+
+    def add(self, items: Any) -> Any:
+        """Count the items of one more list or dict, and it."""
+        self._left -= len(items) + 1
+        if self._left < 0:
+            raise ValueError(f"more than {MAX_ITEMS} items")
+        return items

@@ -43,6 +43,9 @@ class Clock:
             heapq.heappop(self._heap)
         return self._heap[0][0] if self._heap else None
 
+    def __len__(self) -> int:
+        return len(self._heap)
+
     def pop(self) -> Alarm:
         """Take the next event out of the heap."""
         return heapq.heappop(self._heap)[4]

@@ -128,6 +128,11 @@ class Graph:
         """Say when the next event is due, [ns]; None if nothing will ever happen."""
         return self._clock.next_due_ns()
 
+    @property
+    def pending(self) -> int:
+        """How many events are to come."""
+        return len(self._clock)
+
     def nodes(self) -> list[NodeInfo]:
         """List the nodes in their start order."""
         return list(self._nodes.values())

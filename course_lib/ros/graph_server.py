@@ -1,7 +1,7 @@
 """Gives a student's process its place in a graph that lives here, out of its reach."""
 
 from collections.abc import Callable
-from dataclasses import astuple
+from dataclasses import astuple, dataclass
 from typing import Any
 
 from course_lib.ros.channel import Channel, ChannelError
@@ -11,12 +11,19 @@ from course_lib.ros.qos import Qos
 
 MAX_NAME = 1_000  # characters of a topic, type or node
 MAX_ENTITIES = 10_000  # nodes, endpoints and events to come
-MAX_SAMPLES = 1_000_000
-MAX_BYTES = 256 * 2**20  # [B] of all samples
+MAX_DELIVERIES = 100_000  # messages under way
 
 
 class RecordingLimitError(ChannelError):
     """The student's process published more than a recording may hold."""
+
+
+@dataclass
+class Room:
+    """How much may still be recorded of one submission, in messages and [B]."""
+
+    samples: int = 500_000
+    size: int = 256 * 2**20
 
 
 class GraphServer:
@@ -25,16 +32,17 @@ class GraphServer:
     Args:
         graph: The graph that owns the clock.
         channel: The end of the pipe on this side.
+        room: What may be recorded.
     """
 
-    def __init__(self, graph: Graph, channel: Channel) -> None:
+    def __init__(self, graph: Graph, channel: Channel, room: Room | None = None) -> None:
         self.graph = graph
         self.last_frame: list[Any] | None = None  # the frame that ended the serving: not one of the graph's
         self.nodes: set[int] = set()  # of that process
         self._channel = channel
         self._endpoints: set[int] = set()
         self._alarms: dict[int, Alarm] = {}
-        self._samples = self._bytes = 0
+        self._room = room or Room()
         self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
             "node": ((str, str), self._node),
             "unnode": ((int,), self._unnode),
@@ -104,6 +112,7 @@ class GraphServer:
 
         made.append(self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message))
         self._endpoints.add(made[0])
+        self._count_deliveries()
         return made[0]
 
     def _unend(self, endpoint: int) -> None:
@@ -113,14 +122,13 @@ class GraphServer:
 
     def _publish(self, endpoint: int, cdr: bytes) -> None:
         self._check(endpoint in self._endpoints, "endpoint", endpoint)
-        self._samples += 1
-        self._bytes += len(cdr)
-        if self._samples > MAX_SAMPLES or self._bytes > MAX_BYTES:
-            raise RecordingLimitError(
-                f"{self._samples} messages of {self._bytes} bytes in all were published; "
-                f"at most {MAX_SAMPLES} of {MAX_BYTES} bytes are recorded."
-            )
+        self._room.samples -= 1
+        self._room.size -= len(cdr)
+        if self._room.samples < 0 or self._room.size < 0:
+            most = f"{Room.samples} messages of {Room.size} bytes in all"
+            raise RecordingLimitError(f"more was published than is recorded: at most {most}")
         self.graph.publish(endpoint, cdr)
+        self._count_deliveries()
 
     def _alarm(self, number: int, due_ns: int, node: int, entity: int) -> None:
         def fire() -> None:
@@ -129,6 +137,7 @@ class GraphServer:
 
         self._check(number not in self._alarms, "alarm", number)
         self._count_entity()
+        self._count_deliveries()  # those taken back count until their time has come
         self._alarms[number] = self.graph.call_at(due_ns, fire, node=node, entity=entity)
 
     def _cancel(self, number: int) -> None:
@@ -141,6 +150,10 @@ class GraphServer:
         if self.last_frame is None:
             self._channel.send(frame)
             self.serve()
+
+    def _count_deliveries(self) -> None:
+        if self.graph.pending > MAX_DELIVERIES + MAX_ENTITIES:
+            raise RecordingLimitError(f"more than {MAX_DELIVERIES} messages were under way at a time")
 
     def _count_entity(self, *names: str) -> None:
         count = len(self.nodes) + len(self._endpoints) + len(self._alarms)

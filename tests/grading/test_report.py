@@ -4,6 +4,7 @@ from pathlib import Path
 
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
+from course_lib.grading.jail.launch import shared_template
 
 WriteNotebook = Callable[..., Path]
 SCRIPT = "<script>alert(1)</script>"
@@ -73,4 +74,4 @@ def test_a_report_says_how_it_was_isolated(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right))
-    assert "Ran with isolation: separate process, no sandbox." in page
+    assert f"Ran with isolation: {shared_template().isolation}." in page

@@ -1,7 +1,11 @@
 """How well submissions are kept apart from the machine they run on, in words."""
 
 from dataclasses import dataclass
+from typing import Literal
 
+from course_lib.errors import CourseError
+
+Need = Literal["full", "partial", "any"]  # sandbox that must be there
 LAYERS = ("bubblewrap", "namespaces", "Landlock", "seccomp", "limits", "process limit")
 
 
@@ -31,3 +35,20 @@ class Isolation:
             return f"full sandbox ({have})"
         kind = "partial sandbox" if self.protects else "no sandbox"
         return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)})"
+
+    def demand(self, need: Need) -> None:
+        """Refuse to run submissions in less than is needed.
+
+        Raises:
+            CourseError: Says what is missing and what to type.
+        """
+        if need == "full" and not self.is_full:
+            raise CourseError(
+                f"--require-sandbox: what works here is a {self}. "
+                "Grade on another Linux machine, or leave out --require-sandbox."
+            )
+        if need == "partial" and not self.protects:
+            raise CourseError(
+                f"submissions would run with your rights, {self}: they could read and change your files. "
+                "Grade on Linux or WSL2; if you trust every one of them, type --i-trust-these-submissions"
+            )
