@@ -5,6 +5,8 @@ from course_lib.displays.clouds.laser_scan import LaserScanDisplay
 from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
 from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
+from course_lib.displays.images.camera import CameraDisplay
+from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
 from course_lib.displays.poses.pose import PoseDisplay
 from course_lib.displays.poses.pose_array import PoseArrayDisplay
@@ -18,7 +20,9 @@ REGISTRY: dict[str, type[Display]] = {
     display.class_name: display
     for display in (
         AxesDisplay,
+        CameraDisplay,
         GridDisplay,
+        ImageDisplay,
         LaserScanDisplay,
         MarkerArrayDisplay,
         MarkerDisplay,
@@ -33,8 +37,8 @@ REGISTRY: dict[str, type[Display]] = {
 
 # What else RViz2 has (rviz_default_plugins/plugins_description.xml).
 _RVIZ_ONLY = (
-    "AccelStamped", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
-    "Illuminance", "Image", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
+    "AccelStamped", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
+    "Illuminance", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
     "PointStamped", "Polygon", "PoseWithCovariance",
     "RelativeHumidity", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip
