@@ -15,6 +15,7 @@ from course_lib.viewer.drawables import Drawable, Lines
 from course_lib.viewer.scene import Scene
 
 _TRAIL_STEP, _TRAIL_STEPS = 0.02, 100  # [m], of 2 m; as RViz's ribbon
+_TRAIL_WIDTH = 0.01  # [m]
 _TRAIL_COLOR = (0.0, 0.5, 0.5, 1.0)
 _AXES = axes(0.1, 0.01)
 
@@ -91,7 +92,10 @@ class DrawnLink:
     def _follow(self, position: Matrix) -> None:
         """Lengthen the trail, and let its end go after 2 m."""
         trail = self._trail
-        if not trail or np.linalg.norm(position - trail[-1]) >= _TRAIL_STEP:
-            trail.append(position)
-            if len(trail) > 1:
-                self._scene.set_object(f"{self._path}/trail", Lines(np.array(trail), _TRAIL_COLOR, 0.01))
+        start = trail[-1] if trail else position
+        way = float(np.linalg.norm(position - start))
+        steps = int(way / _TRAIL_STEP) if trail else 1
+        for step in range(max(steps - _TRAIL_STEPS, 0) + 1, steps + 1):
+            trail.append(start + (position - start) * (step * _TRAIL_STEP / (way or 1.0)))
+        if steps and len(trail) > 1:
+            self._scene.set_object(f"{self._path}/trail", Lines(np.array(trail), _TRAIL_COLOR, _TRAIL_WIDTH))
