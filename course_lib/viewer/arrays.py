@@ -25,7 +25,7 @@ def checked(name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tupl
     array = np.array(value, dtype=dtype)
     if array.size == 0 and not shapes[0][0]:  # [] is an empty list of anything
         array = array.reshape(tuple(length or 0 for length in shapes[0]))
-    if not any(_fits(array.shape, shape) for shape in shapes):
+    if array.shape not in shapes and not any(_fits(array.shape, shape) for shape in shapes):
         wanted = " or ".join(_shape_text(shape) for shape in shapes)
         raise ShapeError(f"{name} has shape {_shape_text(array.shape)}, expected {wanted}.")
     array.setflags(write=False)

@@ -1,0 +1,239 @@
+"""The viewer beside meshcat and viser, each with a real page: `python tests/benchmarks/bench_viewer.py`.
+
+Needs the extra `bench`. Absolute numbers depend on the machine; the ratios in one run are what counts.
+"""
+
+import argparse
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser, Page
+
+from tests.benchmarks.viewer_peers import PEERS, Floats, Meshcat, Ours
+from tests.browser.fake_host import chromium
+
+OBJECTS = 500
+SECONDS = 2.0  # of each measurement of speed
+PATIENCE = 90.0  # [s]
+NO_DRAWING = """for (const gl of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const draw of ["drawElements", "drawArrays", "drawElementsInstanced", "drawArraysInstanced"])
+        if (gl.prototype[draw]) gl.prototype[draw] = () => {};"""
+FIRST_PICTURE = {
+    "course_lib": """
+import numpy as np
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.page_server import PageServer
+from course_lib.viewer.scene import Scene
+scene = Scene()
+scene.set_object("box", Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+server = PageServer(scene); server.start(); print(server.url, flush=True)""",
+    "meshcat": """
+import meshcat, meshcat.geometry as g
+vis = meshcat.Visualizer()
+vis["box"].set_object(g.Box([1, 1, 1]), g.MeshLambertMaterial(color=0xFF0000))
+print(vis.url(), flush=True)""",
+    "viser": """
+import viser
+server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+server.scene.add_box("/box", (255, 0, 0), (1, 1, 1))
+print(f"http://127.0.0.1:{server.get_port()}", flush=True)""",
+}
+
+
+def main() -> None:
+    """Print one row per measurement: ours, the peers, and how many times better ours is."""
+    rows: dict[str, Callable[[Browser, Any], float]] = {
+        "transforms/s to the page, drawing stubbed": lambda browser, peer: speed(browser, peer, False),
+        "transforms/s to the page, drawn": lambda browser, peer: speed(browser, peer, True),
+        "Python CPU per transform [us], less is better": cpu,
+        "UR10 display(q) per second": lambda browser, peer: displays(browser, peer, "ur10"),
+        "Talos display(q) per second": lambda browser, peer: displays(browser, peer, "talos"),
+        "100k points to screen [s], less is better": lambda browser, peer: cloud(browser, peer, 100_000),
+        "1M points to screen [s], less is better": lambda browser, peer: cloud(browser, peer, 1_000_000),
+        "program start to first picture [s], less is better": first_picture,
+        "bytes for 20 viewers on a page [kB], less is better": twenty,
+    }
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", default="", help="part of a row's name")
+    parser.add_argument("--repeats", type=int, default=3, help="the best of so many runs counts")
+    only, repeats = vars(parser.parse_args()).values()
+    print(f"{'':52}{'course_lib':>12}" + "".join(f"{peer.name:>12}{'ratio':>8}" for peer in PEERS[1:]))
+    with chromium() as browser:
+        for name, measure in rows.items():
+            if only in name:
+                less = "less is better" in name
+                runs = [[measure(browser, peer) for peer in PEERS] for _ in range(repeats)]
+                ours, *others = (min(values) if less else max(values) for values in zip(*runs, strict=True))
+                ratios = [other / ours if less else ours / other for other in others]
+                cells = (f"{o:12.4g}{r:7.1f}x" for o, r in zip(others, ratios, strict=True))
+                print(f"{name:52}{ours:12.4g}{''.join(cells)}", flush=True)
+
+
+@contextmanager
+def opened(browser: Browser, peer: Any, drawn: bool = True) -> Iterator[Page]:
+    """Show a peer's page."""
+    page = browser.new_page(viewport={"width": 768, "height": 400})
+    if not drawn:
+        page.add_init_script(NO_DRAWING)
+    page.goto(peer.url)
+    page.wait_for_selector("canvas")
+    page.wait_for_timeout(2000)
+    yield page
+    page.close()
+    peer.close()
+
+
+def poses() -> Iterator[Floats]:
+    """Give matrices for all objects, others each time, shape (N, 4, 4)."""
+    matrices = np.tile(np.eye(4), (OBJECTS, 1, 1))
+    where = np.linspace(0, 30, OBJECTS)
+    for turn in range(1_000_000):
+        matrices[:, 0, 3], matrices[:, 1, 3] = np.cos(where + turn / 10), np.sin(where + turn / 10)
+        yield matrices
+
+
+def speed(browser: Browser, kind: Any, drawn: bool) -> float:
+    """Count the transforms that get to the page in a second of setting them as fast as they go."""
+    peer = kind()
+    peer.boxes(OBJECTS)
+    with opened(browser, peer, drawn) as page:
+        peer.watch(page)
+        before, start = peer.arrived(page), time.perf_counter()
+        for matrices in poses():
+            peer.move(matrices)
+            time.sleep(0.0001)  # the server's thread wants to run too
+            if time.perf_counter() - start > SECONDS:
+                break
+        arrived: int = peer.arrived(page) - before
+        return arrived / (time.perf_counter() - start)
+
+
+def cpu(browser: Browser, kind: Any) -> float:
+    """CPU of this process for a transform that is set, at up to 40 Hz, in [us]; a server's is not counted."""
+    peer = kind()
+    peer.boxes(OBJECTS)
+    with opened(browser, peer) as page:
+        peer.watch(page)
+        begin, start, rounds = time.process_time(), time.perf_counter(), 0
+        for matrices in poses():
+            peer.move(matrices)
+            rounds += 1
+            time.sleep(max(0.0, start + rounds / 40 - time.perf_counter()))
+            if time.perf_counter() - start > SECONDS:
+                break
+        return 1e6 * (time.process_time() - begin) / (rounds * OBJECTS)
+
+
+def displays(browser: Browser, kind: Any, name: str) -> float:
+    """Count Pinocchio's display(q) in a second, with a page that follows."""
+    if kind not in (Ours, Meshcat):
+        return float("nan")
+    import pinocchio
+    from example_robot_data import load
+    from pinocchio.visualize import MeshcatVisualizer
+
+    robot, peer = load(name), kind()
+    visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
+    visualizer.initViewer(viewer=peer.visualizer)
+    visualizer.loadViewerModel()
+    configuration = pinocchio.neutral(robot.model)
+    with opened(browser, peer):
+        start, count = time.perf_counter(), 0
+        while time.perf_counter() - start < SECONDS:
+            configuration[-1] = np.sin(count / 30)
+            visualizer.display(configuration)
+            count += 1
+        return count / (time.perf_counter() - start)
+
+
+def cloud(browser: Browser, kind: Any, count: int) -> float:
+    """Time from the call to red pixels, [s]."""
+    points = np.random.default_rng(0).uniform(-1, 1, (count, 3)).astype(np.float32)
+    peer = kind()
+    with opened(browser, peer) as page:
+        start = time.perf_counter()
+        peer.cloud(points)
+        wait_for_red(page)
+        return time.perf_counter() - start
+
+
+def first_picture(browser: Browser, kind: Any) -> float:
+    """Time from the start of a program that shows a red box to red pixels, [s]."""
+    start = time.perf_counter()
+    code = FIRST_PICTURE[kind.name] + "\nimport sys; sys.stdin.read()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        url = next(line.strip() for line in process.stdout if line.startswith("http"))
+        page = browser.new_page(viewport={"width": 768, "height": 400})
+        page.goto(url)
+        wait_for_red(page)
+        took = time.perf_counter() - start
+        page.close()
+        process.kill()
+    return took
+
+
+def twenty(browser: Browser, kind: Any) -> float:
+    """What a page is sent for 20 viewers of a box: our widgets' states; the peers' pages in frames, [kB]."""
+    if kind is Ours:
+        return widgets(20) / 1000
+    peer = kind()
+    peer.boxes(1)
+    page = browser.new_page()
+    session = page.context.new_cdp_session(page)
+    sizes: list[float] = []
+    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    session.on("Network.webSocketFrameReceived", lambda e: sizes.append(len(e["response"]["payloadData"])))
+    session.send("Network.enable")
+    page.goto(peer.url)  # so that the frames are of the same site
+    page.evaluate(
+        "url => { for (let i = 1; i < 20; i++) document.body.append(Object.assign("
+        "document.createElement('iframe'), { src: url })) }",
+        peer.url,
+    )
+    page.wait_for_timeout(8000)
+    page.close()
+    peer.close()
+    return sum(sizes) / 1000
+
+
+def widgets(count: int) -> float:
+    """Add up the bytes of the states of widgets that show a box each, with the code that they share."""
+    from ipywidgets.widgets.widget import _instances
+
+    from course_lib.viewer.drawables import Solids
+    from course_lib.viewer.scene import Scene
+    from course_lib.viewer.widget import SceneWidget
+
+    states, shared = [], set[str]()
+    for _ in range(count):
+        scene = Scene()
+        scene.set_object("box", Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+        widget = SceneWidget(scene)
+        shared.add(widget.code)
+        states.append(widget.get_state())
+    states += [_instances[model].get_state() for model in shared]
+    return sum(len(v) for state in states for v in state.values() if isinstance(v, bytes | str))
+
+
+def wait_for_red(page: Page) -> None:
+    """Wait until the page shows something red."""
+    end = time.perf_counter() + PATIENCE
+    while time.perf_counter() < end:
+        pixels = np.asarray(Image.open(BytesIO(page.screenshot())).convert("RGB")).astype(int)
+        if ((pixels[..., 0] > 90) & (pixels[..., 1:].max(axis=-1) < 60)).sum() > 100:
+            return
+    raise TimeoutError(f"Nothing red within {PATIENCE} s.")
+
+
+if __name__ == "__main__":
+    main()

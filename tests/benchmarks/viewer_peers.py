@@ -1,0 +1,174 @@
+"""Three viewers behind one small interface, each with its own server and a real page."""
+
+import logging
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from playwright.sync_api import Page
+
+Floats = NDArray[np.floating]
+
+
+class Ours:
+    """course_lib's scene, its page on 127.0.0.1."""
+
+    name = "course_lib"
+
+    def __init__(self) -> None:
+        from course_lib.viewer.page_server import PageServer
+        from course_lib.viewer.scene import Scene
+        from course_lib.viewer.visualizer import Visualizer
+
+        self.scene = Scene()
+        self.server = PageServer(self.scene)
+        self.server.start()
+        self.url = self.server.url
+        self.visualizer: Any = Visualizer(self.scene)
+        self.parts: list[Any] = []
+
+    def boxes(self, count: int) -> None:
+        """Make so many boxes."""
+        add_boxes(self, count)
+
+    def move(self, matrices: Floats) -> None:
+        """Place all boxes, by ordinary calls."""
+        for part, matrix in zip(self.parts, matrices, strict=True):
+            part.set_transform(matrix)
+        self.server.link.flush()
+
+    def arrived(self, _: Page) -> int:
+        """Count the transforms that the page has answered for."""
+        pages = self.server.link._flow.pages.values()
+        return len(self.parts) * max((page.number for page in pages), default=0)
+
+    def cloud(self, points: Floats) -> None:
+        """Show a red cloud."""
+        from course_lib.viewer.drawables import Points
+
+        self.scene.set_object("cloud", Points(points, (1, 0, 0, 1), (0.05, 0.05)))
+
+    def watch(self, page: Page) -> None:
+        """Do nothing: the page answers by itself."""
+
+    def close(self) -> None:
+        """Stop the server."""
+        self.server.close()
+
+
+class Meshcat:
+    """meshcat.Visualizer with its server process."""
+
+    name = "meshcat"
+
+    def __init__(self) -> None:
+        import meshcat
+
+        self.visualizer: Any = meshcat.Visualizer()
+        self.url = self.visualizer.url()
+        self.parts: list[Any] = []
+
+    def boxes(self, count: int) -> None:
+        """Make so many boxes."""
+        add_boxes(self, count)
+
+    def move(self, matrices: Floats) -> None:
+        """Place all boxes."""
+        for part, matrix in zip(self.parts, matrices, strict=True):
+            part.set_transform(matrix)
+
+    def watch(self, page: Page) -> None:
+        """Have the page count what it is told."""
+        page.evaluate("""() => {
+            globalThis.arrived = 0;
+            const act = viewer.set_transform;
+            viewer.set_transform = function (...all) { arrived++; return act.apply(this, all); }; }""")
+
+    def arrived(self, page: Page) -> int:
+        """Count the transforms that the page has carried out."""
+        return int(page.evaluate("arrived"))
+
+    def cloud(self, points: Floats) -> None:
+        """Show a red cloud."""
+        import meshcat.geometry as g
+
+        colors = np.zeros_like(points.T)
+        colors[0] = 1
+        self.visualizer["cloud"].set_object(g.PointCloud(points.T, colors, size=0.05))
+
+    def close(self) -> None:
+        """Stop the server."""
+        self.visualizer.window.server_proc.kill()
+
+
+class Viser:
+    """viser; what it sends is counted where it is written, which is to its credit."""
+
+    name = "viser"
+
+    def __init__(self) -> None:
+        import viser
+        from viser import _messages
+
+        logging.getLogger("websockets").setLevel(logging.CRITICAL)
+        self.server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        self.url = f"http://127.0.0.1:{self.server.get_port()}"
+        self.parts: list[Any] = []
+        self.count = 0
+        lock = threading.Lock()
+        write = _messages.SetPositionMessage.as_serializable_dict
+
+        def counted(message: Any, *args: Any) -> Any:
+            with lock:
+                self.count += 1
+            return write(message, *args)
+
+        _messages.SetPositionMessage.as_serializable_dict = counted  # type: ignore[method-assign]
+
+    def boxes(self, count: int) -> None:
+        """Make so many boxes."""
+        for number in range(count):
+            part = self.server.scene.add_box(f"/part{number}", (255, 0, 0), (0.05, 0.05, 0.05))
+            self.parts.append(part)
+
+    def move(self, matrices: Floats) -> None:
+        """Place all boxes: position and quaternion."""
+        from viser.transforms import SO3
+
+        turns = SO3.from_matrix(matrices[:, :3, :3]).wxyz
+        for part, matrix, turn in zip(self.parts, matrices, turns, strict=True):
+            part.position = matrix[:3, 3]
+            part.wxyz = turn
+        self.server.flush()
+
+    def watch(self, page: Page) -> None:
+        """Begin to count."""
+        self.count = 0
+
+    def arrived(self, _: Page) -> int:
+        """Count the transforms that were written for the page."""
+        return self.count
+
+    def cloud(self, points: Floats) -> None:
+        """Show a red cloud."""
+        self.server.scene.add_point_cloud(
+            "/cloud", points, (255, 0, 0), point_size=0.05, precision="float32", point_shading="flat"
+        )
+
+    def close(self) -> None:
+        """Stop the server."""
+        self.server.stop()
+
+
+def add_boxes(peer: Any, count: int) -> None:
+    """Make so many boxes through meshcat's calls."""
+    import meshcat.geometry as g
+
+    for number in range(count):
+        part = peer.visualizer[f"part{number}"]
+        part.set_object(g.Box([0.05, 0.05, 0.05]), g.MeshLambertMaterial(color=0xFF0000))
+        peer.parts.append(part)
+
+
+PEERS: tuple[Any, ...] = (Ours, Meshcat, Viser)
