@@ -23,7 +23,7 @@ class TimeSource(Protocol):
 
 
 class LiveTime:
-    """Robot time of the running graph: it stands, steps, goes slower or faster; clicks are served all the while."""
+    """Robot time of the running graph: it stands, steps, goes slower or faster."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

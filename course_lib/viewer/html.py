@@ -30,6 +30,9 @@ _MAIN = """\
 <style>
 main { display: flex; flex-direction: column; height: 100% }
 main > div:first-child { flex: 1; min-height: 0; height: auto !important }
+main .course-viewer { display: flex; flex-direction: column }
+main .course-middle { flex: 1 }
+main .course-view, main .course-view > div { height: 100% !important }
 </style>
 <main></main>"""
 

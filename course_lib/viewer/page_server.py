@@ -2,6 +2,7 @@
 
 import asyncio
 import secrets
+import socket
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -43,6 +44,7 @@ class PageServer:
         self.link = PageLink(scene, self._send)
         self.sockets: set[SocketHandler] = set()  # the open pages
         self._turn = turn
+        self._listening: list[socket.socket] = []
         self._ended = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -51,18 +53,25 @@ class PageServer:
         """The address of the page, with its secret."""
         return f"http://127.0.0.1:{self.port}/{self.token}/"
 
-    def start(self) -> None:
-        """Serve in a thread of its own, from now on.
+    def listen(self) -> None:
+        """Take the port; the address is known from now on.
 
         Raises:
             CourseError: The port cannot be had.
         """
-        sockets = self._listen()
-        threading.Thread(target=lambda: asyncio.run(self._serve(sockets)), name="page", daemon=True).start()
+        from tornado.netutil import bind_sockets
 
-    async def serve(self) -> None:
-        """Serve until it is closed or cancelled; see `start`."""
-        await self._serve(self._listen())
+        try:
+            self._listening = bind_sockets(self.port, "127.0.0.1")
+        except (OSError, OverflowError) as error:
+            said = f"Port {self.port} cannot be had: {error}. Take another one, or 0 for any."
+            raise CourseError(said) from None
+        self.port = self._listening[0].getsockname()[1]
+
+    def start(self) -> None:
+        """Listen, and serve in a thread of its own from now on."""
+        self.listen()
+        threading.Thread(target=lambda: asyncio.run(self.serve()), name="page", daemon=True).start()
 
     def close(self) -> None:
         """Stop serving and give the port back; open pages say that nobody is there."""
@@ -79,19 +88,8 @@ class PageServer:
         with self._turn():
             self.link.receive(content)
 
-    def _listen(self) -> list[Any]:
-        from tornado.netutil import bind_sockets
-
-        try:
-            sockets = bind_sockets(self.port, "127.0.0.1")
-        except (OSError, OverflowError) as error:
-            raise CourseError(
-                f"Port {self.port} cannot be had: {error}. Take another one, or 0 for any."
-            ) from None
-        self.port = sockets[0].getsockname()[1]
-        return sockets
-
-    async def _serve(self, sockets: list[Any]) -> None:
+    async def serve(self) -> None:
+        """Serve where it listens, until it is closed or this is cancelled."""
         from tornado.httpserver import HTTPServer
         from tornado.web import Application
 
@@ -102,13 +100,13 @@ class PageServer:
         routes = [(rf"/([^/]*)/{name}", handler, {"server": self}) for name, handler in handlers]
         settings = {"websocket_max_message_size": _MAX_MESSAGE, "log_function": lambda _: None}
         server = HTTPServer(Application(routes, None, None, **settings))
-        server.add_sockets(sockets)
+        server.add_sockets(self._listening)
         try:
             await self._ended.wait()
         finally:
             server.stop()
-            for socket in tuple(self.sockets):
-                socket.close(1001, "the program has ended")
+            for page in tuple(self.sockets):
+                page.close(1001, "the program has ended")
             await server.close_all_connections()
 
     def _send(self, content: dict[str, Any], buffers: list[bytes]) -> None:
@@ -119,5 +117,5 @@ class PageServer:
             self._loop.call_soon_threadsafe(self._broadcast, framed(content, buffers))
 
     def _broadcast(self, message: bytes) -> None:
-        for socket in tuple(self.sockets):
-            socket.write_message(message, binary=True)
+        for page in tuple(self.sockets):
+            page.write_message(message, binary=True)

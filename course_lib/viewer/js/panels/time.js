@@ -51,7 +51,8 @@ export class TimeBar {
     this.play.textContent = time.paused ? "▶" : "‖";
     const range = time.range ?? [0, 0];
     for (const part of [this.back, this.scrub, this.loop]) part.hidden = !time.range;
-    Object.assign(this.scrub, { min: range[0], max: range[1], value: time.elapsed });
+    Object.assign(this.scrub, { min: range[0], max: range[1] });
+    if (!this.scrub.matches(":active")) this.scrub.value = String(time.elapsed); // somebody may hold it
     this.scrub.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
     this.loop.ariaPressed = String(time.loop ?? false);
     this.speed.value = String(time.rate);

@@ -1,0 +1,64 @@
+"""`course view`: RViz in a browser's tab, on this machine."""
+
+import asyncio
+import sys
+import webbrowser
+from pathlib import Path
+
+from course_lib.displays.desk import Desk
+from course_lib.displays.playback import Playback
+from course_lib.displays.render import session_for
+from course_lib.displays.time_panel import TimePanel
+from course_lib.recording import Recording, read_bag
+from course_lib.ros import wall
+from course_lib.viewer.page_server import PageServer
+
+
+def view(
+    bag: Path | None = None,
+    rviz: Path | None = None,
+    *,
+    port: int = 0,
+    token: str | None = None,
+    browser: bool = True,
+) -> None:
+    """Show a layout, and play a bag through it, until Ctrl+C.
+
+    Args:
+        bag: The recording's folder; it plays as soon as a page is open.
+        rviz: The layout; None shows a grid, and all topics of markers of the bag.
+        port: Where to listen; 0 lets the system choose a free one.
+        token: The secret part of the address; None makes one up.
+        browser: Whether to open the address.
+
+    Raises:
+        CourseError: If the bag or the layout cannot be read, or the port is taken.
+    """
+    recording = Recording(()) if bag is None else read_bag(bag)
+    session = session_for(recording, rviz)
+    session.refresh()
+    server = PageServer(session.context.scene, f"course view: {bag or rviz or 'a grid'}", port, token)
+    Desk(session, server.link)
+    server.listen()
+    sys.stdout.write(f"The viewer is at {server.url}\nCtrl+C ends it.\n")
+    sys.stdout.flush()
+    if browser:
+        webbrowser.open(server.url)
+    try:
+        asyncio.run(_serve(server, Playback(session, recording) if bag else None))
+    except KeyboardInterrupt:
+        sys.stdout.write("\nThe viewer has ended.\n")
+
+
+async def _serve(server: PageServer, playback: Playback | None) -> None:
+    """Serve for ever, and let time go on while a page is open."""
+    serving = asyncio.create_task(server.serve())
+    panel = TimePanel(server.link, playback) if playback else None
+    last = wall.monotonic()
+    while not serving.done():
+        await asyncio.sleep(1 / 30)
+        before, last = last, wall.monotonic()
+        if playback and panel and server.link.ready:
+            playback.advance(last - before)
+            panel.refresh()
+    await serving
