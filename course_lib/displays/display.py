@@ -112,6 +112,10 @@ class Display(PropertyHolder):
     def update(self) -> None:
         """Bring the scene up to date; called once per frame."""
 
+    def message_at(self, path: str) -> Any:
+        """Return the message that an object of the scene was drawn from, or None if that is not known."""
+        return None
+
     def reset(self) -> None:
         """Forget all that has been received, as RViz does when the fixed frame changes."""
         self.statuses.clear()

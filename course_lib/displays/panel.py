@@ -1,73 +1,110 @@
-"""The viewer's place in a cell: the scene, and below it the statuses."""
+"""The viewer's place in a cell: the scene with RViz's panels around it."""
 
 import asyncio
+import base64
 import weakref
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from course_lib.displays.desk import Desk
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
+from course_lib.displays.time_panel import LiveTime, TimePanel
+from course_lib.errors import CourseError
 from course_lib.ros import pace, wall
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import Graph
+from course_lib.viewer.page_link import Click, PageLink
+from course_lib.viewer.page_server import PageServer
 
 if TYPE_CHECKING:
-    import ipywidgets
-
-_PERIOD = 0.5  # [s] of the wall clock between two changes of the table
+    from course_lib.viewer.widget import SceneWidget
+_ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
 
 
 class Panel:
     """Shows a session in as many cells as ask for it; made when the first one does."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, graph: Graph) -> None:
         self._session = session
-        self._box: ipywidgets.VBox | None = None
-        self._written = 0.0  # [s] when the table was last changed
-        self._waiting = False
-        self._loop: asyncio.AbstractEventLoop | None = None
+        self._graph = graph
+        self._view: SceneWidget | None = None
+        self._server: PageServer | None = None
+        self._ends: list[Callable[[], None]] = []  # of what was made for pages
+        self.on_click: list[Callable[[Click], None]] = []  # called with each click into the view
+
+    async def next_click(self) -> Click:
+        """Wait for a click into the view; see `Viewer.pick`."""
+        if not self._is_there():
+            raise CourseError(
+                "No page shows this viewer, so nobody can click into it. Write viewer on the last line of a "
+                "cell in JupyterLab, and call pick() in a cell below."
+            )
+        clicked: asyncio.Future[Click] = asyncio.get_running_loop().create_future()
+        self.on_click.append(clicked.set_result)
+        try:
+            return await clicked
+        finally:
+            self.on_click.remove(clicked.set_result)
 
     def shown(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return what a cell displays; pages that run no scripts get a picture and the table.
 
         The viewer, whose panel this is, lives as long as a page shows it.
         """
-        if self._box is None:
-            self._box = self._made(viewer)
-        view = self._box.children[0]
-        view.keeps = viewer
-        self._write()
-        picture, metadata = view._repr_mimebundle_(**kwargs)
-        words = f"{picture['text/plain']}\n{StatusTable(self._session.rows())}"
-        return picture | self._box._repr_mimebundle_(**kwargs) | {"text/plain": words}, metadata
-
-    def refresh(self) -> None:
-        """Change the table, now or a little later; called after every frame, from any thread."""
-        if self._box is None:
-            return
-        if wall.monotonic() - self._written >= _PERIOD:
-            self._write()
-        elif self._loop is not None and not self._waiting:
-            self._waiting = True
-            self._loop.call_soon_threadsafe(self._loop.call_later, _PERIOD, self._write)
+        if self._view is None:
+            self._view = self._made(viewer)
+        self._view.keeps = viewer
+        data, metadata = self._view._repr_mimebundle_(**kwargs)
+        words = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
+        return data | {"text/plain": words}, metadata
 
     def close(self) -> None:
         """Take the viewer out of all cells."""
-        if self._box is not None:
-            pace.pages.discard(self._is_there)
-            for widget in (*self._box.children, self._box):
-                widget.close()
-            self._box = None
+        pace.pages.discard(self._is_there)
+        for end in self._ends:
+            end()
+        self._ends.clear()
+        self._view = self._server = None
 
-    def _made(self, viewer: object) -> "ipywidgets.VBox":
-        import ipywidgets
+    def opened(self, port: int, token: str | None) -> str:
+        """Return the address of a page outside notebooks, served by this process from now on."""
+        if self._server is None:
+            server = PageServer(self._session.context.scene, "RViz view", port, token, turn=baton.known)
+            with baton.unknown():  # a thread of the program's own would live by robot time
+                server.start()
+            self._server = server
+            self._furnish(server.link, server.close)
+        return self._server.url
 
+    def picture(self, size: tuple[int, int]) -> bytes | None:
+        """Have an open page draw a PNG of a size in [px]; None if no page is open, or none answers."""
+        links = [shown.link for shown in (self._view, self._server) if shown is not None]
+        answers: list[dict[str, Any]] = []
+        for link in (link for link in links if link.ready):
+            link.at_once["picture"] = answers.append
+            link.flush()
+            link.post({"type": "capture", "width": size[0], "height": size[1]})
+            deadline = wall.monotonic() + _ANSWER
+            while not answers and wall.monotonic() < deadline:
+                wall.sleep(0.01)
+            if answers:
+                return base64.b64decode(str(answers[0].get("png", "")).partition(",")[2])
+        return None
+
+    def _furnish(self, link: PageLink, close: Callable[[], None]) -> None:
+        """Put RViz's panels around the view of a page."""
+        desk = Desk(self._session, link, self._graph)
+        time_panel = TimePanel(self._session, link, LiveTime(self._graph))
+        link.on_click.append(self._click)
+        self._ends += [desk.close, time_panel.close, close]
+
+    def _made(self, viewer: object) -> "SceneWidget":
         from course_lib.viewer.widget import SceneWidget
 
-        try:
-            self._loop = asyncio.get_running_loop()
-        except RuntimeError:  # no kernel
-            self._loop = None
-        self._session.after_frame.append(self.refresh)
         pace.pages.add(self._is_there)
         view = SceneWidget(self._session.context.scene, label="RViz view")
+        self._furnish(view.link, view.close)
         known = weakref.ref(viewer)
 
         def on_views(count: int) -> None:
@@ -77,18 +114,15 @@ class Panel:
                 _forget(owner)
 
         view.on_views = on_views
-        return ipywidgets.VBox([view, ipywidgets.HTML()])
+        return view
+
+    def _click(self, click: Click) -> None:
+        for callback in tuple(self.on_click):
+            callback(click)
 
     def _is_there(self) -> bool:
         """Say whether a page shows the scene."""
-        return self._box is not None and bool(self._box.children[0].link.ready)
-
-    def _write(self) -> None:
-        self._waiting = False
-        if self._box is None:
-            return
-        self._written = wall.monotonic()
-        self._box.children[1].value = StatusTable(self._session.rows())._repr_html_()
+        return self._view is not None and self._view.link.ready
 
 
 def _forget(result: object) -> None:

@@ -90,6 +90,11 @@ class Session:
         view.touched = self.refresh
         self.refresh()
 
+    def turned(self, camera: Camera) -> None:
+        """Take over where a page's view was turned to by hand."""
+        self._view.take(camera)
+        self.context.scene.remember_camera(self._view.camera(self.context.frames))
+
     def add(
         self,
         class_name: str,
@@ -156,6 +161,15 @@ class Session:
         display.reset()
         self.context.scene.delete(display.path)
         self._tell()
+
+    def take_out(self, member: Display | Group) -> None:
+        """Remove a display, or a group with all that is in it."""
+        if isinstance(member, Group):
+            for display in list(member.displays()):
+                self.remove(display)
+            self.tree.holder(member).members.remove(member)
+        else:
+            self.remove(member)
 
     def receive(self, sample: Sample) -> None:
         """Take a published message, after the frames that were due before it."""

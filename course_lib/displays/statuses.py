@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 Level: TypeAlias = Literal["ok", "warn", "error", "hint"]
 
 # Icon and word tell the level without colour; the colours are RViz's, hints are ours.
-_LEVELS: Mapping[Level, tuple[str, str, str]] = {
+LEVELS: Mapping[Level, tuple[str, str, str]] = {
     "ok": ("✔", "Ok", "inherit"),
     "warn": ("⚠", "Warn", "rgb(192, 128, 0)"),
     "error": ("✖", "Error", "rgb(192, 32, 32)"),
@@ -61,7 +61,7 @@ class StatusTable(list[StatusRow]):
     """What RViz's Displays panel says, row by row, for cells, pages and terminals."""
 
     def __str__(self) -> str:
-        rows = [(row.display, row.name, " ".join(_LEVELS[row.level][:2]), row.text) for row in self]
+        rows = [(row.display, row.name, " ".join(LEVELS[row.level][:2]), row.text) for row in self]
         widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
         return "\n".join("  ".join([*map(str.ljust, row, widths), row[3]]) for row in rows)
 
@@ -73,7 +73,7 @@ class StatusTable(list[StatusRow]):
 
 def _row(row: StatusRow) -> str:
     """Return one row in HTML; that of a hint says that RViz2 is silent there."""
-    icon, word, color = _LEVELS[row.level]
+    icon, word, color = LEVELS[row.level]
     title = ' title="from this viewer; RViz2 says nothing here"' if row.level == "hint" else ""
     return (
         f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"

@@ -1,7 +1,7 @@
 """RViz's tools: what the tool bar has, and what those that publish say (rviz_default_plugins/tools)."""
 
 from collections.abc import Mapping, Sequence
-from math import cos, sin
+from math import atan2, cos, sin
 from typing import Any
 
 from course_lib.displays.frames import NS
@@ -53,6 +53,11 @@ class PublishPoint(Tool):
         self._fill(stamped, done["point"], float(done.get("angle", 0.0)))
         return stamped
 
+    def said(self, topic: str, message: Message) -> str:
+        """Say what was published."""
+        p = message.point
+        return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
+
     def _fill(self, stamped: Message, point: Sequence[float], yaw: float) -> None:
         """Write the point, [m], and the direction about z, [rad]."""
         stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
@@ -61,15 +66,28 @@ class PublishPoint(Tool):
 class SetGoal(PublishPoint):
     """Publishes the pose that is dragged on the ground."""
 
+    does = "Setting goal pose"
+
     type_name = "geometry_msgs/msg/PoseStamped"
-    properties = (Property("Topic", "goal_pose", text),)
+    properties: tuple[Property, ...] = (Property("Topic", "goal_pose", text),)
+
+    def said(self, topic: str, message: Message) -> str:
+        """Say what RViz writes to its log."""
+        pose = getattr(message.pose, "pose", message.pose)
+        p, q = pose.position, pose.orientation
+        return (
+            f"{self.does}: Frame:{message.header.frame_id}, Position({p.x:g}, {p.y:g}, {p.z:g}), "
+            f"Orientation({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) = Angle: {2 * atan2(q.z, q.w):g}"
+        )
 
     def _fill(self, stamped: Message, point: Sequence[float], yaw: float) -> None:
         _place(stamped.pose, point, yaw)
 
 
-class SetInitialPose(PublishPoint):
+class SetInitialPose(SetGoal):
     """Publishes the pose that is dragged on the ground, with how sure it is."""
+
+    does = "Setting estimate pose"
 
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
     properties = (

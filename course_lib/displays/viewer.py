@@ -1,6 +1,8 @@
 """RViz in a cell: what lessons import."""
 
+import sys
 import weakref
+import webbrowser
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +17,7 @@ from course_lib.displays.panel import Panel
 from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
+from course_lib.displays.summary import told
 from course_lib.displays.views import View
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
@@ -22,6 +25,7 @@ from course_lib.ros.graph import current_graph
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
+from course_lib.viewer.page_link import Click
 from course_lib.viewer.picture import Picture, screenshot
 from course_lib.viewer.scene import Scene
 
@@ -46,7 +50,7 @@ class Viewer:
         self.session = Session(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._panel = Panel(self.session)
+        self._panel = Panel(self.session, graph)
         stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick))
         self._end = weakref.finalize(self, _end, stops, self._panel)  # once no name or page holds it
         self._end.atexit = False
@@ -170,9 +174,52 @@ class Viewer:
         save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
-        """Draw the scene into a PNG of a size in [px]; the result says what drew it."""
+        """Draw the scene into a PNG of a size in [px]; the result says what drew it.
+
+        That is a page that shows the viewer, else Chromium or Chrome, else numpy.
+        """
         self.look()
-        return screenshot(self.scene, path, size)
+        png = self._panel.picture(size)
+        if png is None:
+            return screenshot(self.scene, path, size)
+        if path is not None:
+            Path(path).write_bytes(png)
+        return Picture(png, "page")
+
+    def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
+        """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
+
+        Args:
+            browser: Whether to open the page; its address is printed, too.
+            port: Where to listen, on this machine only; 0 lets the system choose a free one.
+            token: The secret part of the address; None makes one up.
+
+        Returns:
+            The address.
+        """
+        url = self._panel.opened(port, token)
+        sys.stdout.write(f"The viewer is at {url}\n")
+        if browser:
+            webbrowser.open(url)
+        return url
+
+    def summary(self) -> str:
+        """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
+        self.look()
+        return told(self.session)
+
+    def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
+        """Have a function called with every click into the view: ``@viewer.on_click`` above it."""
+        self._panel.on_click.append(callback)
+        return callback
+
+    async def pick(self) -> Click:
+        """Wait for the next click into the view: ``click = await viewer.pick()``.
+
+        Raises:
+            CourseError: At once, if no page shows the viewer.
+        """
+        return await self._panel.next_click()
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""

@@ -1,7 +1,7 @@
 """RViz's view controllers: from their properties to a camera."""
 
 from collections.abc import Callable, Mapping
-from math import atan2, cos, pi, sin
+from math import asin, atan2, cos, pi, sin
 from typing import Any, ClassVar
 
 import numpy as np
@@ -57,7 +57,22 @@ class View(PropertyHolder):
         self._target = self._target if target is None else target
         return self._camera(self._target)
 
+    def take(self, camera: Camera) -> None:
+        """Have the properties that look as a view does which was turned by hand; nobody is told."""
+        taken = self._taken(camera, np.subtract(camera.target, camera.eye), self._target)
+        self._values |= {label: self._property(label).convert(value) for label, value in taken.items()}
+
+    def mimic(self, other: "View", frames: Frames) -> None:
+        """Look from where another view does, as well as this one can."""
+        self._values["Target Frame"] = other["Target Frame"]
+        self.camera(frames)  # finds the target frame
+        self.take(other.camera(frames))
+
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        raise NotImplementedError
+
+    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        """Return the properties of a camera, see `_camera`."""
         raise NotImplementedError
 
 
@@ -77,16 +92,34 @@ class Orbit(View):
     lift = 0.0  # by which part of the distance the camera is moved up in the picture
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        x, y = transform_target_to_fixed[:2, 0]
-        turned = _about_z(atan2(y, x) if self.turns else 0.0)
-        sign = -1.0 if self["Invert Z Axis"] else 1.0
+        turned, sign = self._turned(transform_target_to_fixed), self._sign()
         away = turned @ _direction(sign * self["Yaw"], sign * self["Pitch"])
-        up = np.array([0.0, 0.0, sign])
-        picture_up = up - away * (away @ up)
-        lifted = picture_up * self["Distance"] * self.lift / np.linalg.norm(picture_up)
+        lifted = self._lifted(away, self["Distance"])
         focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"]) + lifted
         eye = focus + self["Distance"] * away
-        return Camera(_point(eye), _point(focus), _point(up), near=self["Near Clip Distance"])
+        return Camera(_point(eye), _point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
+
+    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        turned, sign = self._turned(transform_target_to_fixed), self._sign()
+        distance = float(np.linalg.norm(ahead))
+        x, y, z = away = turned.T @ -ahead / distance
+        focus = camera.target - self._lifted(turned @ away, distance) - transform_target_to_fixed[:3, 3]
+        yaw, pitch = sign * atan2(y, x) % (2 * pi), sign * asin(min(max(z, -1.0), 1.0))
+        return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": _point(turned.T @ focus)}
+
+    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+        x, y = transform_target_to_fixed[:2, 0]
+        return _about_z(atan2(y, x) if self.turns else 0.0)
+
+    def _sign(self) -> float:
+        return -1.0 if self["Invert Z Axis"] else 1.0
+
+    def _lifted(self, away: Array, distance: float) -> Array:
+        """Return how far the camera is moved up in the picture."""
+        up = np.array([0.0, 0.0, self._sign()])
+        picture_up = up - away * (away @ up)
+        lifted: Array = picture_up * distance * self.lift / max(float(np.linalg.norm(picture_up)), 1e-9)
+        return lifted
 
 
 class XYOrbit(Orbit):
@@ -119,6 +152,11 @@ class FPS(View):
         ahead = _direction(self["Yaw"], -self["Pitch"])
         return Camera(eye=_point(eye), target=_point(eye + ahead), near=self["Near Clip Distance"])
 
+    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        x, y, z = ahead / np.linalg.norm(ahead)
+        position = _point(camera.eye - transform_target_to_fixed[:3, 3])
+        return {"Yaw": atan2(y, x) % (2 * pi), "Pitch": -asin(min(max(z, -1.0), 1.0)), "Position": position}
+
 
 class TopDownOrtho(View):
     """Looks straight down, without perspective."""
@@ -143,8 +181,14 @@ class TopDownOrtho(View):
             orthographic_scale=self["Scale"],
         )
 
+    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        right_x, right_y, _ = camera.view_matrix()[0, :3]
+        x, y, _ = camera.target - transform_target_to_fixed[:3, 3]
+        scale = camera.orthographic_scale or self["Scale"]
+        return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
-VIEWS = {
+
+VIEWS: dict[str, type[View]] = {
     view.class_name.rpartition("/")[2]: view
     for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho)
 }

@@ -28,7 +28,7 @@ def save_rviz(session: Session, path: str | Path) -> None:
         CourseError: If the file cannot be written.
     """
     try:
-        Path(path).write_text(_yaml(document(session)), encoding="utf-8")
+        Path(path).write_text(yaml_text(document(session)), encoding="utf-8")
     except OSError as error:
         raise CourseError(f"Cannot write the layout {path}: {error.strerror}.") from None
 
@@ -42,7 +42,10 @@ def document(session: Session) -> dict[str, Any]:
         "Fixed Frame": session.fixed_frame,
         "Frame Rate": session.frame_rate,
     }
-    views = {"Current": _view(session.view), "Saved": [_view(view) for view in session.saved_views] or None}
+    views = {
+        "Current": view_config(session.view),
+        "Saved": [view_config(view) for view in session.saved_views] or None,
+    }
     result: dict[str, Any] = _sorted(
         {"Panels": [{"Class": f"rviz_common/{name}", "Name": name} for name in _PANELS]}
         | before
@@ -54,7 +57,7 @@ def document(session: Session) -> dict[str, Any]:
                 "Transformation": {"Current": {"Class": "rviz_default_plugins/TF"}},
                 "Value": True,
                 **manager,
-                "Displays": [_member(member) for member in session.tree.members],
+                "Displays": [member_config(member) for member in session.tree.members],
                 "Tools": _tools(session, manager.get("Tools") or ()),
                 "Global Options": {**(manager.get("Global Options") or {}), **options},
                 "Views": {**(manager.get("Views") or {}), **views},
@@ -64,10 +67,11 @@ def document(session: Session) -> dict[str, Any]:
     return result
 
 
-def _member(member: Display | Group) -> dict[str, Any]:
+def member_config(member: Display | Group) -> dict[str, Any]:
+    """Return a display's or a group's part of a layout."""
     if isinstance(member, Group):
         named = {"Class": GROUP, "Name": member.name, "Enabled": member.ticked}
-        return {**member.config, **named, "Displays": [_member(inner) for inner in member.members]}
+        return {**member.config, **named, "Displays": [member_config(inner) for inner in member.members]}
     known = {"Name": member.name, "Enabled": member["Enabled"]}
     if isinstance(member, FailedDisplay):
         return {**member.config, **(known if "Enabled" in member.config else {"Name": member.name})}
@@ -83,7 +87,8 @@ def _tools(session: Session, before: Iterable[Mapping[str, Any]]) -> list[Mappin
     return [*kept, *(() if kept else ours.values())]
 
 
-def _view(view: View) -> dict[str, Any]:
+def view_config(view: View) -> dict[str, Any]:
+    """Return a view's part of a layout."""
     label = f"{view} (rviz_default_plugins)"
     return _with_properties(view, {"Class": view.class_name, "Name": view.name, "Value": label})
 
@@ -136,7 +141,7 @@ def _sorted(value: Any) -> Any:
     return int(value) if isinstance(value, int) else str(value)
 
 
-def _yaml(value: Any) -> str:
+def yaml_text(value: Any) -> str:
     """Write plain values as yaml-cpp does for RViz."""
     from ruamel.yaml import YAML
     from ruamel.yaml.emitter import Emitter

@@ -2,6 +2,7 @@
 
 import gzip
 import hashlib
+import json
 import re
 from functools import cache
 from importlib.util import find_spec
@@ -12,7 +13,8 @@ from course_lib.errors import CourseError
 # In the order in which they need each other.
 _MODULES = (
     "decode", "encode", "materials", "surfaces", "billboards", "orbit", "insets", "mirror", "renderer",
-    "view", "panels/time", "link", "film", "player", "page", "socket",
+    "view", "panels/time", "panels/parts", "panels/editors", "panels/tree", "panels/gestures", "panels/desk",
+    "link", "film", "player", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 
@@ -31,7 +33,9 @@ return { Link, follow, mountAll, picture };
 @cache
 def bundle() -> tuple[str, str]:
     """Return the name under which a page finds the viewer, and the script that puts it there."""
-    meshcat, ours = _meshcat(), "\n".join(_joinable(name) for name in _MODULES)
+    style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
+    scripts = [f"const DESK_STYLE = {style};", *(_joinable(name) for name in _MODULES)]
+    meshcat, ours = _meshcat(), "\n".join(scripts)
     key = "__courseViewer_" + hashlib.sha256((meshcat + ours).encode()).hexdigest()[:12]
     return key, _SCRIPT % {"key": key, "meshcat": meshcat, "ours": ours}
 

@@ -127,6 +127,11 @@ class Scene:
             self._camera = camera
             self._tell("camera", "")
 
+    def remember_camera(self, camera: Camera) -> None:
+        """Have pages that come later look from where a view was turned to; others stay as they are."""
+        with self.lock:
+            self._camera = camera
+
     def objects(self) -> dict[str, Drawable]:
         """Return what is at which path, in the order of the tree."""
         with self.lock:

@@ -105,7 +105,7 @@ def test_remove_takes_a_display_away_with_what_it_drew(graph: Graph) -> None:
 
 
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
-    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of Grid, MarkerArray, Marker"),
+    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of .*Grid"),
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
     "name": (lambda v: v["Gird"], "No display is called 'Gird'; there is Grid"),
@@ -183,14 +183,16 @@ def test_a_cell_gets_the_view_a_picture_and_the_statuses(graph: Graph) -> None:
     assert pace.pages == set()
 
 
-def test_the_table_below_the_view_follows_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
-    monkeypatch.setattr("course_lib.displays.panel._PERIOD", 0.0)
+    posted: list[Any] = []
+    assert viewer._panel._desk is not None
+    monkeypatch.setattr(viewer._panel._desk._link, "post", lambda content, _: posted.append(content))
+    viewer._panel._desk.hear({"act": "open"})
     viewer.fixed_frame = "moon"
-    box = viewer._panel._box
-    assert box is not None
-    assert "Frame [moon] does not exist" in box.children[1].value
+    viewer._panel._desk.post()
+    assert "Frame [moon] does not exist" in posted[-1]["changed"]["status"]["text"]
     viewer.close()
 
 
@@ -213,8 +215,8 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     viewer = Viewer()
     known = weakref.ref(viewer)
     viewer._repr_mimebundle_()
-    assert viewer._panel._box is not None
-    view = viewer._panel._box.children[0]
+    assert viewer._panel._view is not None
+    view = viewer._panel._view
     history = {7: viewer, 8: None}
     names = {"_7": viewer, "_": viewer, "_oh": history}
     hook = SimpleNamespace(_=viewer)
@@ -233,8 +235,8 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
 def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
-    assert viewer._panel._box is not None
-    view = viewer._panel._box.children[0]
+    assert viewer._panel._view is not None
+    view = viewer._panel._view
     view.link.receive({"type": "views", "count": 0})
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())

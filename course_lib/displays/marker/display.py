@@ -31,6 +31,11 @@ class _Markers(TopicDisplay):
         self.markers.update()
         self._values["Namespaces"] = dict(self.markers.namespaces)
 
+    def message_at(self, path: str) -> Any:
+        """Return the marker that an object was drawn from."""
+        live = self.markers.live.values()
+        return next((one.marker for one in live if f"{path}/".startswith(f"{one.path}/")), None)
+
     def rows(self) -> list[StatusRow]:
         """List the statuses, and what has moved away from its markers."""
         behind = self.markers.behind() if self.enabled else ()

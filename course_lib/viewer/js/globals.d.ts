@@ -1,3 +1,5 @@
 // What meshcat's bundle brings; it has no types of its own.
 declare const MeshCat: any;
 declare const THREE: any;
+// The text of panels/desk.css.
+declare const DESK_STYLE: string;

@@ -2,6 +2,7 @@ import { bytesOf } from "./decode.js";
 import { encode } from "./encode.js";
 import { Mirror } from "./mirror.js";
 import { Desk, DeskState } from "./panels/desk.js";
+import { pictureOf } from "./page.js";
 import { timeBelow } from "./panels/time.js";
 import { View } from "./view.js";
 
@@ -41,6 +42,8 @@ export class Link {
       },
       status: ({ text }) => this.say(text),
       desk: (news) => this.desk.take(news),
+      capture: ({ width, height }) =>
+        this.send({ type: "picture", png: pictureOf(this.mirror, width, height) }),
       time: (time) => this.timeBars.forEach((update) => update(time)),
     };
     this.receive = (message, buffers) => {
@@ -95,11 +98,14 @@ export class Link {
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
     element.append(host);
     const label = this.model.get("label");
-    const view = new View(host, this.mirror, { label, onClick: (click) => this.send(click) });
+    const onClick = (click) => desk.gestures?.click(click) || this.send(click);
+    const view = new View(host, this.mirror, { label, onClick });
+    const desk = new Desk(host, view, this.desk);
     const endTime = timeBelow(this, element);
     this.count();
     return () => {
       endTime();
+      desk.dispose();
       view.dispose();
       host.remove();
       this.count();

@@ -173,7 +173,7 @@ export class Mirror {
   /** @param {any} camera as Python describes it */
   look(camera) {
     this.camera = camera;
-    for (const view of this.views) view.orbit.look(camera);
+    for (const view of this.views) view.look(camera);
   }
 
   /** Play clips as meshcat does. @param {any} animation */

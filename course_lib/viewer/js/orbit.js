@@ -68,6 +68,13 @@ export class Orbit {
     this.target.add(step);
   }
 
+  /** @param {number[]} point [m] that is looked at and turned around */
+  lookAt(point) {
+    const to = new THREE.Vector3(...point);
+    if (this.scale) this.eye.add(to.clone().sub(this.target).setZ(0));
+    this.target.copy(to);
+  }
+
   /** @param {number} factor of the distance */
   zoom(factor) {
     if (this.scale) this.scale /= factor;

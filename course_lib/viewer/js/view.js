@@ -4,6 +4,7 @@ import { draw, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
+const HANDS_OFF = 500; // [ms] after somebody turned a view
 const SAY_FOR = 10_000; // [ms]
 const CORNER =
   "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
@@ -25,6 +26,10 @@ export class View {
     this.request = 0;
     this.seen = true;
     this.silence = 0; // a timer
+    this.turnedAt = -Infinity; // [ms] when somebody turned it last
+    /** @type {((event: Event) => boolean) | null} takes what a tool needs */
+    this.grab = null;
+    this.onTurn = () => {};
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
@@ -96,7 +101,8 @@ export class View {
   }
 
   listen() {
-    const on = (name, act) => this.canvas.addEventListener(name, act, { passive: false });
+    const hear = (act) => (event) => this.grab?.(event) || act(event);
+    const on = (name, act) => this.canvas.addEventListener(name, hear(act), { passive: false });
     /** @type {{x: number, y: number, far: number, button: number} | null} */
     let drag = null;
     on("pointerdown", (event) => {
@@ -137,7 +143,24 @@ export class View {
     if (button === 0) this.orbit.rotate(dx * TURN, dy * TURN);
     else if (button === 1) this.orbit.pan(dx, dy, this.canvas.clientHeight);
     else this.orbit.zoom(Math.exp(dy * 0.01));
+    this.turned();
+  }
+
+  /** @param {number[]} point [m], looked at from now on, as RViz's Focus Camera does */
+  lookAt(point) {
+    this.orbit.lookAt(point);
+    this.turned();
+  }
+
+  turned() {
+    this.turnedAt = performance.now();
+    this.onTurn();
     this.invalidate();
+  }
+
+  /** @param {any} camera as Python describes it; hands that are at work have it their way */
+  look(camera) {
+    if (performance.now() - this.turnedAt > HANDS_OFF) this.orbit.look(camera);
   }
 
   /** @param {MouseEvent} event @returns {any} what is under the pointer, and where in the scene's frame */

@@ -1,0 +1,197 @@
+"""The rows of RViz's Displays and Views panels, for a page that knows nothing of displays."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import isfinite
+from typing import Any
+
+from course_lib.displays.display import Display
+from course_lib.displays.group import Group
+from course_lib.displays.properties import (
+    Convert,
+    Limited,
+    Property,
+    PropertyHolder,
+    booleans,
+    color,
+    flag,
+    frame,
+    integer,
+    read_only,
+    vector,
+)
+from course_lib.displays.session import Session
+from course_lib.displays.statuses import LEVELS, Level, StatusRow
+
+_EDITORS: tuple[tuple[Convert, str], ...] = (
+    (flag, "bool"),
+    (color, "color"),
+    (vector, "vector"),
+    (frame, "frame"),
+    (read_only, "none"),
+    (booleans, "none"),
+)
+Edit = Callable[[Any], Any]
+_WORST_FIRST: tuple[Level, ...] = ("error", "warn", "hint", "ok")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: what the page draws, and what happens when it is edited there."""
+
+    data: Mapping[str, Any]
+    edit: Edit | None = None
+    member: Display | Group | None = None  # of the tree, which can be renamed, removed ...
+
+
+class Rows(dict[str, Row]):
+    """Rows by their id, parents first."""
+
+    def put(
+        self, key: str, parent: str, label: str, edit: Edit | None = None, member: Any = None, **data: Any
+    ) -> None:
+        """Add a row."""
+        self[key] = Row({"parent": parent, "label": label, **data}, edit, member)
+
+    def put_properties(self, holder: PropertyHolder, parent: str) -> None:
+        """Add what can be edited of something, but for its check box."""
+        for prop in holder.properties:
+            if prop.label == "Enabled":
+                continue
+            above = parent
+            for name in prop.path[:-1]:
+                key = f"{above}#{name}"
+                if key not in self:
+                    self.put(key, above, name)
+                above = key
+            self._put_property(holder, prop, above)
+
+    def put_statuses(self, key: str, parent: str, label: str, rows: list[StatusRow]) -> None:
+        """Add what something says of itself, below the worst of it."""
+        worst = worst_of(row.level for row in rows)
+        self.put(key, parent, f"{label}: {LEVELS[worst][1].capitalize()}", **marked(worst))
+        for index, row in enumerate(rows):
+            self.put(f"{key}!{index}", key, row.name, text=row.text, **marked(row.level))
+
+    def _put_property(self, holder: PropertyHolder, prop: Property, parent: str) -> None:
+        def edit(value: Any) -> None:
+            holder[prop.label] = value
+
+        key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
+        editor = _editor(prop, holder)
+        shown = "" if prop.convert is booleans else value if editor["kind"] != "none" else str(value)
+        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown)
+        if prop.convert is booleans:
+            for name, on in value.items():
+                tick = partial(self._tick, holder, prop.label, name)
+                self.put(f"{key}#{name}", key, name or "(no name)", tick, editor={"kind": "bool"}, value=on)
+
+    @staticmethod
+    def _tick(holder: PropertyHolder, label: str, name: str, ticked: Any) -> None:
+        """Tick one of a map of check boxes."""
+        holder[label] = {**holder[label], name: ticked}
+
+
+def display_rows(session: Session) -> Rows:
+    """Return the rows of the Displays panel."""
+    rows = Rows()
+    rows.put("options", "", "Global Options", open=True)
+    rows.put_properties(Options(session), "options")
+    rows.put_statuses("status", "", "Global Status", session.global_rows())
+    for member, parent in _members(session.tree, ""):
+        _put_member(rows, session, member, parent)
+    return rows
+
+
+def view_rows(session: Session) -> Rows:
+    """Return the rows of the Views panel."""
+    rows = Rows()
+    rows.put_properties(session.view, "view")
+    return rows
+
+
+def worst_of(levels: Iterable[Level]) -> Level:
+    """Return the level that matters most; hints of ours come after RViz's warnings."""
+    return min(levels, key=_WORST_FIRST.index, default="ok")
+
+
+class Options(PropertyHolder):
+    """RViz's Global Options, as properties of a session."""
+
+    properties = (
+        Property("Fixed Frame", "map", frame),
+        Property("Background Color", (48, 48, 48), color),
+        Property("Frame Rate", 30, integer(1)),  # [Hz]
+    )
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        values = (session.fixed_frame, session.context.scene.background, session.frame_rate)
+        self._values = dict(zip(self._values, values, strict=True))
+        self._session = session
+
+    def __repr__(self) -> str:
+        return "Global Options"
+
+    def changed(self, label: str) -> None:
+        """Let the session have it."""
+        if label == "Fixed Frame":
+            self._session.fixed_frame = self[label]
+        elif label == "Background Color":
+            self._session.context.scene.background = self[label]
+        else:
+            self._session.frame_rate = self[label]
+
+
+def _members(group: Group, parent: str) -> Iterator[tuple[Display | Group, str]]:
+    for member in group.members:
+        yield member, parent
+        if isinstance(member, Group):
+            yield from _members(member, _key(member))
+
+
+def _put_member(rows: Rows, session: Session, member: Display | Group, parent: str) -> None:
+    key = _key(member)
+    if isinstance(member, Group):
+
+        def tick(on: Any) -> None:
+            member.ticked = flag(on)
+            session.tree.tick()
+            session.refresh()
+
+        rows.put(key, parent, member.name, tick, member, checked=member.ticked)
+        return
+
+    def enable(on: Any) -> None:
+        member["Enabled"] = on
+
+    statuses = session.rows_of(member)
+    level = worst_of(row.level for row in statuses)
+    data = {"checked": bool(member["Enabled"]), **(marked(level) if statuses else {})}
+    rows.put(key, parent, member.name, enable, member, title=member.class_name, **data)
+    if statuses:
+        rows.put_statuses(f"{key}!", key, "Status", statuses)
+    rows.put_properties(member, key)
+
+
+def _key(member: Display | Group) -> str:
+    return f"group {id(member)}" if isinstance(member, Group) else member.path
+
+
+def marked(level: Level) -> dict[str, Any]:
+    """Return what tells a level: to programs, by its icon, and in a word."""
+    mark, word, _ = LEVELS[level]
+    return {"level": level, "mark": mark, "word": word}
+
+
+def _editor(prop: Property, holder: PropertyHolder) -> dict[str, Any]:
+    """Return which control edits a property, with its limits."""
+    if isinstance(prop.convert, Limited):
+        limits = {name: getattr(prop.convert, name) for name in ("low", "high")}
+        limits = {name: value for name, value in limits.items() if isfinite(value)}
+        return {"kind": prop.convert.editor, **limits, "options": prop.convert.options}
+    type_name = getattr(holder, "type_name", None)
+    if prop.path[-1].endswith("Topic") and type_name:
+        return {"kind": "topic", "type": type_name}
+    return {"kind": next((kind for convert, kind in _EDITORS if convert is prop.convert), "text")}

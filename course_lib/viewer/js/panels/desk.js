@@ -1,0 +1,251 @@
+/* global DESK_STYLE */
+import { Gestures } from "./gestures.js";
+import { ask, button, choicesOf, part } from "./parts.js";
+import { Tree } from "./tree.js";
+
+const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
+const SIGNS = { Interact: "☝", "Move Camera": "✥", Select: "▭", "Focus Camera": "◎", Measure: "↔", "Publish Point": "●" };
+
+/** What Python says of all panels, and the desks of a page that show it. */
+export class DeskState {
+  /** @param {(order: any) => void} send carries an order to Python */
+  constructor(send) {
+    /** @type {Record<string, any>} */
+    this.values = {};
+    /** @type {Set<Desk>} */
+    this.desks = new Set();
+    this.act = (act, order = {}) => send({ type: "desk", act, ...order });
+    this.act("open");
+  }
+
+  /** @param {{changed: Record<string, any>, gone: string[]}} news */
+  take({ changed, gone }) {
+    Object.assign(this.values, changed);
+    for (const key of gone) delete this.values[key];
+    for (const desk of this.desks) desk.update();
+  }
+
+  /** @param {string} name of a list of rows */
+  rows(name) {
+    return (this.values[name] ?? []).map((key) => this.values[`row ${key}`]);
+  }
+}
+
+/** RViz's tools, panels and status line around one view; there once Python has said something. */
+export class Desk {
+  /** @param {HTMLElement} host holds the view @param {import("../view.js").View} view @param {DeskState} state */
+  constructor(host, view, state) {
+    Object.assign(this, { host, view, state });
+    this.id = `desk${Math.random().toString(36).slice(2)}`;
+    this.frame = null;
+    this.turning = 0; // a timer
+    state.desks.add(this);
+    view.onTurn = () => this.turned();
+    this.update();
+  }
+
+  dispose() {
+    clearTimeout(this.turning);
+    this.state.desks.delete(this);
+    this.frame?.remove();
+  }
+
+  update() {
+    const { values } = this.state;
+    if (!values.tree) return;
+    if (!this.frame) this.build();
+    this.tree.update(this.state.rows("tree"));
+    this.properties.update(this.state.rows("view"));
+    this.updateViews(values.views);
+    const { level, mark, word, text } = values.status;
+    const notice = values.notice.text ? values.notice : null;
+    this.say(this.status, mark, word, text, level);
+    if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice?.text ?? "", notice?.level ?? "");
+    this.noticed = JSON.stringify(notice);
+    this.selection.textContent = values.selection;
+    this.selection.hidden = !values.selection;
+    this.words.textContent = values.summary;
+    if (this.addable?.isConnected) this.fillAddable();
+    this.lists.replaceChildren(...this.suggestions(values));
+  }
+
+  say(element, mark, word, text, level) {
+    element.textContent = [mark, text].filter(Boolean).join(" ");
+    element.title = word ? `${word}: ${text}` : text;
+    element.dataset.level = level;
+  }
+
+  build() {
+    const act = this.state.act;
+    this.gestures = new Gestures(this.view, act, (text) => this.say(this.notice, "", "", text, ""), () => this.choose(0));
+    const listFor = ({ editor }) => ({ frame: `${this.id}frames`, topic: `${this.id}${editor?.type}` })[editor?.kind] ?? "";
+    this.tree = new Tree("Displays", act, listFor);
+    this.properties = new Tree("Current view", act, listFor);
+    this.selection = part("pre", { className: "course-selection", tabIndex: 0, ariaLabel: "Selection", hidden: true });
+    this.status = part("span", { className: "course-line" });
+    this.notice = part("output", { className: "course-line course-notice" });
+    this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
+    this.lists = part("div", { hidden: true });
+    const left = this.dock("Displays", this.memberButtons(), this.tree.element);
+    const right = this.dock("Views", this.viewControls(), this.properties.element, this.selection);
+    this.tools = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" });
+    this.buttons = this.state.values.tools.map((tool, index) => this.toolButton(tool, index));
+    this.tools.append(...this.buttons);
+    const line = part("div", { className: "course-lines" }, this.opener(left, "Displays"), this.status, this.notice);
+    line.append(this.opener(right, "Views"));
+    const middle = part("div", { className: "course-middle" }, left, part("div", { className: "course-view" }), right);
+    this.slot = part("div"); // of the Time panel
+    this.frame = part("div", { className: "course-viewer", role: "group", ariaLabel: "RViz" });
+    this.frame.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    this.frame.append(part("style", { textContent: DESK_STYLE }), this.tools, middle, line, this.slot, this.words, this.lists);
+    this.frame.addEventListener("keydown", (event) => this.key(event));
+    this.host.replaceWith(this.frame);
+    middle.children[1].append(this.host);
+    this.view.canvas.setAttribute("aria-describedby", this.words.id);
+    this.choose(0);
+  }
+
+  dock(name, ...parts) {
+    return part("section", { className: "course-dock", ariaLabel: name, hidden: true }, ...parts);
+  }
+
+  opener(dock, name) {
+    const opener = button(name, `${name} panel`, () => {
+      dock.hidden = !dock.hidden;
+      opener.ariaExpanded = String(!dock.hidden);
+    });
+    opener.ariaExpanded = "false";
+    return opener;
+  }
+
+  toolButton([label, key, gesture], index) {
+    const sign = SIGNS[label] ?? "➚";
+    const made = button(sign, `${label} (${key})`, () => this.choose(index));
+    made.append(part("span", {}, label));
+    made.dataset.gesture = gesture;
+    return made;
+  }
+
+  /** @param {number} index of the tool that the mouse is for from now on */
+  choose(index) {
+    const [label, , gesture] = this.state.values.tools[index];
+    this.buttons.forEach((one, at) => (one.ariaPressed = String(at === index)));
+    this.gestures.take({ label, gesture });
+    this.tool = index;
+  }
+
+  memberButtons() {
+    const order = () => ({ row: this.tree.chosen });
+    const { act } = this.state;
+    return part(
+      "div",
+      { role: "toolbar", ariaLabel: "Displays" },
+      button("Add", "Add a display", () => this.add()),
+      button("Duplicate", "Duplicate the chosen display", () => act("duplicate", order())),
+      button("Rename", "Rename the chosen display", () => {
+        const row = this.state.values[`row ${this.tree.chosen}`];
+        ask(this.frame, "Rename", part("input", { value: row.label }), (name) => act("rename", { row: row.key, name }));
+      }),
+      button("Remove", "Remove the chosen display (Delete)", () => act("remove", order())),
+      button("Open", "Open a layout (Ctrl+O)", () => this.open()),
+      button("Save", "Save the layout (Ctrl+S)", () => this.save()),
+    );
+  }
+
+  add() {
+    this.addable = part("select", { size: 14 });
+    this.fillAddable();
+    ask(this.frame, "Add", this.addable, (choice) => this.state.act("add", JSON.parse(choice)));
+    this.state.act("look"); // the graph may have new topics
+  }
+
+  fillAddable() {
+    const { types, topics } = this.state.values;
+    const byTopic = topics.map(([topic, type, name]) => [JSON.stringify({ class: name, topic }), `${topic} (${type})`]);
+    const byType = types.map(([name, short]) => [JSON.stringify({ class: name }), short]);
+    const { value } = this.addable;
+    this.addable.replaceChildren(choicesOf("By topic", byTopic), choicesOf("By display type", byType));
+    this.addable.value = value;
+    if (this.addable.selectedIndex < 0) this.addable.selectedIndex = 0;
+  }
+
+  open() {
+    const files = this.state.values.layouts[1].map((name) => new Option(name, name));
+    if (!files.length) return this.say(this.notice, "", "", "No .rviz file is in the notebook's folder.", "");
+    const list = part("select", { size: 8 }, ...files);
+    list.selectedIndex = 0;
+    ask(this.frame, "Open", list, (name) => this.state.act("load", { name }));
+  }
+
+  save() {
+    const field = part("input", { value: this.state.values.layouts[0] });
+    ask(this.frame, "Save", field, (name) => this.state.act("save", { name }));
+  }
+
+  viewControls() {
+    const act = (order) => this.state.act("view", order);
+    this.types = part("select", { ariaLabel: "Type of view", onchange: () => act({ class: this.types.value }) });
+    this.saved = part("select", { ariaLabel: "Saved views", size: 3 });
+    this.saved.ondblclick = () => act({ select: this.saved.selectedIndex });
+    const name = (title, told) => ask(this.frame, title, part("input", { value: this.types.value }), told);
+    const chosen = (key, order = {}) => this.saved.selectedIndex >= 0 && act({ [key]: this.saved.selectedIndex, ...order });
+    return part(
+      "div",
+      {},
+      part("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
+        button("Save", "Save the current view", () => name("Save view", (save) => act({ save }))),
+        button("Use", "Use the chosen saved view", () => chosen("select")),
+        button("Rename", "Rename the chosen saved view", () => name("Rename view", (text) => chosen("rename", { name: text }))),
+        button("Remove", "Remove the chosen saved view", () => chosen("remove"))),
+      this.saved,
+    ); // prettier-ignore
+  }
+
+  updateViews([type, types, saved]) {
+    fill(this.types, types);
+    this.types.value = type;
+    fill(this.saved, saved);
+    this.saved.hidden = !saved.length;
+  }
+
+  suggestions({ frames, topics }) {
+    const lists = { frames };
+    for (const [topic, type] of topics) (lists[type] ??= []).push(topic);
+    return Object.entries(lists).map(([name, words]) =>
+      part("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
+    );
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const target = /** @type {HTMLElement} */ (event.target);
+    const layout = { s: () => this.save(), o: () => this.open() }[event.key];
+    if (event.ctrlKey || event.metaKey) {
+      if (!layout || target.closest("dialog")) return;
+      layout();
+    } else if (event.altKey || target.matches("input, select, textarea, dialog *")) return;
+    else if (event.key === "Escape" && this.tool) this.choose(0);
+    else {
+      const index = this.state.values.tools.findIndex(([, key]) => key === event.key);
+      if (index < 0) return;
+      this.choose(index);
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** Tell Python where the view looks from now, once it rests. */
+  turned() {
+    clearTimeout(this.turning);
+    this.turning = setTimeout(() => {
+      const { eye, target, up, scale } = this.view.orbit;
+      this.state.act("camera", { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale });
+    }, TURNED_AFTER);
+  }
+}
+
+/** @param {HTMLSelectElement} list @param {string[]} words its choices, replaced only when they are others */
+function fill(list, words) {
+  if (words.join("\n") === [...list.options].map((option) => option.value).join("\n")) return;
+  list.replaceChildren(...words.map((word) => new Option(word, word)));
+}

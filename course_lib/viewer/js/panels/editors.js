@@ -1,0 +1,76 @@
+import { part } from "./parts.js";
+
+/**
+ * One row, as Python describes it.
+ * @typedef {{key: string, parent: string, label: string, text?: string, value?: any, checked?: boolean,
+ *   open?: boolean, title?: string, level?: string, mark?: string, word?: string,
+ *   editor?: {kind: string, low?: number, high?: number, options?: string[], type?: string}}} Row
+ * @typedef {{element: any, update: (value: any) => void}} Editor
+ */
+
+/** @param {number} value as short as six digits allow */
+const short = (value) => String(Number(Number(value).toPrecision(6)));
+
+const hex = (rgb) => `#${rgb.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
+const rgb = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
+
+/**
+ * A text field that only takes a new value when nobody is typing in it.
+ * @param {any} fields @param {(field: any) => void} onchange @param {(value: any) => string} show
+ */
+function typed(fields, onchange, show = String) {
+  const input = part("input", { ...fields, onchange: () => onchange(input) });
+  return {
+    element: input,
+    update: (value) => {
+      if (document.activeElement !== input) input.value = show(value);
+    },
+  };
+}
+
+/** Makes the control for each kind of value. @type {Record<string, (row: Row, set: (value: any) => void, list: string) => Editor>} */
+const EDITORS = {
+  bool: (row, set) => {
+    const box = part("input", { type: "checkbox", onchange: () => set(box.checked) });
+    return { element: box, update: (value) => (box.checked = value) };
+  },
+  number: ({ editor }, set) => {
+    const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
+    const step = editor?.kind === "integer" ? 1 : "any";
+    return typed({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), short);
+  },
+  enum: ({ editor }, set) => {
+    const options = (editor?.options ?? []).map((word) => new Option(word, word));
+    const field = part("select", { onchange: () => set(field.value) }, ...options);
+    return { element: field, update: (value) => (field.value = value) };
+  },
+  color: (_, set) => typed({ type: "color" }, (input) => set(rgb(input.value)), hex),
+  vector: ({ label }, set) => {
+    const change = () => set(axes.map(({ element }) => element.valueAsNumber));
+    const axes = ["x", "y", "z"].map((axis) =>
+      typed({ type: "number", step: "any", ariaLabel: `${label} ${axis}` }, change, short),
+    );
+    const element = part("span", { className: "course-vector" }, ...axes.map((axis) => axis.element));
+    return { element, update: (value) => axes.forEach((axis, i) => axis.update(value[i])) };
+  },
+  text: (_, set, list) => {
+    const made = typed({ type: "text", spellcheck: false }, (input) => set(input.value));
+    if (list) made.element.setAttribute("list", list);
+    return made;
+  },
+  none: () => {
+    const words = part("span");
+    return { element: words, update: (value) => (words.textContent = value ?? "") };
+  },
+};
+
+/**
+ * @param {Row} row @param {(value: any) => void} set @param {string} list id of the suggestions, if any
+ * @returns {Editor} its control, named after the row
+ */
+export function editorFor(row, set, list) {
+  const kind = { integer: "number", frame: "text", topic: "text" }[row.editor?.kind ?? ""] ?? row.editor?.kind;
+  const made = (EDITORS[kind ?? "none"] ?? EDITORS.text)(row, set, list);
+  if (row.editor) made.element.ariaLabel = row.label;
+  return made;
+}

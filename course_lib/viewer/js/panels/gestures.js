@@ -1,0 +1,130 @@
+/* global THREE */
+
+const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
+const OLIVE = 0x808000; // of RViz's measured line
+const HINTS = {
+  pose: "Click and drag to set position and orientation.",
+  point: "Click on a point to publish it.",
+  select: "Click on an object to see its message and frame.",
+  focus: "Click on a point to look at it.",
+  measure: "Click on two points to measure their distance. Right-click to reset.",
+};
+
+/** What the mouse does in a view while a tool of RViz is chosen. */
+export class Gestures {
+  /**
+   * @param {import("../view.js").View} view @param {(act: string, order: any) => void} act told what was done
+   * @param {(text: string) => void} say shows a hint @param {() => void} leave goes back to the first tool
+   */
+  constructor(view, act, say, leave) {
+    Object.assign(this, { view, act, say, leave });
+    this.tool = { label: "", gesture: "camera" };
+    this.start = null; // where an arrow or a line begins
+    this.drawn = null; // shown over the scene
+    view.grab = (event) => this.hear(event);
+  }
+
+  /** @param {{label: string, gesture: string}} tool */
+  take(tool) {
+    this.tool = tool;
+    this.start = null;
+    this.show(null);
+    this.say(HINTS[tool.gesture] ?? "");
+    this.view.canvas.style.cursor = tool.gesture === "camera" ? "" : "crosshair";
+  }
+
+  /** @param {any} event of the pointer or the keyboard @returns {boolean} whether it is taken */
+  hear(event) {
+    const gesture = this.tool.gesture;
+    if (gesture === "camera" || !event.type.startsWith("pointer")) return false;
+    if (gesture === "pose") return this.pose(event);
+    if (event.type === "pointermove" && !event.buttons && gesture === "point") this.hover(event);
+    if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.take(this.tool);
+    return false; // the view turns on, and tells clicks
+  }
+
+  /** @param {any} click as the view tells it @returns {boolean} whether the tool took it */
+  click(click) {
+    const gesture = this.tool.gesture;
+    if (gesture === "camera" || click.button !== 0) return gesture !== "camera";
+    if (gesture === "select") this.select(click);
+    else if (!click.point) this.say("Nothing is there.");
+    else if (gesture === "measure") this.measure(click.point);
+    else if (gesture === "focus") {
+      this.view.lookAt(click.point);
+      this.leave();
+    } else if (gesture === "point") {
+      this.act("publish", { tool: this.tool.label, point: click.point });
+      this.leave();
+    }
+    return true;
+  }
+
+  select({ path, index }) {
+    const node = path === null ? null : this.view.mirror.nodes.get(path);
+    this.show(node ? new THREE.BoxHelper(node, 0xffffff) : null);
+    this.act("select", { path, index });
+  }
+
+  measure(point) {
+    const to = new THREE.Vector3(...point);
+    if (!this.start) {
+      this.show(null);
+      this.start = to;
+      return this.say("[Length: 0.00m] Click on two points to measure their distance. Right-click to reset.");
+    }
+    this.line(this.start, to);
+    this.say(`[Length: ${this.start.distanceTo(to).toFixed(2)}m] ${HINTS.measure}`);
+    this.start = null;
+  }
+
+  hover(event) {
+    const { point } = this.view.pick(event);
+    const text = point ? `[${point.map((part) => part.toFixed(3)).join(", ")}]` : HINTS.point;
+    this.say(text);
+  }
+
+  /** Press for the place on the ground, drag for the direction. */
+  pose(event) {
+    const ground = this.ground(event);
+    if (event.type === "pointerdown" && event.button === 0 && !event.shiftKey) {
+      this.start = ground;
+      this.view.canvas.setPointerCapture(event.pointerId);
+      this.view.canvas.focus({ preventScroll: true });
+    } else if (!this.start) return false;
+    const yaw = ground && this.start ? Math.atan2(ground.y - this.start.y, ground.x - this.start.x) : 0;
+    if (this.start && event.type === "pointerup") {
+      this.act("publish", { tool: this.tool.label, point: this.start.toArray(), angle: yaw });
+      this.leave();
+    } else if (this.start) this.arrow(this.start, yaw);
+    event.preventDefault();
+    return true;
+  }
+
+  /** @param {any} event @returns {any} where the pointer is on the ground of the fixed frame */
+  ground(event) {
+    const { origin, direction } = this.view.pick(event);
+    const far = -origin[2] / direction[2];
+    if (!(far > 0)) return null;
+    return new THREE.Vector3(origin[0] + far * direction[0], origin[1] + far * direction[1], 0);
+  }
+
+  arrow(at, yaw) {
+    const ahead = new THREE.Vector3(Math.cos(yaw), Math.sin(yaw), 0);
+    this.show(new THREE.ArrowHelper(ahead, at, 2.5, GREEN, 0.5, 0.35)); // [m] as long as RViz's
+  }
+
+  line(from, to) {
+    const shape = new THREE.BufferGeometry().setFromPoints([from, to]);
+    this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: OLIVE, depthTest: false })));
+  }
+
+  /** @param {any} object shown over the scene in place of the one before, never picked */
+  show(object) {
+    if (this.drawn) this.view.mirror.drop(this.drawn);
+    this.drawn = object;
+    object?.traverse((one) => (one.raycast = () => {}));
+    if (object) this.view.mirror.scene.add(object);
+    this.view.mirror.changed();
+  }
+}

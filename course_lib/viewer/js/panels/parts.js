@@ -1,0 +1,53 @@
+/**
+ * Make an element.
+ * @param {string} tag @param {any} fields by their names in JavaScript; `role` and `data...` too
+ * @param {(Node | string)[]} children @returns {any}
+ */
+export function part(tag, fields = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(fields)) {
+    if (name in element) element[name] = value;
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+/**
+ * Make a button with a name for those who do not see it.
+ * @param {string} sign @param {string} name @param {() => void} onclick
+ */
+export const button = (sign, name, onclick) =>
+  part("button", { type: "button", textContent: sign, title: name, ariaLabel: name, onclick });
+
+/**
+ * Ask something in a small window; Escape leaves it.
+ * @param {HTMLElement} host @param {string} title @param {any} field an input or a list
+ * @param {(value: string) => void} act told what was chosen
+ */
+export function ask(host, title, field, act) {
+  field.ariaLabel = title;
+  const yes = part("button", { type: "submit", textContent: title });
+  const no = part("button", { type: "button", textContent: "Cancel", onclick: () => box.close() });
+  const form = part("form", { method: "dialog" }, part("strong", {}, title), field, part("div", {}, yes, no));
+  const box = part("dialog", { ariaLabel: title }, form);
+  box.onclose = () => box.remove();
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    if (field.value) act(field.value);
+    box.close();
+  };
+  if (field.size) field.ondblclick = () => form.requestSubmit();
+  field.onkeydown = (event) => {
+    if (event.key !== "Enter") return;
+    event.preventDefault(); // or the button that gets the focus back is pressed too
+    form.requestSubmit();
+  };
+  host.append(box);
+  box.showModal();
+  field.focus();
+}
+
+/** @param {string} title @param {[string, string][]} choices values with what is shown of them */
+export const choicesOf = (title, choices) =>
+  part("optgroup", { label: title }, ...choices.map(([value, text]) => new Option(text, value)));
