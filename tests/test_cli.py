@@ -54,6 +54,10 @@ def bad_inputs(tmp_path: Path) -> Path:
         "render --bag folder --size big --png out.png",
         "bag info missing",
         "bag info folder",
+        "ros2 topic list",
+        "ros2 --bag missing topic list",
+        "ros2 --run {program} --bag missing topic list",
+        "ros2 --run {program} run tf2_ros tf2_ecko a b",
         "check missing.ipynb",
         "check folder",
         "check broken.ipynb",
@@ -82,7 +86,7 @@ def test_debug_shows_the_traceback(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", ["", "lab", "run", "render", "check", "submit", "grade", "release", "bag info"]
+    "command", ["", "lab", "run", "ros2", "render", "check", "submit", "grade", "release", "bag info"]
 )
 def test_every_command_has_help(tmp_path: Path, command: str) -> None:
     done = course(*command.split(), "--help", cwd=tmp_path)
@@ -124,3 +128,12 @@ def test_two_programs_share_one_graph_and_each_has_its_own_main(tmp_path: Path) 
     done = course("run", "hears.py", str(PROGRAM), "--seconds", "0.5", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "[INFO] [1700000000.401000000] [hears]: heard 4" in done.stderr
+
+
+def test_ros2_looks_at_programs_and_at_recordings(tmp_path: Path) -> None:
+    done = course("ros2", "--run", str(PROGRAM), "--seconds", "0.35", "topic", "echo", "/count", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("---\n") == 3
+    course("run", str(PROGRAM), "--seconds", "1", "--bag", "bag", cwd=tmp_path)
+    listed = course("ros2", "--bag", "bag", "topic", "list", "-t", cwd=tmp_path)
+    assert "/count [std_msgs/msg/Int32]\n" in listed.stdout

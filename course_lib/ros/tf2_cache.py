@@ -1,6 +1,8 @@
 """What tf2 remembers of one frame: its transforms to its parent."""
 
+from bisect import bisect_right
 from dataclasses import replace
+from operator import attrgetter
 
 from course_lib.ros.tf2_transform import Transform, interpolated
 
@@ -81,11 +83,8 @@ class TimeCache:
         return (len(stored), stored[0].stamp_ns, stored[-1].stamp_ns) if stored else (0, 0, 0)
 
     def _count_until(self, time_ns: int) -> int:
-        """Count what is not newer than a time, from the end, where nearly all queries fall."""
-        count = len(self._stored)
-        while count and self._stored[count - 1].stamp_ns > time_ns:
-            count -= 1
-        return count
+        """Count what is not newer than a time."""
+        return bisect_right(self._stored, time_ns, key=attrgetter("stamp_ns"))
 
     def _refuse_outside(self, time_ns: int) -> None:
         wanted = seconds(time_ns)
