@@ -3,12 +3,13 @@
 from typing import Any, Protocol
 
 from course_lib.displays.frames import NS
+from course_lib.displays.session import Session
 from course_lib.ros import pace, wall
 from course_lib.ros.graph import Graph
 from course_lib.viewer.page_link import PageLink
 
 PERIOD = 0.1  # [s] of the wall clock between two readings
-_STEP_NS = NS // 30  # one frame
+_STEP_NS = NS // 10  # robot time of a step
 RATES = (0.01, 100.0)
 
 
@@ -54,13 +55,19 @@ class LiveTime:
 
 
 class TimePanel:
-    """Keeps the time bars of pages up to date, and hears what is done with them."""
+    """Keeps the time bars of pages up to date with every frame of a session; hears what is done with them."""
 
-    def __init__(self, link: PageLink, source: TimeSource) -> None:
+    def __init__(self, session: Session, link: PageLink, source: TimeSource) -> None:
+        self._session = session
         self._link = link
         self._source = source
         self._posted = 0.0  # [s] of the wall clock
         link.listen("time", self._act)
+        session.after_frame.append(self.refresh)
+
+    def close(self) -> None:
+        """Follow the session no more."""
+        self._session.after_frame.remove(self.refresh)
 
     def post(self) -> None:
         """Show the time, now."""
@@ -75,3 +82,4 @@ class TimePanel:
     def _act(self, change: dict[str, Any]) -> None:
         self._source.act(change)
         self.post()
+        self._posted = 0.0  # what comes of it is shown with the next frame

@@ -39,26 +39,27 @@ def view(
     session.refresh()
     server = PageServer(session.context.scene, f"course view: {bag or rviz or 'a grid'}", port, token)
     Desk(session, server.link)
+    playback = Playback(session, recording)
+    if bag:
+        TimePanel(session, server.link, playback)
     server.listen()
     sys.stdout.write(f"The viewer is at {server.url}\nCtrl+C ends it.\n")
     sys.stdout.flush()
     if browser:
         webbrowser.open(server.url)
     try:
-        asyncio.run(_serve(server, Playback(session, recording) if bag else None))
+        asyncio.run(_serve(server, playback))
     except KeyboardInterrupt:
         sys.stdout.write("\nThe viewer has ended.\n")
 
 
-async def _serve(server: PageServer, playback: Playback | None) -> None:
+async def _serve(server: PageServer, playback: Playback) -> None:
     """Serve for ever, and let time go on while a page is open."""
     serving = asyncio.create_task(server.serve())
-    panel = TimePanel(server.link, playback) if playback else None
     last = wall.monotonic()
     while not serving.done():
         await asyncio.sleep(1 / 30)
         before, last = last, wall.monotonic()
-        if playback and panel and server.link.ready:
+        if server.link.ready:
             playback.advance(last - before)
-            panel.refresh()
     await serving

@@ -28,7 +28,8 @@ _FRAGMENT = """\
 
 _MAIN = """\
 <style>
-main { display: flex; flex-direction: column; height: 100% }
+body, main { display: flex; flex-direction: column; overflow: hidden }
+main { flex: 1; min-height: 0 }
 main > div:first-child { flex: 1; min-height: 0; height: auto !important }
 main .course-viewer { display: flex; flex-direction: column }
 main .course-middle { flex: 1 }

@@ -60,13 +60,13 @@ class SocketHandler(_Guarded, WebSocketHandler):
             return
         if isinstance(content, dict):
             self.page = str(content.get("page", self.page))
-            self.server.hear(content)
+            self.server.link.receive(content)
 
     def on_close(self) -> None:
         """Forget the page."""
         self.server.sockets.discard(self)
         if self.page is not None:
-            self.server.hear({"type": "views", "page": self.page, "count": 0})
+            self.server.link.receive({"type": "views", "page": self.page, "count": 0})
 
 
 def framed(content: dict[str, Any], buffers: list[bytes]) -> bytes:

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,13 +33,18 @@ class PageLink:
     Args:
         scene: What the pages show.
         send: Carries JSON and buffers to the pages; called from any thread.
+        turn: Entered while callbacks run.
     """
 
-    def __init__(self, scene: Scene, send: Send) -> None:
+    def __init__(
+        self, scene: Scene, send: Send, turn: Callable[[], AbstractContextManager[Any]] = nullcontext
+    ) -> None:
         self.scene = scene
         self.on_click: list[Callable[[Click], None]] = []
         self.on_views: Callable[[int], None] = lambda count: None  # told how many views all pages have
+        self.at_once: dict[str, Callable[[Content], None]] = {}  # by kind, called in the thread that hears
         self._send = send
+        self._turn = turn
         self._stream = Stream(scene, send, self._note_views)
         self._flow = self._stream.flow
         self._loop = running_loop()
@@ -72,7 +78,9 @@ class PageLink:
         except (KeyError, TypeError, ValueError) as error:
             self._stream.say(f"A message of the page was passed over: {error!r}")
             return
-        if kind in self._listeners:
+        if kind in self.at_once:
+            self.at_once[kind](content)
+        elif kind in self._listeners:
             self._call(self._listeners[kind], content)
 
     def expect(self) -> None:
@@ -124,7 +132,8 @@ class PageLink:
     def _call(self, function: Callable[[Any], None], argument: Any) -> None:
         """Call in the thread of the cells."""
         if self._loop is None or threading.current_thread() is threading.main_thread():
-            function(argument)
+            with self._turn():
+                function(argument)
         else:
             self._loop.call_soon_threadsafe(function, argument)
 

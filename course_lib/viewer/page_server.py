@@ -41,9 +41,8 @@ class PageServer:
         self.title = title
         self.port = port
         self.token = token or secrets.token_urlsafe(24)
-        self.link = PageLink(scene, self._send)
+        self.link = PageLink(scene, self._send, turn)
         self.sockets: set[SocketHandler] = set()  # the open pages
-        self._turn = turn
         self._listening: list[socket.socket] = []
         self._ended = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -82,11 +81,6 @@ class PageServer:
     def page(self) -> str:
         """Return the page's text."""
         return live_page(self.title)
-
-    def hear(self, content: dict[str, Any]) -> None:
-        """Deal with what a page has said."""
-        with self._turn():
-            self.link.receive(content)
 
     async def serve(self) -> None:
         """Serve where it listens, until it is closed or this is cancelled."""

@@ -11,7 +11,7 @@ from course_lib.viewer import assets, encoding, zbuffer
 from course_lib.viewer.browser import dump_dom, find_browser
 from course_lib.viewer.scene import Scene
 
-Renderer: TypeAlias = Literal["chromium", "numpy"]
+Renderer: TypeAlias = Literal["page", "chromium", "numpy"]
 
 _TIMEOUT = 60.0  # [s]
 
@@ -35,7 +35,7 @@ def screenshot(
     scene: Scene,
     path: str | Path | None = None,
     size: tuple[int, int] = (800, 600),
-    renderer: Renderer | Literal["auto"] = "auto",
+    renderer: Literal["auto", "chromium", "numpy"] = "auto",
 ) -> Picture:
     """Draw a scene as it is now, into a PNG of a size in pixels.
 

@@ -41,6 +41,11 @@ export async function mountAll() {
 export function picture(scene, width, height) {
   const mirror = new Mirror();
   mirror.apply(fromBase64(scene));
+  return pictureOf(mirror, width, height);
+}
+
+/** @param {Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} see `picture` */
+export function pictureOf(mirror, width, height) {
   const orbit = new Orbit();
   orbit.look(mirror.camera);
   const canvas = Object.assign(document.createElement("canvas"), { width, height });

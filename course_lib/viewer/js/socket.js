@@ -37,8 +37,8 @@ class SocketModel {
 export function follow(host) {
   const model = new SocketModel();
   const status = Object.assign(document.createElement("div"), { role: "status", hidden: true });
-  status.style.cssText = "position:fixed;inset:0 0 auto;padding:4px 8px;background:#fd8;color:#000;z-index:9";
-  document.body.append(status);
+  status.style.cssText = "padding:4px 8px;background:#fd8;color:#000;font:13px system-ui,sans-serif";
+  host.before(status);
   /** @type {Link | null} */
   let link = null;
   const take = (message, buffers) => {
