@@ -117,14 +117,15 @@ class Viser:
         self.parts: list[Any] = []
         self.count = 0
         lock = threading.Lock()
-        write = _messages.SetPositionMessage.as_serializable_dict
+        message_type: Any = _messages.SetPositionMessage
+        write = message_type.as_serializable_dict
 
         def counted(message: Any, *args: Any) -> Any:
             with lock:
                 self.count += 1
             return write(message, *args)
 
-        _messages.SetPositionMessage.as_serializable_dict = counted  # type: ignore[method-assign]
+        message_type.as_serializable_dict = counted
 
     def boxes(self, count: int) -> None:
         """Make so many boxes."""
