@@ -1,5 +1,6 @@
 from io import BytesIO
 from itertools import pairwise
+from typing import Literal, TypeAlias
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from course_lib.viewer.browser import find_browser
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Inset, Solids
 from course_lib.viewer.insets import placed_insets
-from course_lib.viewer.picture import Renderer, screenshot
+from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
+
+Renderer: TypeAlias = Literal["chromium", "numpy"]
 
 SIZE = (300, 240)
 RED, BLUE = (255, 0, 0), (0, 0, 255)

@@ -75,8 +75,8 @@ def channels_of(message: Any) -> tuple[dict[str, Channel], list[str]]:
                 f"within the {step} bytes of a point."
             )
             continue
-        view: Channel = np.ndarray(count, dtype, memoryview(message.data), field.offset, (step,))
-        channels[field.name] = view
+        place = (memoryview(message.data), field.offset, (step,))
+        channels[field.name] = np.ndarray(count, dtype, *place) if count else np.empty(0, dtype)
     return _finite(channels), wrong
 
 

@@ -1,0 +1,108 @@
+import colorsys
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_lib.displays.clouds.cloud import Cloud, channels_of
+from course_lib.displays.clouds.colors import TRANSFORMERS, best_transformer, rainbow
+from tests.displays.bench import Bench
+from tests.displays.clouds.clouds import TOPIC, Order, add, cloud, plain, shown_by
+
+ORDERS: tuple[Order, ...] = ("<", ">")
+LINE = [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 0, 4]]
+
+
+def known(**channels: Any) -> Cloud:
+    made = {name: np.asarray(values) for name, values in channels.items()}
+    return Cloud(channels_of(cloud(plain(LINE, **made)))[0], np.eye(4), 0)
+
+
+def colors(bench: Bench, **properties: Any) -> np.ndarray:
+    display = add(bench, **properties)
+    intensity = np.array([0, 1, 2, 4], np.float32)
+    bench.hear(TOPIC, cloud(plain(LINE, intensity=intensity)))
+    bench.look()
+    return shown_by(bench, display)[0].colors
+
+
+@given(st.floats(0, 1))
+def test_the_rainbow_is_the_hsv_circle_from_violet_to_red(value: float) -> None:
+    hue = 5 / 6 * (1 - value)  # rviz: "hue values going only from 0.0 to 0.833333"
+    np.testing.assert_allclose(rainbow([value])[0], colorsys.hsv_to_rgb(hue, 1, 1), atol=2e-6)
+
+
+def test_the_rainbow_ends_where_it_ends() -> None:
+    np.testing.assert_array_equal(rainbow([-1, 2, np.nan]), rainbow([0, 1, 0]))
+
+
+@pytest.mark.parametrize(
+    ("channels", "wanted", "taken"),
+    [
+        ({}, "", "Intensity"),
+        ({}, "AxisColor", "AxisColor"),
+        ({}, "RGB8", "Intensity"),
+        ({"rgb": np.zeros(4, "f4")}, "", "RGB8"),
+        ({"rgba": np.zeros(4, "u4")}, "", "RGB8"),
+        ({"rgb": np.zeros(4, "u2")}, "", "Intensity"),
+        ({"r": np.zeros(4, "f4"), "g": np.zeros(4, "f4"), "b": np.zeros(4, "f4")}, "RGBF32", "RGBF32"),
+    ],
+)
+def test_the_transformer_is_chosen_as_rviz_does(channels: dict[str, Any], wanted: str, taken: str) -> None:
+    assert best_transformer(known(**channels), wanted) == taken
+
+
+def test_intensity_goes_from_red_to_violet_and_its_bounds_are_shown() -> None:
+    bench = Bench()
+    drawn = colors(bench)
+    np.testing.assert_allclose(drawn[:, :3], rainbow([1, 0.75, 0.5, 0]))
+    (display,) = (d for d in bench.session.displays if d.name == "Cloud")
+    assert (display["Min Intensity"], display["Max Intensity"]) == (0.0, 4.0)
+    assert display["Color Transformer"] == "Intensity"
+
+
+def test_the_rainbow_may_be_inverted_or_two_colours_and_have_bounds() -> None:
+    inverted = colors(Bench(), invert_rainbow=True)
+    np.testing.assert_allclose(inverted[:, :3], rainbow([0, 0.25, 0.5, 1]))
+    bounds = {"autocompute_intensity_bounds": False, "min_intensity": 1.0, "max_intensity": 2.0}
+    two = colors(Bench(), use_rainbow=False, min_color=(0, 0, 255), max_color=(255, 0, 0), **bounds)
+    assert two[:, :3].tolist() == [[0, 0, 1], [0, 0, 1], [1, 0, 0], [1, 0, 0]]
+
+
+def test_a_channel_that_is_missing_leaves_points_white() -> None:
+    assert (colors(Bench(), channel_name="heat") == 1).all()
+
+
+def test_axis_colours_go_along_the_axis_of_the_fixed_frame_or_of_the_cloud() -> None:
+    for fixed, expected in ((True, [1, 1, 1, 1]), (False, [1, 0.75, 0.5, 0])):
+        bench = Bench()
+        bench.transform("map", "laser", (3.0, 0.0, 0.0))
+        display = add(bench, color_transformer="AxisColor", axis="X", use_fixed_frame=fixed)
+        turned = np.roll(LINE, 1, axis=1) if not fixed else LINE
+        bench.hear(TOPIC, cloud(plain(turned), "laser"))
+        bench.look()
+        np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, :3], rainbow(expected))
+        if fixed:
+            assert display["Min Value"] == display["Max Value"] == 3.0
+
+
+def test_packed_colours_are_read_from_whole_and_from_broken_numbers() -> None:
+    packed = np.array([0xFF0000, 0x00FF00, 0x0000FF, 0x336699], np.uint32)
+    expected = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.4, 0.6]]
+    for values in (packed, packed.view(np.float32)):
+        for order in ORDERS:
+            channels, _ = channels_of(cloud(plain(LINE, order, rgb=values.astype(values.dtype))))
+            drawn, _ = TRANSFORMERS["RGB8"].colors(Cloud(channels, np.eye(4), 0), Bench().marker)
+            np.testing.assert_allclose(drawn, expected, rtol=1e-6)
+
+
+def test_alpha_of_the_points_counts_if_the_channel_is_called_rgba() -> None:
+    for name, alpha in (("rgb", 1.0), ("rgba", 0x80 / 255)):
+        bench = Bench()
+        display = add(bench)
+        bench.hear(TOPIC, cloud(plain(LINE, **{name: np.full(4, 0x80FF0000, np.uint32)})))
+        bench.look()
+        # RViz draws points twice, see marker/lists.py
+        np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)

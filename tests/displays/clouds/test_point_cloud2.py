@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+
+from course_lib.displays.clouds.display import STYLES
+from tests.displays.bench import Bench
+from tests.displays.clouds.clouds import TOPIC, add, cloud, plain, shown_by
+
+TWO = [[1, 2, 3], [4, 5, 6]]
+
+
+def test_a_cloud_is_placed_by_its_frame_and_counted() -> None:
+    bench = Bench()
+    bench.transform("map", "laser", (1.0, 0.0, 0.0))
+    display = add(bench)
+    bench.hear(TOPIC, cloud(plain(TWO), "laser"))
+    bench.look()
+    (points,) = shown_by(bench, display)
+    np.testing.assert_array_equal(points.points, TWO)
+    assert bench.said(display, "Points") == ("ok", "Showing [2] points from [1] messages")
+    path = f"{display.path}/clouds/1"
+    assert bench.scene.world_transform(path)[:3, 3].tolist() == [1.0, 0.0, 0.0]
+
+
+def test_a_cloud_whose_frame_is_unknown_is_an_error_and_the_next_one_is_shown() -> None:
+    bench = Bench()
+    display = add(bench)
+    for frame in ("nowhere", ""):
+        bench.hear(TOPIC, cloud(plain(TWO), frame))
+        bench.look()
+        assert bench.said(display, "Transform") == ("error", f"Could not transform from [{frame}] to [map]")
+        assert not shown_by(bench, display)
+    bench.hear(TOPIC, cloud(plain(TWO)))
+    bench.look()
+    assert bench.said(display, "Transform") == ("ok", "Ok")
+    assert len(shown_by(bench, display)) == 1
+
+
+def test_sizes_that_disagree_are_an_error_until_a_right_cloud_comes() -> None:
+    bench = Bench()
+    display = add(bench)
+    wrong = cloud(plain(TWO))
+    wrong.width = 3
+    bench.hear(TOPIC, wrong)
+    bench.look()
+    assert bench.said(display, "Message") == (
+        "error",
+        "Data size (24 bytes) does not match width (3) times height (1) times point_step (12).  "
+        "Dropping message.",
+    )
+    bench.hear(TOPIC, cloud(plain(TWO)))
+    bench.look()
+    assert bench.said(display, "Message") is None
+
+
+def test_positions_in_double_precision_have_no_transformer() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear(TOPIC, cloud(np.zeros(2, np.dtype([(axis, "<f8") for axis in "xyz"]))))
+    bench.look()
+    assert bench.said(display, "Message") == ("error", "No position transformer available for cloud")
+
+
+def test_rviz_is_silent_where_coordinates_are_missing_and_we_are_not() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear(TOPIC, cloud(np.zeros(2, np.dtype([("x", "<f4"), ("y", "<f4")]))))
+    bench.look()
+    assert bench.said(display, "Message") is None
+    assert bench.hints(display) == ["the cloud has no fields x, y and z: RViz draws nothing."]
+
+
+@pytest.mark.parametrize(("decay", "left"), [(0.0, 1), (0.25, 2), (10.0, 4)])
+def test_clouds_stay_for_the_decay_time(decay: float, left: int) -> None:
+    bench = Bench()
+    display = add(bench, decay_time=decay)
+    for number in range(4):
+        bench.hear(TOPIC, cloud(plain([[number, 0, 0]])), at=number * 0.2)
+        bench.look(number * 0.2)
+    assert [points.points[0, 0] for points in shown_by(bench, display)] == list(range(4))[-left:]
+    assert bench.said(display, "Points") == ("ok", f"Showing [{left}] points from [{left}] messages")
+
+
+def test_a_cloud_without_a_successor_stays_if_there_is_no_decay_time() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear(TOPIC, cloud(plain(TWO)))
+    bench.look(100.0)
+    assert len(shown_by(bench, display)) == 1
+    display["Decay Time"] = 1.0
+    bench.look(100.0)
+    assert not shown_by(bench, display)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_each_style_has_its_spot_and_its_size(style: str) -> None:
+    bench = Bench()
+    display = add(bench, style=style, **{"Size (m)": 0.5, "Size (Pixels)": 7.0})
+    bench.hear(TOPIC, cloud(plain(TWO)))
+    bench.look()
+    (points,) = shown_by(bench, display)
+    assert points.spot == STYLES[style]
+    assert points.pixels == (style == "Points")
+    assert points.size == ((7.0,) * 3 if points.pixels else (0.5,) * 3)
+
+
+def test_a_changed_property_draws_anew_what_is_there() -> None:
+    bench = Bench()
+    display = add(bench, color_transformer="FlatColor")
+    bench.hear(TOPIC, cloud(plain(TWO)))
+    display["Color"] = (255, 0, 0)
+    display["Alpha"] = 0.5
+    (points,) = shown_by(bench, display)
+    np.testing.assert_allclose(points.colors, [[1, 0, 0, 0.75]] * 2)  # drawn twice
+
+
+def test_an_empty_cloud_shows_no_points() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear(TOPIC, cloud(plain([])))
+    bench.look()
+    assert bench.said(display, "Points") == ("ok", "Showing [0] points from [1] messages")

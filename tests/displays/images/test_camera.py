@@ -1,0 +1,133 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import CameraInfo, Image
+
+from course_lib.displays.display import Display
+from course_lib.viewer.drawables import Inset
+from tests.displays.bench import Bench
+from tests.displays.images.test_pixels import image
+
+PATH = "displays/Camera/picture"
+WIDTH, HEIGHT = 8, 6
+PICTURE = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
+
+
+def info(fx: float = 10.0, fy: float = 10.0, cx: float = 4.0, cy: float = 3.0, tx: float = 0.0) -> CameraInfo:
+    made = CameraInfo(width=WIDTH, height=HEIGHT)
+    made.p = np.array([fx, 0, cx, tx, 0, fy, cy, 0, 0, 0, 1, 0], float)
+    return made
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    config = {"Topic": "/eye/image_raw", "Visibility": {"Grid": False, "Value": True}}
+    return bench.session.add("rviz_default_plugins/Camera", "Camera", config, **properties)
+
+
+def seen(
+    bench: Bench, described: CameraInfo | None, frame: str = "map", picture: Image | None = None
+) -> Inset | None:
+    if described is not None:
+        bench.hear("/eye/camera_info", described)
+    message = picture or image(PICTURE, "rgb8")
+    message.header.frame_id = frame
+    bench.hear("/eye/image_raw", message)
+    bench.look()
+    found = bench.scene.objects().get(PATH)
+    assert found is None or isinstance(found, Inset)
+    return found
+
+
+def pixel_of(inset: Inset, point: tuple[float, float, float]) -> tuple[float, float]:
+    """Return where the camera of a picture sees a point, in pixels of the image."""
+    camera = inset.camera
+    assert camera is not None
+    x, y, z, _ = camera.view_matrix() @ (*point, 1.0)
+    per_height = 0.5 / np.tan(camera.vertical_fov / 2) / -z
+    right, down = camera.shift[0] + x * per_height, camera.shift[1] - y * per_height
+    return (right / inset.aspect + 0.5) * WIDTH, (down + 0.5) * HEIGHT
+
+
+@pytest.mark.parametrize("described", [info(), info(cx=1.0, cy=5.0), info(fx=20.0, fy=5.0), info(tx=-30.0)])
+@pytest.mark.parametrize("point", [(0.0, 0.0, 4.0), (0.7, -0.4, 2.0)])
+def test_points_are_seen_where_the_projection_matrix_puts_them(
+    described: CameraInfo, point: tuple[float, float, float]
+) -> None:
+    bench = Bench()
+    add(bench)
+    inset = seen(bench, described)
+    assert inset is not None
+    u, v, w = described.p.reshape(3, 4) @ (*point, 1.0)  # map is the optical frame here
+    assert pixel_of(inset, point) == pytest.approx((u / w, v / w))
+
+
+def test_the_camera_stands_where_its_frame_is() -> None:
+    bench = Bench()
+    bench.transform("map", "optical", (1.0, 2.0, 3.0))
+    add(bench, far_plane_distance=7.0)
+    inset = seen(bench, info(), "optical")
+    assert inset is not None
+    assert inset.camera is not None
+    assert inset.camera.eye == (1.0, 2.0, 3.0)
+    assert inset.camera.target == (1.0, 2.0, 4.0)
+    assert inset.camera.far == 7.0
+
+
+def test_the_zoom_magnifies_around_the_middle() -> None:
+    near, far = (Bench(), Bench())
+    add(near, zoom_factor=2.0)
+    add(far)
+    big, small = seen(near, info(cx=3.0)), seen(far, info(cx=3.0))
+    assert big is not None
+    assert small is not None
+    (u, v), (x, y) = pixel_of(big, (0.2, 0.1, 2.0)), pixel_of(small, (0.2, 0.1, 2.0))
+    assert (u - WIDTH / 2, v - HEIGHT / 2) == pytest.approx((2 * (x - WIDTH / 2), 2 * (y - HEIGHT / 2)))
+
+
+@pytest.mark.parametrize(
+    ("rendering", "behind", "over"),
+    [("background", True, 0.0), ("overlay", False, 0.25), ("background and overlay", True, 0.25)],
+)
+def test_the_image_is_behind_the_scene_or_over_it(rendering: str, behind: bool, over: float) -> None:
+    bench = Bench()
+    add(bench, image_rendering=rendering, overlay_alpha=0.25)
+    inset = seen(bench, info())
+    assert inset is not None
+    assert (inset.behind, inset.over, inset.hidden) == (behind, over, ("displays/Grid",))
+
+
+def test_without_a_description_rviz_waits_and_says_so() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert seen(bench, None) is None
+    assert bench.said(display, "Camera Info") == (
+        "warn",
+        "Expecting Camera Info on topic [/eye/camera_info]. No CameraInfo received. Topic may not exist.",
+    )
+    bench.hear("/eye/camera_info", info())
+    bench.look()
+    assert PATH in bench.scene.objects()
+
+
+def test_bad_descriptions_are_told_in_rviz_words_and_the_next_one_works() -> None:
+    position = "CameraInfo/P resulted in an invalid position calculation (nans or infs)"
+    bench = Bench()
+    display = add(bench)
+    for wrong, text in (
+        (info(fx=0.0), position),
+        (CameraInfo(width=WIDTH, height=HEIGHT), position),
+        (info(cx=np.nan), "Contains invalid floating point values (nans or infs)"),
+    ):
+        assert seen(bench, wrong) is None
+        assert bench.said(display, "Camera Info") == ("error", text)
+    assert seen(bench, info()) is not None
+    assert bench.said(display, "Camera Info") == ("ok", "ok")
+
+
+def test_a_packed_image_has_its_description_beside_the_raw_one() -> None:
+    bench = Bench()
+    display = bench.session.add(
+        "rviz_default_plugins/Camera", "Camera", {"Topic": "/eye/image_raw/compressed"}
+    )
+    assert [s.topic for s in display.subscriptions] == ["/eye/image_raw/compressed", "/eye/camera_info"]

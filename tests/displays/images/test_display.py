@@ -1,0 +1,89 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import Image
+
+from course_lib.displays.display import Display
+from course_lib.viewer.drawables import Inset
+from tests.displays.bench import Bench
+from tests.displays.images.test_pixels import COLORS, image
+
+PATH = "displays/Image/picture"
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    return bench.session.add("rviz_default_plugins/Image", "Image", {"Topic": "/picture"}, **properties)
+
+
+def pixels(bench: Bench) -> np.ndarray:
+    found = bench.scene.objects()[PATH]
+    assert isinstance(found, Inset)
+    return found.pixels
+
+
+def hear(bench: Bench, message: Image) -> None:
+    bench.hear("/picture", message)
+    bench.look()
+
+
+def test_an_image_is_shown_whatever_its_frame() -> None:
+    bench = Bench()
+    add(bench)
+    hear(bench, image(COLORS, "rgb8"))
+    np.testing.assert_array_equal(pixels(bench), COLORS)
+
+
+def test_an_unknown_encoding_is_an_error_and_the_next_image_is_shown() -> None:
+    bench = Bench()
+    display = add(bench)
+    hear(bench, image(COLORS, "hsv9"))
+    assert bench.said(display, "Image") == ("error", "Unsupported image encoding [hsv9]")
+    hear(bench, image(COLORS, "rgb8"))
+    assert bench.said(display, "Image") is None
+    np.testing.assert_array_equal(pixels(bench), COLORS)
+
+
+def test_of_too_little_data_rviz_only_writes_to_its_log() -> None:
+    bench = Bench()
+    display = add(bench)
+    short = image(COLORS, "rgb8")
+    short.height = 100
+    hear(bench, short)
+    assert bench.said(display, "Image") is None
+    assert bench.hints(display)[0].startswith("RViz's log: Error loading image: the image has 72 bytes")
+
+
+def test_an_image_without_data_changes_nothing() -> None:
+    bench = Bench()
+    add(bench)
+    hear(bench, image(COLORS, "rgb8"))
+    hear(bench, Image(encoding="rgb8"))
+    np.testing.assert_array_equal(pixels(bench), COLORS)
+
+
+@pytest.mark.parametrize(
+    ("properties", "expected"),
+    [({}, [0, 127, 255]), ({"normalize_range": False, "min_value": 0.0, "max_value": 4.9}, [63, 127, 191])],
+)
+def test_the_range_is_found_or_given_in_whole_numbers(
+    properties: dict[str, object], expected: list[int]
+) -> None:
+    bench = Bench()
+    add(bench, **properties)
+    hear(bench, image(np.array([[1, 2, 3]], np.uint16)[..., None], "16UC1"))
+    assert pixels(bench)[0, :, 0].tolist() == expected
+
+
+def test_the_end_of_the_topic_says_that_images_are_packed() -> None:
+    bench = Bench()
+    display = bench.session.add("rviz_default_plugins/Image", "Packed", {"Topic": "/camera/image/compressed"})
+    assert display.subscriptions[0].type_name == "sensor_msgs/msg/CompressedImage"
+
+
+def test_an_image_goes_with_its_display() -> None:
+    bench = Bench()
+    display = add(bench)
+    hear(bench, image(COLORS, "rgb8"))
+    display["Enabled"] = False
+    assert PATH not in bench.scene.objects()

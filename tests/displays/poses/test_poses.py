@@ -1,0 +1,137 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Pose, PoseArray, PoseStamped
+
+from course_lib.displays.display import Display
+from course_lib.displays.poses.arrow import INVALID
+from course_lib.viewer.drawables import Lines, Solids
+from tests.displays.bench import Bench
+
+QUARTER = float(np.sqrt(0.5))  # of a turn around z: z and w of the quaternion
+
+
+def pose(x: float = 0.0, turned: bool = False) -> Pose:
+    made = Pose()
+    made.position.x = x
+    made.orientation.z, made.orientation.w = (QUARTER, QUARTER) if turned else (0.0, 1.0)
+    return made
+
+
+def stamped(one: Pose, frame: str = "map") -> PoseStamped:
+    message = PoseStamped(pose=one)
+    message.header.frame_id = frame
+    return message
+
+
+def array(*poses: Pose) -> PoseArray:
+    message = PoseArray(poses=list(poses))
+    message.header.frame_id = "map"
+    return message
+
+
+def add(bench: Bench, name: str, **properties: Any) -> Display:
+    return bench.session.add(f"rviz_default_plugins/{name}", "Shown", {"Topic": "/pose"}, **properties)
+
+
+def drawn(bench: Bench) -> dict[str, Any]:
+    """Return what is drawn, by name."""
+    objects = bench.scene.objects().items()
+    return {path.rpartition("/")[2]: thing for path, thing in objects if path.startswith("displays/Shown/")}
+
+
+def extent(bench: Bench, name: str, number: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of a solid's axis in the fixed frame."""
+    solids = drawn(bench)[name]
+    assert isinstance(solids, Solids)
+    transform = bench.scene.world_transform(f"displays/Shown/drawn/{name}") @ solids.placements[number]
+    low, high = ((transform @ (0, 0, z, 1))[:3] for z in (-0.5, 0.5))
+    return np.round(low, 6), np.round(high, 6)
+
+
+def test_the_arrow_of_a_pose_points_along_its_x() -> None:
+    bench = Bench()
+    bench.transform("map", "base", (0.0, 0.0, 1.0))
+    add(bench, "Pose")
+    bench.hear("/pose", stamped(pose(2.0, turned=True), "base"))
+    bench.look()
+    (back, middle), (base, tip) = extent(bench, "shaft"), extent(bench, "head")
+    assert back.tolist() == [2, 0, 1]
+    assert middle.tolist() == base.tolist() == [2, 1, 1]
+    np.testing.assert_allclose(tip, [2, 1.3, 1], atol=1e-6)
+
+
+def test_a_changed_property_draws_the_pose_anew() -> None:
+    bench = Bench()
+    display = add(bench, "Pose")
+    bench.hear("/pose", stamped(pose()))
+    display["Shape"] = "Axes"
+    assert list(drawn(bench)) == ["axes"]
+    display["Shape"] = "Arrow"
+    assert sorted(drawn(bench)) == ["head", "shaft"]
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong", "right"),
+    [
+        ("Pose", stamped(pose(np.nan)), stamped(pose(1.0))),
+        ("PoseArray", array(pose(), pose(np.inf)), array(pose(1.0))),
+    ],
+)
+def test_poses_that_are_not_finite_are_an_error_and_the_next_ones_are_shown(
+    name: str, wrong: Any, right: Any
+) -> None:
+    bench = Bench()
+    display = add(bench, name)
+    bench.hear("/pose", wrong)
+    bench.look()
+    assert bench.said(display, "Topic") == ("error", INVALID)
+    assert not drawn(bench)
+    bench.hear("/pose", right, at=0.1)
+    bench.look(0.1)
+    assert bench.said(display, "Topic") == ("ok", "2 messages received at 20.0 hz.")
+    assert drawn(bench)
+
+
+@pytest.mark.parametrize(
+    ("shape", "parts"), [("Arrow (Flat)", ["arrows"]), ("Arrow (3D)", ["head", "shaft"]), ("Axes", ["axes"])]
+)
+def test_an_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
+    bench = Bench()
+    add(bench, "PoseArray", shape=shape)
+    bench.hear("/pose", array(*(pose(float(x)) for x in range(5))))
+    bench.look()
+    assert sorted(drawn(bench)) == parts
+
+
+def test_flat_arrows_start_at_their_poses_and_are_as_long_as_asked() -> None:
+    bench = Bench()
+    add(bench, "PoseArray", arrow_length=2.0)
+    bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
+    bench.look()
+    lines = drawn(bench)["arrows"]
+    assert isinstance(lines, Lines)
+    ends = np.round(lines.points.reshape(2, 6, 3), 5)
+    assert ends[0, :2].tolist() == [[1, 0, 0], [3, 0, 0]]
+    assert ends[1, :2].tolist() == [[5, 0, 0], [5, 2, 0]]
+
+
+def test_solid_arrows_and_axes_of_an_array_stand_at_each_pose() -> None:
+    bench = Bench()
+    display = add(bench, "PoseArray", shape="Arrow (3D)")
+    bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
+    bench.look()
+    assert extent(bench, "shaft", 1)[0].tolist() == [5, 0, 0]
+    np.testing.assert_allclose(extent(bench, "head", 1)[1], [5, 0.3, 0], atol=1e-6)
+    display["Shape"] = "Axes"
+    np.testing.assert_allclose(extent(bench, "axes", 3)[1], [5, 0.3, 0], atol=1e-6)  # x of the second
+
+
+def test_an_empty_array_shows_nothing() -> None:
+    bench = Bench()
+    add(bench, "PoseArray")
+    bench.hear("/pose", array(pose()))
+    bench.hear("/pose", array())
+    bench.look()
+    assert not drawn(bench)

@@ -1,0 +1,85 @@
+from math import inf, nan, tan
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import Range
+
+from course_lib.displays.display import Display
+from course_lib.viewer.drawables import Solids
+from tests.displays.bench import Bench
+
+PATH = "displays/Range/drawn/cones"
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    return bench.session.add("rviz_default_plugins/Range", "Range", {"Topic": "/range"}, **properties)
+
+
+def measured(distance: float, low: float = 0.5, high: float = 4.0) -> Range:
+    message = Range(range=distance, min_range=low, max_range=high, field_of_view=0.5)
+    message.header.frame_id = "map"
+    return message
+
+
+def cones(bench: Bench) -> np.ndarray:
+    found = bench.scene.objects()[PATH]
+    assert isinstance(found, Solids)
+    return found.placements
+
+
+def test_a_cone_opens_along_x_from_the_sensor_as_wide_as_it_sees() -> None:
+    bench = Bench()
+    add(bench)
+    bench.hear("/range", measured(2.0))
+    bench.look()
+    (cone,) = cones(bench)
+    tip, base, rim = ((cone @ (*point, 1.0))[:3] for point in ((0, 0, 0.5), (0, 0, -0.5), (0.5, 0, -0.5)))
+    assert np.linalg.norm(tip) < 0.01 * 2.0  # RViz draws it a little nearer
+    np.testing.assert_allclose(base - tip, [2.0, 0, 0], atol=1e-6)
+    assert np.linalg.norm(rim - base) == pytest.approx(2.0 * tan(0.25))
+    assert np.linalg.det(cone[:3, :3]) > 0
+
+
+@pytest.mark.parametrize(
+    ("message", "length"),
+    [
+        (measured(0.5), 0.5),
+        (measured(4.0), 4.0),
+        (measured(4.5), 0.0),
+        (measured(0.1), 0.0),
+        (measured(nan), 0.0),
+        (measured(inf), 0.0),
+        (measured(-inf), 0.0),
+        (measured(-inf, 1.5, 1.5), 1.5),
+        (measured(inf, 1.5, 1.5), 0.0),
+    ],
+)
+def test_what_is_out_of_range_has_no_length(message: Range, length: float) -> None:
+    bench = Bench()
+    add(bench)
+    bench.hear("/range", message)
+    bench.look()
+    assert np.linalg.norm(cones(bench)[0, :3, 2]) == pytest.approx(length)
+
+
+def test_as_many_measurements_are_shown_as_the_buffer_holds() -> None:
+    bench = Bench()
+    display = add(bench, buffer_length=3)
+    for distance in (1.0, 1.5, 2.0, 2.5):
+        bench.hear("/range", measured(distance))
+    bench.look()
+    np.testing.assert_allclose(np.linalg.norm(cones(bench)[:, :3, 2], axis=1), [1.5, 2.0, 2.5])
+    display["Buffer Length"] = 1
+    assert PATH not in bench.scene.objects()
+
+
+def test_colour_and_alpha_are_those_of_the_properties() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/range", measured(1.0))
+    bench.look()
+    display["Color"] = (255, 0, 0)
+    found = bench.scene.objects()[PATH]
+    assert isinstance(found, Solids)
+    assert found.colors.tolist() == [1.0, 0.0, 0.0, 0.5]
