@@ -187,11 +187,11 @@ def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.Monkey
     viewer = Viewer()
     viewer._repr_mimebundle_()
     posted: list[Any] = []
-    assert viewer._panel._desk is not None
-    monkeypatch.setattr(viewer._panel._desk._link, "post", lambda content, _: posted.append(content))
-    viewer._panel._desk.hear({"act": "open"})
+    assert viewer._panel._view is not None
+    link = viewer._panel._view.link
+    monkeypatch.setattr(link, "post", lambda content, _: posted.append(content))
     viewer.fixed_frame = "moon"
-    viewer._panel._desk.post()
+    link.receive({"type": "desk", "act": "open", "page": "one", "number": 0})
     assert "Frame [moon] does not exist" in posted[-1]["changed"]["status"]["text"]
     viewer.close()
 

@@ -62,6 +62,7 @@ export class Desk {
     this.say(this.status, mark, word, text, level);
     if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice?.text ?? "", notice?.level ?? "");
     this.noticed = JSON.stringify(notice);
+    if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
     this.selection.textContent = values.selection;
     this.selection.hidden = !values.selection;
     this.words.textContent = values.summary;
@@ -87,13 +88,13 @@ export class Desk {
     this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
     this.lists = part("div", { hidden: true });
     const left = this.dock("Displays", this.memberButtons(), this.tree.element);
-    const right = this.dock("Views", this.viewControls(), this.properties.element, this.selection);
+    this.right = this.dock("Views", this.viewControls(), this.properties.element, this.selection);
     this.tools = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" });
     this.buttons = this.state.values.tools.map((tool, index) => this.toolButton(tool, index));
     this.tools.append(...this.buttons);
     const line = part("div", { className: "course-lines" }, this.opener(left, "Displays"), this.status, this.notice);
-    line.append(this.opener(right, "Views"));
-    const middle = part("div", { className: "course-middle" }, left, part("div", { className: "course-view" }), right);
+    line.append(this.opener(this.right, "Views"));
+    const middle = part("div", { className: "course-middle" }, left, part("div", { className: "course-view" }), this.right);
     this.slot = part("div"); // of the Time panel
     this.frame = part("div", { className: "course-viewer", role: "group", ariaLabel: "RViz" });
     this.frame.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
@@ -110,12 +111,15 @@ export class Desk {
   }
 
   opener(dock, name) {
-    const opener = button(name, `${name} panel`, () => {
-      dock.hidden = !dock.hidden;
-      opener.ariaExpanded = String(!dock.hidden);
-    });
-    opener.ariaExpanded = "false";
-    return opener;
+    dock.opener = button(name, `${name} panel`, () => this.toggle(dock, dock.hidden));
+    dock.opener.ariaExpanded = "false";
+    return dock.opener;
+  }
+
+  /** @param {any} dock @param {boolean} open */
+  toggle(dock, open) {
+    dock.hidden = !open;
+    dock.opener.ariaExpanded = String(open);
   }
 
   toolButton([label, key, gesture], index) {

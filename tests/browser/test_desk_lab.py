@@ -1,0 +1,92 @@
+"""RViz's panels in real JupyterLab, while nodes run live."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.browser.jupyterlab import Notebook, course_lab
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+LIVE, SHOW = "live = run_live(node)", "viewer.add("
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+HEAR = """
+from geometry_msgs.msg import PointStamped, PoseStamped
+heard, clicks = [], []
+for kind, topic in ((PointStamped, "/clicked_point"), (PoseStamped, "/goal_pose")):
+    node.create_subscription(kind, topic, heard.append, 5)
+_ = viewer.on_click(clicks.append)
+"""
+
+
+@pytest.fixture(scope="module")
+def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
+    folder = tmp_path_factory.mktemp("student")
+    with course_lab(folder / "my_course", folder / "home") as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 860})
+        page.set_default_timeout(20_000)
+        notebook = Notebook(page, address, "week01_first_marker.ipynb")
+        notebook.run_to(LIVE)
+        notebook.kernel(HEAR)
+        yield notebook
+        page.close()
+
+
+def test_tools_publish_to_nodes_that_run_live(lesson: Notebook) -> None:
+    cell = lesson.cell(SHOW)
+    cell.get_by_role("button", name="2D Goal Pose (g)").click()
+    canvas = cell.locator("canvas").first
+    box = canvas.bounding_box()
+    assert box is not None
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    lesson.page.mouse.move(*middle)
+    lesson.page.mouse.down()
+    lesson.page.mouse.move(middle[0] + 60, middle[1])
+    if PICTURES:
+        lesson.page.screenshot(path=Path(PICTURES) / "desk_lab_goal.png")
+    lesson.page.mouse.up()
+    expect(cell.locator(".course-notice")).to_contain_text("Setting goal pose: Frame:map")
+    assert "geometry_msgs.msg.PoseStamped" in lesson.kernel("import time; time.sleep(0.3)\nprint(heard)")
+
+
+def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) -> None:
+    lesson.cell(LIVE)
+    lesson.page.evaluate(
+        """async () => {
+            await jupyterapp.commands.execute('notebook:insert-cell-below');
+            const cell = jupyterapp.shell.currentWidget.content.activeCell;
+            cell.model.sharedModel.setSource('print("picked", (await viewer.pick()).path)');
+            jupyterapp.commands.execute('notebook:run-cell'); }"""
+    )
+    lesson.page.wait_for_timeout(500)
+    lesson.cell(SHOW).locator("canvas").first.click()
+    lesson.wait_idle()
+    assert any("picked" in str(output.get("text")) for output in lesson.outputs())
+    assert lesson.kernel("print(len(clicks))").strip() == "1"
+
+
+def test_displays_are_edited_in_both_themes(lesson: Notebook) -> None:
+    cell = lesson.cell(SHOW)
+    cell.get_by_role("button", name="Displays panel").click()
+    cell.get_by_role("row").filter(has_text="Grid").first.press("ArrowRight")
+    cell.get_by_role("spinbutton", name="Cell Size").fill("0.5")
+    lesson.page.keyboard.press("Enter")
+    cell.get_by_role("button", name="Views panel").click()
+    for theme in ("JupyterLab Light", "JupyterLab Dark"):
+        lesson.page.evaluate("theme => jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
+        lesson.page.wait_for_timeout(1500)
+        if PICTURES:
+            lesson.page.screenshot(path=Path(PICTURES) / f"desk_lab_{theme[11:].lower()}.png")
+    assert lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5"
+
+
+def test_keys_in_the_panels_leave_the_notebook_alone(lesson: Notebook) -> None:
+    cells = "() => jupyterapp.shell.currentWidget.content.widgets.length"
+    before = lesson.page.evaluate(cells)
+    canvas = lesson.cell(SHOW).locator("canvas").first
+    for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):
+        canvas.press(key)
+    assert lesson.page.evaluate(cells) == before
+    assert lesson.errors() == []
