@@ -14,7 +14,13 @@ from course_lib.grading.student_error import MAX_LENGTH
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
-from course_lib.ros.channel import Channel, ChannelClosedError, ChannelError, ChannelTimeoutError
+from course_lib.ros.channel import (
+    Channel,
+    ChannelClosedError,
+    ChannelError,
+    ChannelTimeoutError,
+    FrameSizeError,
+)
 from course_lib.ros.graph_server import GraphServer, RecordingLimitError, Room
 
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
@@ -101,7 +107,7 @@ class Session:
     def _ready_worker(self) -> WorkerProcess | None:
         """The worker, with all cells run; None when the time is over."""
         while self._worker is None and self._left() > 0:
-            self._worker = WorkerProcess(self._template, self._limits)
+            self._worker = WorkerProcess(self._template, self._limits, self._cells)
             if not self._run_cells(self._worker):
                 self.close()
         return self._worker
@@ -150,7 +156,9 @@ class Session:
                     return Outcome(errors=[still_running(seconds)]), "time"
                 case ChannelClosedError():
                     return Outcome(errors=[ENDED_EARLY]), ""
-            return Outcome(errors=[str(error)]), "size" if isinstance(error, RecordingLimitError) else ""
+            return Outcome(errors=[str(error)]), "size" if isinstance(
+                error, RecordingLimitError | FrameSizeError
+            ) else ""
 
 
 def limit_met(errors: Sequence[str]) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import threading
+from collections.abc import Sequence
 from select import select
 
 from course_lib.grading.course_file import Limits
@@ -10,6 +11,11 @@ from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 
 PIPE_HOLDS = 2**20  # [B] at least as much as a pipe does
+HEAVY = {  # what takes long to import, by the word that tells who needs it
+    "matplotlib": "matplotlib.pyplot",
+    "%matplotlib": "matplotlib_inline.backend_inline",
+    "pinocchio": "pinocchio",
+}
 
 
 class WorkerProcess:
@@ -18,14 +24,16 @@ class WorkerProcess:
     Args:
         template: What it is a fork of.
         limits: What it may use.
+        cells: What it will run.
 
     Raises:
         WorkerError: It can't be put into the jail.
     """
 
-    def __init__(self, template: TemplateProcess, limits: Limits) -> None:
+    def __init__(self, template: TemplateProcess, limits: Limits, cells: Sequence[str]) -> None:
         self._template = template
-        connection, output = template.start(limits)
+        imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
+        connection, output = template.start(limits, imports)
         self.channel = Channel(connection)
         self._output = Output(output, round(limits.output_kilobytes * 1000))
         self.allow(START_SECONDS)

@@ -20,6 +20,10 @@ class ChannelError(CourseError):
     """The other side broke the protocol."""
 
 
+class FrameSizeError(ChannelError):
+    """The other side sent more at once than is taken."""
+
+
 class ChannelClosedError(ChannelError):
     """The other side is gone."""
 
@@ -67,7 +71,7 @@ class Channel:
         """
         (size,) = _HEADER.unpack(self._read(_HEADER.size))
         if size > MAX_FRAME:
-            raise ChannelError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
+            raise FrameSizeError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
         body = self._read(size)
         try:
             count = _Count()

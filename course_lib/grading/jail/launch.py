@@ -64,12 +64,21 @@ class TemplateProcess:
             self._control.close()
         raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
 
-    def start(self, limits: Limits) -> tuple[socket.socket, int]:
-        """Start a submission; gives this side's ends of its channel and of the pipe for its output."""
+    def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:
+        """Start a submission.
+
+        Args:
+            limits: What it may use.
+            imports: Modules of ours that it will import, so that it finds them imported.
+
+        Returns:
+            This side's ends of its channel and of the pipe for its output.
+        """
         ours, theirs = socket.socketpair()
         reader, writer = os.pipe()
         with theirs:
-            socket.send_fds(self._control, [json.dumps(asdict(limits)).encode()], [theirs.fileno(), writer])
+            wanted = {"limits": asdict(limits), "imports": list(imports)}
+            socket.send_fds(self._control, [json.dumps(wanted).encode()], [theirs.fileno(), writer])
         os.close(writer)
         return ours, reader
 
