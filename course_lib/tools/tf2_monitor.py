@@ -76,7 +76,6 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
                 if not heard.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
                     continue
                 chain = tf2_frames.chain(heard.buffer, start, end)
-                monitor.delays.clear()
             if looks == 0 and what:
                 write(f"Gathering data on {what} for 10 seconds...\n")
                 what = ""
