@@ -1,5 +1,6 @@
 """Meshes from files, read once into the arrays that are drawn."""
 
+import re
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
@@ -13,6 +14,8 @@ from course_lib.viewer.drawables import Mesh
 
 FORMATS = ("dae", "stl", "obj")
 
+# What paints the parts of a DAE file; pycollada drops those whose material is broken, RViz does not.
+_PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
 _PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)  # where a file says nothing
 
 
@@ -41,24 +44,32 @@ def parse_mesh(
     data: bytes, file_format: str, color: tuple[float, ...] | None = None, folder: Path | None = None
 ) -> Mesh:
     """Read the content of a file, see `load_mesh`; its textures are looked for in the folder."""
-    import trimesh  # here: heavy
-    from trimesh.resolvers import FilePathResolver
-    from trimesh.units import unit_conversion
+    from trimesh.units import unit_conversion  # here: heavy
 
     if file_format not in FORMATS:
         raise MeshFileError(
             f"{file_format!r} is no format of meshes that is known; take {', '.join(FORMATS)}."
         )
     try:
-        textures = FilePathResolver(str(folder)) if folder else None
-        scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
+        scene, parts = _read(data, file_format, folder)
+        if not parts and _PAINT.search(data):
+            scene, parts = _read(_PAINT.sub(b"", data), file_format, folder)
         unit = unit_conversion(scene.units or "meters", "meters")  # [m]
-        parts = scene.dump()
     except Exception as error:  # its readers raise whatever a broken file leads to
         raise MeshFileError(f"This is no {file_format.upper()} file that can be read: {error}") from error
     if not any(len(part.faces) for part in parts):
         raise MeshFileError(f"This is no {file_format.upper()} file that can be read: it has no triangles.")
     return _joined(parts, unit, color)
+
+
+def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list[Any]]:
+    """Return trimesh's scene, and its parts where they are in it."""
+    import trimesh
+    from trimesh.resolvers import FilePathResolver
+
+    textures = FilePathResolver(str(folder)) if folder else None
+    scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
+    return scene, scene.dump()
 
 
 def _joined(parts: list[Any], unit: float, color: tuple[float, ...] | None) -> Mesh:

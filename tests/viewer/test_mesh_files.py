@@ -3,6 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from course_lib.viewer.mesh_files import MeshFileError, load_mesh, parse_mesh
 
@@ -67,6 +68,24 @@ def test_dae_nodes_place_scale_and_colour_what_is_below_them() -> None:
     assert mesh.vertices.min(axis=0) == pytest.approx([0, 0, 1], abs=1e-6)
     assert mesh.vertices.max(axis=0) == pytest.approx([2, 0, 2])
     assert mesh.colors[0] == pytest.approx([1, 0.5, 0, 1], abs=0.01)
+
+
+def test_what_a_broken_material_paints_is_read_without_it() -> None:
+    mesh = parse_mesh(DAE.replace('target="#orange"', 'target="#nobody"').encode(), "dae")
+    assert len(mesh.faces) == 2
+    assert mesh.colors[0].tolist() != pytest.approx([1, 0.5, 0, 1], abs=0.01)
+
+
+def test_a_texture_counts_where_it_touches_vertices(tmp_path: Path) -> None:
+    picture = Image.new("RGB", (8, 8), (255, 0, 0))
+    picture.paste((0, 0, 255), (4, 0, 8, 8))
+    picture.save(tmp_path / "half.png")
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd half.png\n")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.1 0.5\nvt 0.9 0.5\nvt 0.2 0.9"
+    (tmp_path / "quad.obj").write_text(f"mtllib m.mtl\nusemtl m\n{corners}\nf 1/1 2/2 3/3\n")
+    mesh = load_mesh(tmp_path / "quad.obj")
+    by_x = dict(zip(mesh.vertices[:, 0].tolist(), mesh.colors.tolist(), strict=True))
+    assert by_x == {0.0: [1, 0, 0, 1], 1.0: [0, 0, 1, 1]}
 
 
 def test_a_colour_that_is_asked_for_replaces_the_files_own() -> None:

@@ -326,6 +326,7 @@ def known_robots() -> list[str]:
     return sorted(example_robot_data.ROBOTS.keys() - {"cassie"})  # which is no URDF
 
 
+@pytest.mark.slow
 def test_all_robots_that_can_be_loaded_are_drawn_without_an_error() -> None:
     blank = {"simple_humanoid", "simple_humanoid_classical"}  # have no visuals
     for name in known_robots():
