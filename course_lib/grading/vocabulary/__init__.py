@@ -3,10 +3,12 @@
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
+from course_lib.grading.vocabulary.transforms import expect_circling_frame, expect_transform
 from course_lib.grading.vocabulary.values import expect_text, expect_value
 
 __all__ = [
     "expect_circle",
+    "expect_circling_frame",
     "expect_marker",
     "expect_marker_count",
     "expect_message",
@@ -14,5 +16,6 @@ __all__ = [
     "expect_stamps",
     "expect_text",
     "expect_topic",
+    "expect_transform",
     "expect_value",
 ]

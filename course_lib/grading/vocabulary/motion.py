@@ -50,7 +50,7 @@ def expect_circle(
     if seen < evidence.seconds / 2:
         message = f"the marker was seen to move for {number(seen, 's')} of {evidence.seconds:g} s"
         return [Problem(message, NOT_MOVING)]
-    return _off_circle(path, radius, center, plane, tolerance) or _turning(
+    return off_circle(path, radius, center, plane, tolerance) or turning(
         path, center, period, counter_clockwise
     )
 
@@ -60,34 +60,45 @@ def _place(marker: Any) -> tuple[float, float, float]:
     return position.x, position.y, position.z
 
 
-def _off_circle(
-    path: Path, radius: float, center: Sequence[float], height: float, tolerance: float
+def off_circle(
+    path: Path,
+    radius: float,
+    center: Sequence[float],
+    height: float,
+    tolerance: float,
+    noun: str = "the marker",
 ) -> list[Problem]:
+    """Where a path first leaves a circle; lengths in [m]."""
     for seconds, (x, y, z) in path:
         distance = math.dist((x, y), center)
         if not close(distance, radius, tolerance):
             gap = off_by(distance, radius, "too far out", "too far in")
             where = f"{number(distance, 'm')} from the centre, expected {number(radius, 'm')}"
-            message = f"after {number(seconds, 's')} the marker is {gap}: {where}"
+            message = f"after {number(seconds, 's')} {noun} is {gap}: {where}"
             return [Problem(message, "the path leaves the circle: wrong radius or centre")]
         if not close(z, height, tolerance):
             gap = off_by(z, height, "too high", "too low")
-            message = f"the marker is {gap}: z = {number(z, 'm')}, expected {number(height, 'm')}"
+            message = f"{noun} is {gap}: z = {number(z, 'm')}, expected {number(height, 'm')}"
             return [Problem(message, "the path is at the wrong height")]
     return []
 
 
-def _turning(
-    path: Path, center: Sequence[float], period: float | None, counter_clockwise: bool | None
+def turning(
+    path: Path,
+    center: Sequence[float],
+    period: float | None,
+    counter_clockwise: bool | None,
+    noun: str = "the marker",
 ) -> list[Problem]:
+    """What is wrong with the sense or the period [s] of a path round a center."""
     angles = [math.atan2(y - center[1], x - center[0]) for _, (x, y, _) in path]
     steps = [math.remainder(b - a, math.tau) for a, b in pairwise(angles)]
     turned, seconds = sum(steps), path[-1][0] - path[0][0]
     if sum(abs(step) for step in steps) < 1e-3:
-        return [Problem("the marker stands still, expected it to go round", NOT_MOVING)]
+        return [Problem(f"{noun} stands still, expected it to go round", NOT_MOVING)]
     if counter_clockwise is not None and (turned > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
-        message = f"the marker goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"
+        message = f"{noun} goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
         came = seconds * math.tau / abs(turned) if turned else math.inf  # [s]
@@ -95,5 +106,5 @@ def _turning(
         message = f"one turn takes {number(came, 's')}, expected {number(period, 's')}: {gap}"
         right = close(came, period, PERIOD_TOLERANCE * period)
         return [] if right else [Problem(message, "the time of one turn is wrong")]
-    message = f"the marker turned only {math.degrees(abs(turned)):.0f}°"
+    message = f"{noun} turned only {math.degrees(abs(turned)):.0f}°"
     return [] if abs(turned) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]
