@@ -1,0 +1,186 @@
+"""What RViz's TF display says and shows (tf_display.cpp, frame_info.cpp)."""
+
+import numpy as np
+import pytest
+
+from course_lib.displays.display import Display
+from course_lib.errors import CourseError
+from course_lib.viewer.drawables import Solids, Text
+from tests.displays.bench import Bench
+
+TF = "rviz_default_plugins/TF"
+
+
+def shown(bench: Bench) -> set[str]:
+    """Return what is to be seen, by part/frame."""
+    paths = (path for path in bench.scene.objects() if bench.scene.visible(path))
+    return {path.removeprefix("displays/TF/") for path in paths if path.startswith("displays/TF/")}
+
+
+def chain(bench: Bench, **properties: object) -> Display:
+    """Return a display of map → base (1 m along x) → camera."""
+    display = bench.session.add(TF, "TF", {}, **properties)
+    bench.transform("map", "base", (1.0, 0.0, 0.0))
+    bench.transform("base", "camera", (0.0, 0.0, 0.5))
+    bench.look()
+    return display
+
+
+def test_frames_have_axes_and_arrows_to_their_parents() -> None:
+    bench = Bench()
+    display = chain(bench)
+    arrows = {f"arrows/{frame}/{part}" for frame in ("base", "camera") for part in ("shaft", "head")}
+    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"} | arrows
+    np.testing.assert_allclose(bench.scene.transform("displays/TF/axes/camera")[:3, 3], [1, 0, 0.5])
+    assert bench.said(display, "camera") == ("ok", "Transform OK")
+
+
+def test_an_arrow_reaches_from_child_to_parent_with_its_head_there() -> None:
+    bench = Bench()
+    chain(bench)
+    tail = np.array([[0, 0, -0.5, 1], [0, 0, 0.5, 1]])
+    shaft, head = (tail @ bench.scene.transform(f"displays/TF/arrows/base/{p}").T for p in ("shaft", "head"))
+    np.testing.assert_allclose(shaft[:, :3], [[1, 0, 0], [0.1, 0, 0]], atol=1e-6)
+    np.testing.assert_allclose(head[:, :3], [[0.1, 0, 0], [0, 0, 0]], atol=1e-6)
+
+
+def test_switches_show_and_hide_all_of_a_kind() -> None:
+    bench = Bench()
+    display = chain(bench, show_axes=False, show_arrows=False, show_names=True)
+    assert shown(bench) == {"names/map", "names/base", "names/camera"}
+    text = bench.scene.node("displays/TF/names/base").object
+    assert isinstance(text, Text)
+    assert (text.text, text.height, text.below) == ("base", 0.1, True)
+    display["Show Names"] = False
+    assert not shown(bench)
+
+
+def test_marker_scale_scales_everything_about_the_frame() -> None:
+    bench = Bench()
+    chain(bench, marker_scale=2.0)
+    drawn = bench.scene.node("displays/TF/axes/base").object
+    assert isinstance(drawn, Solids)
+    np.testing.assert_allclose(np.linalg.norm(drawn.placements[0, :3, :3], axis=0), [0.04, 0.04, 0.4])
+
+
+def test_frames_are_ticked_one_by_one_and_all_at_once() -> None:
+    bench = Bench()
+    display = chain(bench, show_arrows=False)
+    display["Frames/base"] = False
+    assert shown(bench) == {"axes/map", "axes/camera"}
+    assert display["All Enabled"] is False
+    display["All Enabled"] = True
+    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
+
+
+def test_a_layout_ticks_frames_before_they_are_known_even_with_a_slash() -> None:
+    bench = Bench()
+    config = {"Frames": {"robot/base": {"Value": False}}, "Show Arrows": False}
+    display = bench.session.add(TF, "TF", config)
+    bench.transform("map", "robot/base")
+    bench.look()
+    assert shown(bench) == {"axes/map"}
+    display["robot/base"] = True
+    assert shown(bench) == {"axes/map", "axes/robot%2Fbase"}
+
+
+@pytest.mark.parametrize(
+    ("whitelist", "blacklist", "expected"),
+    [
+        ("a", "", {"map", "base", "camera"}),
+        ("^ba", "", {"base"}),
+        ("", "a[mp]", {"base"}),
+        ("a", "b", {"map", "camera"}),
+    ],
+)
+def test_filters_search_for_regular_expressions(whitelist: str, blacklist: str, expected: set[str]) -> None:
+    bench = Bench()
+    display = chain(bench, show_arrows=False)
+    display["Filter (whitelist)"], display["Filter (blacklist)"] = whitelist, blacklist
+    assert shown(bench) == {f"axes/{name}" for name in expected}
+
+
+def test_a_filter_that_is_no_regular_expression_says_where() -> None:
+    with pytest.raises(CourseError, match=r"'Filter \(whitelist\)' is '\(', expected a regular expression;"):
+        Bench().session.add(TF, "TF", {})["Filter (whitelist)"] = "("
+
+
+@pytest.mark.parametrize(
+    ("age", "color"),
+    [
+        (0.0, [1, 0, 0, 1]),
+        (4.9, [1, 0, 0, 1]),
+        (7.5, [0.85, 0.35, 0.35, 1]),
+        (10.0, [0.7, 0.7, 0.7, 1]),
+        (12.5, [0.7, 0.7, 0.7, 0.5]),
+        (15.5, None),
+    ],
+)
+def test_what_nobody_publishes_any_more_goes_grey_fades_and_is_gone(
+    age: float, color: list[float] | None
+) -> None:
+    bench = Bench()
+    bench.session.add(TF, "TF", {})
+    bench.transform("map", "base", static=False)
+    bench.look()
+    bench.look(age)
+    if color is None:
+        assert "axes/base" not in shown(bench)
+        return
+    drawn = bench.scene.node("displays/TF/axes/base").object
+    assert isinstance(drawn, Solids)
+    np.testing.assert_allclose(drawn.colors[0], color, atol=0.05)
+
+
+def test_static_frames_and_published_ones_stay_fresh() -> None:
+    bench = Bench()
+    display = bench.session.add(TF, "TF", {})
+    bench.transform("map", "fixed")
+    for at in (0.0, 10.0, 20.0):
+        bench.transform("map", "base", at=at, static=False)
+        bench.look(at)
+    assert {"axes/fixed", "axes/base", "axes/map"} <= shown(bench)
+    assert bench.said(display, "base") == ("ok", "Transform OK")
+
+
+def test_a_frame_of_another_tree_is_a_warning_and_hidden() -> None:
+    bench = Bench()
+    display = chain(bench)
+    bench.transform("moon", "rover")
+    bench.look()
+    assert bench.said(display, "rover") == ("warn", "No transform from [rover] to [map]")
+    assert "axes/rover" not in shown(bench)
+
+
+def test_a_loop_is_a_warning_of_its_frames_and_all_else_is_shown() -> None:
+    bench = Bench()
+    display = chain(bench, show_arrows=False)
+    bench.transform("b", "a", static=False)
+    bench.transform("a", "b", static=False)
+    bench.look()
+    assert bench.said(display, "a") == ("warn", "No transform from [a] to [map]")
+    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
+    assert display["Tree"] == {"map": {"base": {"camera": {}}}}
+
+
+def test_what_rviz_measures_can_be_read_and_not_written() -> None:
+    bench = Bench()
+    display = chain(bench)
+    assert display["Frames/camera/Parent"] == "base"
+    assert display["Frames/camera/Position"] == (1.0, 0.0, 0.5)
+    assert display["Frames/camera/Relative Position"] == (0.0, 0.0, 0.5)
+    assert display["Frames/camera/Orientation"] == (0.0, 0.0, 0.0, 1.0)
+    assert display["Frames/map/Relative Position"] == ""
+    assert display["Tree"] == {"map": {"base": {"camera": {}}}}
+    with pytest.raises(CourseError, match="only shows what is there"):
+        display["Frames/camera/Position"] = (0, 0, 0)
+
+
+def test_frames_without_news_tell_the_page_nothing() -> None:
+    bench = Bench()
+    chain(bench, show_names=True)
+    bench.look(0.1)
+    told: list[tuple[str, str]] = []
+    bench.scene.listen(lambda what, path: told.append((what, path)))
+    bench.look(0.2)
+    assert told == []
