@@ -1,6 +1,7 @@
 import os
 import socket
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -109,18 +110,18 @@ def test_a_process_that_is_gone_is_said_to_be_gone() -> None:
         GraphServer(Graph(end_ns=END_NS), in_a_child(lambda channel: None)).serve()
 
 
-PROGRAM = Path(__file__).parents[1] / "programs" / "services.py"
+PROGRAMS = Path(__file__).parents[1] / "programs"
 
 
-def ask_services(graph: Graph) -> None:
+def run_program(name: str, graph: Graph) -> None:
     virtual_time.install()
     with use_graph(graph):
-        assert run_files([PROGRAM], seed=0) == 0
+        assert run_files([PROGRAMS / name], seed=0) == 0
 
 
-def services_behind_the_pipe(graph: Graph) -> None:
+def program_behind_the_pipe(name: str, graph: Graph) -> None:
     def child(channel: Channel) -> None:
-        ask_services(RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS))
+        run_program(name, RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS))
         channel.send(["done"])
 
     server = GraphServer(graph, in_a_child(child))
@@ -131,8 +132,17 @@ def services_behind_the_pipe(graph: Graph) -> None:
     assert server.last_frame == ["done"]
 
 
-def test_services_and_parameters_behind_the_pipe_give_the_same_recording_as_here() -> None:
-    here = recorded(ask_services)
-    assert {"/sums", "/parameter_events", "/rosout"} == {sample.topic for sample in here}
-    assert len([sample for sample in here if sample.topic == "/sums"]) > 40
-    assert recorded(services_behind_the_pipe) == recorded(ask_services) == here
+@pytest.mark.parametrize(
+    ("name", "topics"),
+    [
+        ("services.py", {"/sums", "/parameter_events", "/rosout"}),
+        ("transforms.py", {"/tf", "/tf_static", "/parameter_events", "/rosout"}),
+    ],
+)
+def test_services_and_transforms_behind_the_pipe_give_the_same_recording_as_here(
+    name: str, topics: set[str]
+) -> None:
+    here = recorded(partial(run_program, name))
+    assert {sample.topic for sample in here} == topics
+    assert len(here) > 40
+    assert recorded(partial(program_behind_the_pipe, name)) == recorded(partial(run_program, name)) == here
