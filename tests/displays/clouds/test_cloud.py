@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.displays.clouds.cloud import Cloud, channels_of, size_problem
 from tests.displays.clouds.clouds import cloud, plain
 
 
+@settings(deadline=None)  # machines may be busy
 @given(st.permutations(["x", "y", "z", "a", "b"]), st.integers(0, 7), st.sampled_from("<>"))
 def test_fields_are_read_in_any_order_with_any_gaps_and_byte_order(
     names: list[str], gap: int, order: str
@@ -24,6 +25,7 @@ def test_fields_are_read_in_any_order_with_any_gaps_and_byte_order(
         np.testing.assert_array_equal(channels[name], points[name])
 
 
+@settings(deadline=None)  # machines may be busy
 @given(st.lists(st.sampled_from([0.0, 1.5, np.nan, np.inf, -np.inf]), min_size=3, max_size=30))
 def test_exactly_the_points_that_are_somewhere_are_kept(numbers: list[float]) -> None:
     positions = np.reshape(numbers[: len(numbers) // 3 * 3], (-1, 3))

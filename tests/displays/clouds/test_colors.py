@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.displays.clouds.cloud import Cloud, channels_of
@@ -16,7 +16,7 @@ LINE = [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 0, 4]]
 
 
 def known(**channels: Any) -> Cloud:
-    made = {name: np.asarray(values) for name, values in channels.items()}
+    made: dict[str, Any] = {name: np.asarray(values) for name, values in channels.items()}
     return Cloud(channels_of(cloud(plain(LINE, **made)))[0], np.eye(4), 0)
 
 
@@ -28,6 +28,7 @@ def colors(bench: Bench, **properties: Any) -> np.ndarray:
     return shown_by(bench, display)[0].colors
 
 
+@settings(deadline=None)  # machines may be busy
 @given(st.floats(0, 1))
 def test_the_rainbow_is_the_hsv_circle_from_violet_to_red(value: float) -> None:
     hue = 5 / 6 * (1 - value)  # rviz: "hue values going only from 0.0 to 0.833333"
@@ -90,7 +91,7 @@ def test_axis_colours_go_along_the_axis_of_the_fixed_frame_or_of_the_cloud() -> 
 
 def test_packed_colours_are_read_from_whole_and_from_broken_numbers() -> None:
     packed = np.array([0xFF0000, 0x00FF00, 0x0000FF, 0x336699], np.uint32)
-    expected = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.4, 0.6]]
+    expected = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.4, 0.6]])
     for values in (packed, packed.view(np.float32)):
         for order in ORDERS:
             channels, _ = channels_of(cloud(plain(LINE, order, rgb=values.astype(values.dtype))))
@@ -102,7 +103,8 @@ def test_alpha_of_the_points_counts_if_the_channel_is_called_rgba() -> None:
     for name, alpha in (("rgb", 1.0), ("rgba", 0x80 / 255)):
         bench = Bench()
         display = add(bench)
-        bench.hear(TOPIC, cloud(plain(LINE, **{name: np.full(4, 0x80FF0000, np.uint32)})))
+        tinted: dict[str, Any] = {name: np.full(4, 0x80FF0000, np.uint32)}
+        bench.hear(TOPIC, cloud(plain(LINE, **tinted)))
         bench.look()
         # RViz draws points twice, see marker/lists.py
         np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)
