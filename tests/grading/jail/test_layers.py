@@ -1,0 +1,117 @@
+"""The jail with all of its layers, and with each level of what is left where some do not work."""
+
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading.course_file import Limits
+from course_lib.grading.jail import seccomp
+from course_lib.grading.jail.isolation import LAYERS, Isolation
+from course_lib.grading.jail.launch import TemplateProcess
+from course_lib.grading.runner import Session
+from course_lib.grading.task import Scenario, Task
+
+ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
+ATTACKS = {
+    "a file of the user": "open({file!r}).read()",
+    "the listing of a folder": "os.listdir({folder!r})",
+    "a socket": "socket.socket()",
+    "a connection": "socket.create_connection(('127.0.0.1', {port}), 1)",
+    "another program": "os.execv('/bin/true', ['true'])",
+    "a signal": "os.kill({pid}, 0)",
+    "much memory": "mmap.mmap(-1, 3 * 10**9)",
+    "a large file": "open('f', 'wb').write(b'x' * 10**8)",
+}
+PROGRAM = """
+import mmap, os, socket
+def works(line):
+    pid = os.fork()
+    if pid == 0:
+        try:
+            eval(line)
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    return os.waitpid(pid, 0)[1] == 0
+answer = [name for name, line in {attacks!r}.items() if works(line)]
+"""
+FILES = {"a file of the user", "the listing of a folder"}
+NETWORK = {"a socket", "a connection"}
+BUBBLEWRAP = "bubblewrap"
+OPEN = {  # layers that are off: what works then
+    (): set[str](),
+    (BUBBLEWRAP,): set[str](),
+    (BUBBLEWRAP, "namespaces"): set[str](),
+    (BUBBLEWRAP, "Landlock"): FILES,
+    (BUBBLEWRAP, "seccomp"): {"a socket", "another program"},
+    (BUBBLEWRAP, "namespaces", "Landlock"): FILES,
+    ("Landlock",): set[str](),
+    ("namespaces", "seccomp"): {"a socket", "another program"},
+    LAYERS[:4]: {*FILES, *NETWORK, "another program", "a signal"},
+    LAYERS: {*FILES, *NETWORK, "another program", "a signal", "much memory", "a large file"},
+}
+
+
+@pytest.fixture
+def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, object]]:
+    import os
+    import socket
+
+    folder = tmp_path_factory.mktemp("mine")
+    (folder / "file").write_text("secret")
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+        yield {"file": str(folder / "file"), "folder": str(folder), "port": port, "pid": os.getpid()}
+
+
+@pytest.mark.parametrize("off", OPEN, ids=lambda off: "without " + " ".join(off) if off else "everything")
+def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object]) -> None:
+    with closing(TemplateProcess(off)) as template:
+        if missing := set(LAYERS) - set(off) - set(template.isolation.layers) - {"process limit"}:
+            pytest.skip(f"no {missing} on this machine")
+        attacks = {name: line.format(**places) for name, line in ATTACKS.items()}
+        cells = [PROGRAM.format(attacks=attacks)]
+        with closing(Session(cells, {ANSWER.id: {}}, Limits(), template)) as session:
+            came = session.run(ANSWER, ANSWER.scenarios[0])
+        assert session.log.errors == []
+        assert set(came.returns[0]) <= OPEN[off]
+        assert template.isolation.protects == (not FILES & OPEN[off])
+
+
+@pytest.mark.parametrize(
+    ("layers", "need", "refused"),
+    [
+        (LAYERS, "full", ""),
+        (LAYERS[1:], "full", ""),
+        (LAYERS[:1] + LAYERS[2:], "full", "--require-sandbox"),
+        (LAYERS[2:], "partial", ""),
+        (("limits",), "partial", "type --i-trust-these-submissions"),
+        ((), "partial", "type --i-trust-these-submissions"),
+        ((), "any", ""),
+    ],
+)
+def test_too_little_is_refused_with_what_to_type(layers: tuple[str, ...], need: str, refused: str) -> None:
+    isolation = Isolation(layers)
+    if not refused:
+        isolation.demand(need)  # type: ignore[arg-type]  # one of the three
+        return
+    with pytest.raises(CourseError, match=refused):
+        isolation.demand(need)  # type: ignore[arg-type]
+
+
+def test_what_is_missing_is_said() -> None:
+    said = str(Isolation(("limits", "Landlock", "seccomp")))
+    assert said == "partial sandbox (has limits, Landlock, seccomp; lacks namespaces, process limit)"
+    assert str(Isolation()).startswith("no sandbox (lacks")
+
+
+@pytest.mark.parametrize(("column", "machine"), seccomp.MACHINES.values(), ids=seccomp.MACHINES)
+def test_every_jump_of_the_filter_ends_inside_it(column: int, machine: int) -> None:
+    code = seccomp.program(column, machine)
+    steps = [code[i : i + 8] for i in range(0, len(code), 8)]
+    assert len(steps) < 4096  # what the kernel takes
+    for index, step in enumerate(steps):
+        if step[0] != seccomp.RETURN:
+            assert index + 1 + max(step[2], step[3]) < len(steps)

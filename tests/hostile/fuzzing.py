@@ -1,0 +1,88 @@
+"""What a hostile process could send, by hypothesis, and what is made of it: no exception may escape."""
+
+import socket
+import struct
+from typing import Any
+
+import msgpack
+from hypothesis import strategies as st
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.judge import Run, judge_task
+from course_lib.grading.perform import Outcome
+from course_lib.grading.runner import _drive
+from course_lib.grading.scenario import Stage
+from course_lib.grading.store import evidence_bytes
+from course_lib.grading.task import Call, Scenario, Task
+from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_value
+from course_lib.ros import wall
+from course_lib.ros.channel import Channel, ChannelError
+from course_lib.ros.graph_server import Room
+
+TOPIC, MARKER = "/visualization_marker", "visualization_msgs/msg/Marker"
+CHECKS = (
+    expect_marker(TOPIC, type="CUBE", frame="map", position=(0, 0, 0.5), color=(1, 0, 0)),
+    expect_rate(TOPIC, 1.0),
+    expect_value(2.0, unit="m"),
+)
+SCENARIO = Scenario("public", seconds=2.0, calls=(Call(1.0),), checks=CHECKS)
+TASK = Task("week01.any", "Anything", "function", "any", ("a", "b", "c"), (SCENARIO,))
+QOS = ["reliable", "volatile", "keep_last", 10]
+
+numbers = st.integers(-(2**63), 2**64 - 1) | st.integers(0, 5) | st.floats()
+texts = st.text(max_size=20) | st.sampled_from([TOPIC, MARKER, "/", "std_msgs/msg/String", "no/type"])
+leaves = st.none() | st.booleans() | numbers | texts | st.binary(max_size=300)
+values = st.recursive(leaves, lambda v: st.lists(v, max_size=4) | st.dictionaries(texts, v, max_size=4))
+NAMES = "node unnode pub sub unend publish alarm cancel nodes endpoints idle result exit cell"
+names = st.sampled_from(NAMES.split())
+frames = st.one_of(
+    st.tuples(names, st.lists(values, max_size=5)).map(lambda pair: [pair[0], *pair[1]]),
+    st.just(["node", "n", "/"]),
+    st.just(["pub", 2, TOPIC, MARKER, QOS]) | st.just(["sub", 2, 0, TOPIC, MARKER, QOS]),
+    st.tuples(st.just("publish"), st.integers(2, 4), st.binary(max_size=300)).map(list),
+    st.tuples(st.just("alarm"), st.integers(0, 3), numbers, st.just(2), st.just(0)).map(list),
+    st.tuples(st.just("result"), st.lists(values, max_size=2), st.lists(texts, max_size=2)).map(list),
+    st.just(["idle"]) | st.just(["exit", 0]),
+)
+
+
+def packed(frame: Any) -> bytes:
+    body: bytes = msgpack.packb(frame, unicode_errors="surrogatepass")
+    return struct.pack("!I", len(body)) + body
+
+
+streams = st.tuples(
+    st.lists(frames.map(packed), max_size=12).map(b"".join), st.binary(max_size=50), st.integers(0, 10**6)
+).map(lambda parts: _spoilt(*parts))
+
+
+def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
+    """Now and then some bytes in the middle are others."""
+    at = place % (4 * (len(stream) + 1))
+    return stream if at > len(stream) else stream[:at] + garbage + stream[at + len(garbage) :]
+
+
+def swallow(stream: bytes) -> None:
+    """Take a stream as what a submission sent, keep the evidence, judge it."""
+    stage = Stage(TASK, SCENARIO, {})
+    ours, theirs = socket.socketpair()
+    channel = Channel(ours)
+    channel.deadline = wall.monotonic() + 5.0
+    theirs.sendall(stream)
+    theirs.shutdown(socket.SHUT_WR)
+    try:
+        outcome = _drive(channel, stage, Room())
+    except ChannelError as error:
+        outcome = Outcome(errors=[str(error)])
+    finally:
+        channel.close()
+        theirs.close()
+    judged(stage.evidence(outcome))
+
+
+def judged(evidence: Evidence) -> None:
+    """Keep and judge any evidence; its mark is a number from 0 to the points."""
+    run = Run(SCENARIO, evidence)
+    assert evidence_bytes([run]) == evidence_bytes([run])
+    evidence.recording.digest()
+    assert 0.0 <= judge_task(TASK, 100.0, False, [run]).score <= 100.0

@@ -1,0 +1,28 @@
+import struct
+
+import pytest
+from hypothesis import given, settings
+
+from tests.hostile.fuzzing import packed, streams, swallow
+
+
+@settings(max_examples=300, deadline=None)
+@given(streams)
+def test_whatever_a_submission_sends_ends_in_a_mark(stream: bytes) -> None:
+    swallow(stream)
+
+
+@pytest.mark.parametrize(
+    "stream",
+    [
+        struct.pack("!I", 2**31) + b"x",
+        struct.pack("!I", 2**32 - 1),
+        struct.pack("!I", 100_000) + b"\x91" * 100_000,
+        struct.pack("!I", 150_004) + b"\xdd\x7f\xff\xff\xff" + b"\x90" * 149_999,
+        packed(["result", [float("nan"), float("inf"), -0.0], []]),
+        packed(["result", [[[[]]] * 1000], ["x" * 10_000]]),
+        packed(["result", [{"object": 1}] * 100, []]) + packed(["exit", 0]),
+    ],
+)
+def test_bombs_are_refused(stream: bytes) -> None:
+    swallow(stream)
