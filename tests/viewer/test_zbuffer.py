@@ -151,3 +151,20 @@ def test_an_oblong_sphere_of_a_list_is_an_ellipse_with_a_darker_rim() -> None:
     rows, columns = np.nonzero(picture)
     assert (np.ptp(columns), np.ptp(rows)) == pytest.approx((79, 39), abs=2)
     assert picture[80, 100] > picture[80, 70] > 0.75 * 255
+
+
+@pytest.mark.parametrize(("tilt", "height"), [(0.0, 40), (np.pi / 3, 20), (np.pi, 40)])
+def test_tiles_lie_in_the_plane_of_their_node_and_have_two_sides(tilt: float, height: int) -> None:
+    scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (2.0, 2.0), spot="tile"))
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]]
+    scene.set_transform("0", turn)
+    covered = drawn(scene)[..., 0] > 128
+    assert covered.any(axis=0).sum() == pytest.approx(40, abs=1)
+    assert covered.any(axis=1).sum() == pytest.approx(height, abs=1)
+
+
+def test_points_in_pixels_are_round_if_they_are_discs() -> None:
+    scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (40.0, 40.0), pixels=True, spot="disc"))
+    area = (drawn(scene)[..., 0] > 128).sum()
+    assert area == pytest.approx(4 * np.sin(np.pi / 4) * 20**2, rel=0.02)  # eight corners stand for a circle
