@@ -24,6 +24,14 @@ class DeadlockError(CourseError):
     """Every thread waits for another one, so nothing can happen any more."""
 
 
+class StoppedProgram(KeyboardInterrupt):
+    """The main thread went on waiting after the end of the run."""
+
+
+class StoppedThread(SystemExit):
+    """Another thread did."""
+
+
 class ProgramThread:
     """A thread that belongs to the program, and what it waits for."""
 
@@ -206,7 +214,7 @@ class Baton:
     def _count_wait_after_end(self, me: ProgramThread) -> None:
         me.waits_after_end += 1
         if me.waits_after_end > RETURNS_AFTER_THE_END:
-            raise KeyboardInterrupt if me.main else SystemExit
+            raise StoppedProgram if me.main else StoppedThread
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         yielded = False

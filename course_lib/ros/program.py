@@ -1,19 +1,21 @@
 """Runs unmodified rclpy programs in this process, on robot time."""
 
+import os
+import signal
 import sys
 import threading
-import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
+from types import FrameType, ModuleType
 
 from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
-from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.baton import DeadlockError, StoppedProgram, StoppedThread, baton
 from course_lib.ros.graph import Graph, current_graph, program
 from course_lib.ros.notebook_program import NotebookProgram
 from course_lib.ros.seeding import seeded
+from course_lib.ros.tracebacks import print_error, print_error_of_thread
 
 
 def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> int:
@@ -71,23 +73,46 @@ class Program:
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
         try:
             exec(self._code, module.__dict__)
+        except (StoppedProgram, StoppedThread):
+            sys.stderr.write(f"{self.file.name} was stopped: it went on waiting after the end of the run.\n")
         except SystemExit as leaving:
             self.exit_code = _exit_code(leaving.code)
         except KeyboardInterrupt:
             self.exit_code = 0 if current_graph().ended else 130
         except BaseException as error:
-            frames = error.__traceback__.tb_next if error.__traceback__ else None  # without this file's own
-            traceback.print_exception(type(error), error, frames)
+            print_error(error)
             self.exit_code = 1
 
 
 @contextmanager
 def _interpreter_kept() -> Iterator[None]:
     before = sys.argv, sys.path[:], sys.modules["__main__"]
+    threading.excepthook = print_error_of_thread
+    on_interrupt = signal.getsignal(signal.SIGINT)
+    if on_interrupt is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _ends_at_the_second())
     try:
         yield
     finally:
         sys.argv, sys.path[:], sys.modules["__main__"] = before
+        threading.excepthook = threading.__excepthook__
+        if on_interrupt is signal.default_int_handler:
+            signal.signal(signal.SIGINT, on_interrupt)
+
+
+def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
+    """Make a handler of Ctrl+C: the first one interrupts as ever, the next one ends whatever is stuck."""
+    came: list[int] = []
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if len(came) > 1:
+            sys.stderr.write("Stopped at once.\n")
+            sys.stderr.flush()
+            os._exit(130)
+        signal.default_int_handler(number, frame)
+
+    return handle
 
 
 def _run_beside_each_other(programs: Sequence[Program | NotebookProgram]) -> None:

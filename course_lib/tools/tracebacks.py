@@ -1,34 +1,18 @@
-"""Tracebacks that show the student's own lines, not the kit's."""
+"""Tracebacks of cells."""
 
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
+from course_lib.ros.tracebacks import without_the_kit
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
-
-KIT = str(Path(__file__).resolve().parent.parent)
 
 
 def shorten(shell: "InteractiveShell") -> None:
     """Leave the kit's frames out of what cells show, and say in one line what needs no traceback."""
     shell.set_custom_exc((Exception, KeyboardInterrupt), _show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
-
-
-def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
-    """Copy a traceback without the kit's frames; one that has no others stays whole."""
-    frames = []
-    step = trace
-    while step is not None:
-        frames.append(step)
-        step = step.tb_next
-    own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(KIT)]
-    shortened: TracebackType | None = None
-    for frame in reversed(own):
-        shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
-    return shortened or trace
 
 
 def _show(

@@ -1,10 +1,13 @@
 """Whole programs, run as `course run` runs them."""
 
+import os
 import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -101,6 +104,75 @@ def test_ctrl_c_ends_every_program_of_a_run_even_of_the_same_file(tmp_path: Path
         process.send_signal(signal.SIGINT)
         assert process.communicate(timeout=30)[0] == "left by Ctrl+C\n" * 2
         assert process.returncode == 0
+
+
+POOL = """
+import multiprocessing
+
+if __name__ == "__main__":
+    with multiprocessing.Pool(1) as pool:
+        print("ready", flush=True)
+        pool.map(abs, [1])
+"""
+
+
+def test_a_second_ctrl_c_ends_at_once_what_hangs_outside_the_kit(tmp_path: Path) -> None:
+    program = tmp_path / "pool.py"
+    program.write_text(POOL)
+    command = [sys.executable, "-m", "course_lib", "run", str(program)]
+    pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, start_new_session=True, **pipes) as process:
+        assert process.stdout.readline() == "ready\n"
+        for _ in range(2):
+            time.sleep(0.5)  # [s] as a person does
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)
+        try:
+            assert "Stopped at once." in process.communicate(timeout=20)[1]
+            assert process.returncode == 130
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+
+
+WAITS_ON = """
+import time
+while True:
+    time.sleep(1.0)
+"""
+
+
+def test_a_program_that_goes_on_waiting_after_the_end_is_stopped_and_that_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "waiter.py"
+    program.write_text(WAITS_ON)
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files([program], seed=1) == 0
+    assert capsys.readouterr().err == (
+        "waiter.py was stopped: it went on waiting after the end of the run.\n"
+    )
+
+
+FAILS = """
+import rclpy
+rclpy.init()
+node = rclpy.create_node("x")
+node.create_timer(1.0, lambda: node.get_parameter("y"))
+rclpy.spin(node)
+"""
+
+
+def test_a_traceback_shows_the_programs_lines_and_not_the_kits(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "fails.py"
+    program.write_text(FAILS)
+    with use_graph(Graph()):
+        assert run_files([program], seed=1) == 1
+    shown = capsys.readouterr().err
+    assert shown.count("  File ") == shown.count(str(program)) == 2
+    assert shown.endswith("ParameterNotDeclaredException: Invalid access to undeclared parameter(s): y\n")
 
 
 def test_programs_that_wait_for_each_other_for_ever_are_named_and_ended(tmp_path: Path) -> None:
