@@ -82,7 +82,7 @@ class Desk:
             self._orders[order["act"]](order)
         except CourseError as error:
             self._extra["notice"] = {"level": "error", "text": str(error)}
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
+        except (AttributeError, LookupError, TypeError, ValueError) as error:
             said = f"The page asked for something that makes no sense here: {error!r} in {str(order)[:200]}"
             self._extra["notice"] = {"level": "error", "text": said}
         self.post()

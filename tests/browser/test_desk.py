@@ -273,3 +273,61 @@ def test_a_malformed_order_is_answered_in_the_status_line(bench: Bench) -> None:
     bench.widget.link.receive({"type": "desk", "act": "camera", "eye": None})
     bench.host.carry()
     assert "makes no sense" in bench.page.locator(".course-notice").inner_text()
+
+
+def test_an_fps_view_turns_around_its_eye(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.page.get_by_role("combobox", name="Type of view").select_option("FPS")
+    bench.host.carry()
+    bench.widget.flush()
+    bench.host.carry()
+    view = bench.viewer.view
+    position, yaw = view["Position"], view["Yaw"]
+    bench.drag((0, 0), (40, 0))
+    bench.page.wait_for_timeout(300)
+    bench.host.carry()
+    assert view["Position"] == pytest.approx(position, abs=1e-6)
+    assert view["Yaw"] == pytest.approx(yaw - 0.2, abs=1e-3)
+
+
+def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
+    eye = bench.viewer.camera.eye
+    bench.page.locator("canvas").press("c")
+    bench.drag((0, 0))
+    bench.page.wait_for_timeout(300)
+    bench.host.carry()
+    assert max(map(abs, bench.viewer.view["Focal Point"])) == pytest.approx(0.5, abs=0.01)
+    assert bench.viewer.camera.eye == pytest.approx(eye)
+
+
+def test_everything_is_reached_by_the_tab_key_and_has_a_name(bench: Bench) -> None:
+    bench.open("Grid")
+    bench.press("Views panel")
+    bench.page.evaluate("document.activeElement.blur()")
+    unnamed = """() => [...document.querySelectorAll('.course-viewer :is(button, input, select, canvas)')]
+        .filter(e => !(e.ariaLabel || e.getAttribute('aria-label') || e.textContent)).map(e => e.outerHTML)"""
+    assert bench.page.evaluate(unnamed) == []
+    seen = set()
+    for _ in range(60):
+        bench.page.keyboard.press("Tab")
+        seen.add(bench.page.evaluate("document.activeElement.ariaLabel"))
+    assert {
+        "Interact (i)",
+        "Add a display",
+        "Cell Size",
+        "Offset z",
+        "Type of view",
+        "Displays panel",
+    } <= seen
+
+
+def test_in_full_screen_the_view_fills_what_the_panels_leave(bench: Bench) -> None:
+    bench.open()
+    bench.press("Full screen")
+    bench.page.wait_for_function("document.fullscreenElement?.className == 'course-viewer'")
+    box = bench.page.locator("canvas").bounding_box()
+    size = bench.page.viewport_size
+    assert box is not None
+    assert size is not None
+    assert box["height"] > size["height"] - 90
+    assert box["width"] == pytest.approx(size["width"] - 300, abs=2)

@@ -77,6 +77,35 @@ def test_top_down_has_pixels_per_metre_and_turns_by_its_angle() -> None:
     np.testing.assert_allclose(camera.up, [-sin(0.3), cos(0.3), 0])
 
 
+MOVED = (
+    Orbit(yaw=2.0, pitch=-0.4, distance=3.0, focal_point=(1.0, 2.0, 3.0), target_frame="base"),
+    Orbit(yaw=1.0, pitch=0.3, invert_z_axis=True),
+    XYOrbit(yaw=5.0, pitch=0.9, distance=4.0, focal_point=(1.0, -2.0, 0.0)),
+    ThirdPersonFollower(yaw=0.3, pitch=0.2, focal_point=(0.5, 0.0, 0.1), target_frame="base"),
+    FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base"),
+    TopDownOrtho(x=0.5, y=-0.5, scale=70.0, angle=0.3, target_frame="base"),
+)
+
+
+@pytest.mark.parametrize("view", MOVED, ids=repr)
+def test_a_camera_gives_back_the_properties_it_came_from(view: View) -> None:
+    frames = turned_frames()
+    other = type(view)(target_frame=view["Target Frame"], invert_z_axis=view["Invert Z Axis"])
+    other.camera(frames)
+    other.take(view.camera(frames))
+    for prop in view.properties:
+        wanted = view[prop.label]
+        assert other[prop.label] == (wanted if isinstance(wanted, str) else pytest.approx(wanted)), prop.label
+
+
+@pytest.mark.parametrize("kind", [Orbit, ThirdPersonFollower])
+def test_another_type_of_view_looks_from_the_same_place(kind: type[View]) -> None:
+    frames, made = turned_frames(), kind()
+    former = FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base")
+    made.mimic(former, frames)
+    np.testing.assert_allclose(made.camera(frames).eye, former.camera(frames).eye, atol=1e-9)
+
+
 @pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho])
 def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[View]) -> None:
     frames = turned_frames()

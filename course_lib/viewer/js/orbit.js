@@ -12,6 +12,7 @@ export class Orbit {
     this.fov = 45; // [deg] vertical
     this.near = 0.01; // [m]
     this.scale = 0; // pixels per metre, without perspective
+    this.inPlace = false; // turns around the eye, as RViz's FPS view
     this.shift = [0, 0]; // see Python's Camera
     this.far = FAR; // [m]
   }
@@ -53,7 +54,9 @@ export class Orbit {
     const pitch = Math.asin(offset.z / distance) + (this.scale ? 0 : over);
     const held = Math.max(-LIMIT, Math.min(LIMIT, pitch));
     const [flat, up] = [Math.cos(held), Math.sin(held)];
-    this.eye.set(Math.cos(yaw) * flat, Math.sin(yaw) * flat, up).multiplyScalar(distance).add(this.target);
+    offset.set(Math.cos(yaw) * flat, Math.sin(yaw) * flat, up).multiplyScalar(distance);
+    if (this.inPlace) this.target.subVectors(this.eye, offset);
+    else this.eye.addVectors(this.target, offset);
     this.up.set(0, 0, 1);
   }
 
@@ -78,6 +81,10 @@ export class Orbit {
   /** @param {number} factor of the distance */
   zoom(factor) {
     if (this.scale) this.scale /= factor;
-    else this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FAR / 2).add(this.target);
+    else if (this.inPlace) {
+      const step = this.eye.clone().sub(this.target).normalize().multiplyScalar(10 * (factor - 1)); // [m]
+      this.eye.add(step);
+      this.target.add(step);
+    } else this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FAR / 2).add(this.target);
   }
 }

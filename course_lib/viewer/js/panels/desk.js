@@ -57,6 +57,7 @@ export class Desk {
     this.tree.update(this.state.rows("tree"));
     this.properties.update(this.state.rows("view"));
     this.updateViews(values.views);
+    this.view.orbit.inPlace = values.views[0] === "FPS";
     const { level, mark, word, text } = values.status;
     const notice = values.notice.text ? values.notice : null;
     this.say(this.status, mark, word, text, level);

@@ -110,8 +110,13 @@ export class Gestures {
   }
 
   arrow(at, yaw) {
-    const ahead = new THREE.Vector3(Math.cos(yaw), Math.sin(yaw), 0);
-    this.show(new THREE.ArrowHelper(ahead, at, 2.5, GREEN, 0.5, 0.35)); // [m] as long as RViz's
+    const paint = new THREE.MeshBasicMaterial({ color: GREEN });
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.1, 0.1, 2, 16).translate(0, 1, 0), paint); // [m]
+    const head = new THREE.Mesh(new THREE.ConeGeometry(0.175, 0.5, 16).translate(0, 2.25, 0), paint);
+    const arrow = new THREE.Group().add(shaft, head);
+    arrow.position.copy(at);
+    arrow.rotation.z = yaw - Math.PI / 2;
+    this.show(arrow);
   }
 
   line(from, to) {

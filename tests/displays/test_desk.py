@@ -1,0 +1,188 @@
+import asyncio
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.displays.desk import Desk
+from course_lib.displays.session import Session
+from course_lib.displays.viewer import Viewer
+from course_lib.errors import CourseError
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.qos import Qos
+from course_lib.viewer.page_link import PageLink
+from course_lib.viewer.scene import Scene
+from tests.displays.bench import marker
+from tests.displays.test_layout import LAYOUT
+from tests.displays.test_viewer import publish
+
+
+class Page:
+    """The page's side, without a page: what it was told, put together."""
+
+    def __init__(self, session: Session, graph: Graph | None = None) -> None:
+        self.told: dict[str, Any] = {}
+        self.link = PageLink(session.context.scene, self._take)
+        self.desk = Desk(session, self.link, graph)
+        self.ask(act="open")
+
+    def ask(self, **order: Any) -> None:
+        self.link.receive({"type": "desk", "page": "one", "number": 0, **order})
+
+    def rows(self) -> list[dict[str, Any]]:
+        return [self.told[f"row {key}"] for key in self.told["tree"]]
+
+    def key(self, label: str) -> str:
+        return str(next(row["key"] for row in self.rows() if row["label"] == label))
+
+    def _take(self, content: dict[str, Any], _: list[bytes]) -> None:
+        if content["type"] == "desk":
+            self.told |= content["changed"]
+            for key in content["gone"]:
+                del self.told[key]
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    with use_graph(Graph()) as made:
+        yield made
+
+
+@pytest.fixture
+def viewer(graph: Graph) -> Viewer:
+    made = Viewer()
+    made.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    made.look()
+    return made
+
+
+@pytest.fixture
+def page(viewer: Viewer, graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
+    monkeypatch.chdir(tmp_path)
+    return Page(viewer.session, graph)
+
+
+def test_rows_come_after_their_parents(page: Page) -> None:
+    known = {""}
+    for row in page.rows():
+        assert row["parent"] in known
+        known.add(row["key"])
+
+
+def test_only_what_has_changed_is_told(page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    posted: list[dict[str, Any]] = []
+    monkeypatch.setattr(page.link, "post", lambda content, _: posted.append(content))
+    page.desk.post()
+    assert posted == []
+    viewer["Grid"]["Alpha"] = 0.25
+    page.desk.post()
+    assert list(posted[-1]["changed"]) == ["row displays/Grid#Alpha"]
+
+
+def test_a_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
+    page.ask(act="set", row="displays/Marker#Namespaces#n", value=False)
+    assert viewer["Marker"]["Namespaces"] == {"n": False}
+    assert not [path for path in viewer.scene.objects() if path.startswith("displays/Marker")]
+
+
+def test_a_value_that_does_not_fit_is_said_and_changes_nothing(page: Page, viewer: Viewer) -> None:
+    page.ask(act="set", row="displays/Grid#Cell Size", value=None)
+    assert page.told["notice"]["level"] == "error"
+    assert "'Cell Size' is None, expected a number" in page.told["notice"]["text"]
+    assert viewer["Grid"]["Cell Size"] == 1.0
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        {"act": "nothing"}, {}, {"act": "set"}, {"act": "set", "row": "options", "value": 1},
+        {"act": "add", "class": "No/Such"}, {"act": "remove", "row": "options"},
+        {"act": "camera", "eye": [0, 0, "x"], "target": [0, 0, 0], "up": [0, 0, 1], "scale": 0},
+        {"act": "publish", "tool": "2D Goal Pose", "point": None}, {"act": "publish", "tool": "Laser"},
+        {"act": "save", "name": "../over/there"}, {"act": "load", "name": "absent.rviz"},
+        {"act": "view", "class": "Sideways"}, {"act": "view", "select": 7},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_orders_that_make_no_sense_are_answered(page: Page, order: dict[str, Any]) -> None:
+    page.ask(**order)
+    assert page.told["notice"]["level"] == "error"
+
+
+def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page, viewer: Viewer) -> None:
+    Path("old.rviz").write_text(LAYOUT.replace("Enabled: false", "Enabled: true"))
+    page.ask(act="load", name="old.rviz")
+    page.ask(act="set", row=page.key("Group"), value=False)
+    assert not viewer["Boxes"].enabled
+    page.ask(act="set", row=page.key("Group"), value=True)
+    assert viewer["Boxes"].enabled
+    page.ask(act="remove", row=page.key("Group"))
+    assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
+
+
+def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) -> None:
+    viewer["Grid"]["Cell Size"] = 3.0
+    page.ask(act="look")
+    page.ask(act="duplicate", row="displays/Grid")
+    assert viewer.displays[-1]["Cell Size"] == 3.0
+    assert viewer.displays[-1].path != "displays/Grid"
+
+
+def test_topics_of_the_graph_can_be_added_before_anything_came(page: Page, graph: Graph) -> None:
+    node = graph.add_node("silent", "/")
+    graph.add_publisher(node, "/scan", "sensor_msgs/msg/LaserScan", Qos())
+    page.ask(act="look")
+    assert ("/scan", "sensor_msgs/msg/LaserScan", "rviz_default_plugins/LaserScan") in page.told["topics"]
+
+
+def test_a_recording_is_not_published_into() -> None:
+    page = Page(Session(Scene()))
+    page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
+    assert "recording" in page.told["notice"]["text"]
+
+
+def test_the_node_of_the_tools_leaves_with_the_desk(page: Page, graph: Graph) -> None:
+    page.ask(act="publish", tool="Publish Point", point=[1, 2, 3])
+    assert page.told["notice"]["text"] == "Published (1.00, 2.00, 3.00) in map on /clicked_point."
+    assert [node.name for node in graph.nodes()][-1] == "rviz2"
+    page.desk.close()
+    assert "rviz2" not in [node.name for node in graph.nodes()]
+
+
+def test_a_layout_says_on_which_topic_a_tool_publishes(page: Page, graph: Graph) -> None:
+    tools = "  Tools:\n    - Class: rviz_default_plugins/SetGoal\n      Topic: /move_base_simple/goal\n"
+    Path("old.rviz").write_text(LAYOUT.replace("  Views:\n", tools + "  Views:\n"))
+    page.ask(act="load", name="old.rviz")
+    page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
+    assert [end.topic for end in graph.endpoints()][-1] == "/move_base_simple/goal"
+
+
+def test_the_summary_tells_what_is_where(viewer: Viewer) -> None:
+    words = viewer.summary()
+    assert "Fixed frame map. Displays: Grid, Marker." in words
+    assert "displays/Marker/n/0" in words
+    assert "1 box at (0, 0, 0)" in words
+    assert "messages received" in words
+
+
+async def _picked(viewer: Viewer) -> object:
+    return await viewer.pick()
+
+
+def test_waiting_for_a_click_without_a_page_fails_at_once(viewer: Viewer) -> None:
+    with pytest.raises(CourseError, match="No page shows this viewer"):
+        asyncio.run(_picked(viewer))
+
+
+def test_callbacks_hear_clicks(viewer: Viewer, graph: Graph) -> None:
+    heard: list[Any] = []
+    callback: Callable[[Any], None] = viewer.on_click(heard.append)
+    assert callback == heard.append
+    viewer._repr_mimebundle_()
+    assert viewer._panel._view is not None
+    click = {"type": "click", "page": "one", "number": 0, "origin": [0, 0, 1], "direction": [0, 0, -1]}
+    viewer._panel._view.link.receive(click)
+    assert [(one.path, one.origin) for one in heard] == [(None, (0, 0, 1))]
+    viewer.close()

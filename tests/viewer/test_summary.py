@@ -1,0 +1,54 @@
+import numpy as np
+
+from course_lib.viewer.drawables import Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.summary import LIMIT, summary
+
+WHITE = (1.0, 1.0, 1.0, 1.0)
+
+
+def at(x: float, y: float, z: float) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def test_each_kind_is_named_counted_and_placed_in_the_scene() -> None:
+    scene = Scene()
+    scene.set_transform("robot", at(1, 0, 0))
+    corners = [(0, 0, 0), (2, 0, 0), (0, 4, 0)]
+    scene.set_object("robot/boxes", Solids("box", [at(0, 0, 0), at(0, 0, 2)], WHITE))
+    scene.set_object("robot/ball", Solids("sphere", [at(0, 0, 0.5)], WHITE))
+    scene.set_object("robot/skin", Mesh(corners, None, WHITE))
+    scene.set_object("robot/path", Lines(corners, WHITE))
+    scene.set_object("robot/cloud", Points(corners, WHITE, (0.1, 0.1)))
+    scene.set_object("robot/name", Text("Ada", 0.2))
+    assert summary(scene) == [
+        "robot/boxes: 2 boxes at (1, 0, 1)",
+        "robot/ball: 1 ellipsoid at (1, 0, 0.5)",
+        "robot/skin: 1 triangle at (2, 2, 0)",
+        "robot/path: 2 lines at (2, 2, 0)",
+        "robot/cloud: 3 points at (2, 2, 0)",
+        "robot/name: the words 'Ada' at (1, 0, 0)",
+    ]
+
+
+def test_what_is_hidden_is_not_told() -> None:
+    scene = Scene()
+    scene.set_object("box", Solids("box", [np.eye(4)], WHITE))
+    scene.set_visible("box", False)
+    assert summary(scene) == []
+
+
+def test_of_many_objects_the_first_are_told() -> None:
+    scene = Scene()
+    for index in range(LIMIT + 3):
+        scene.set_object(f"box {index}", Solids("box", [np.eye(4)], WHITE))
+    assert summary(scene)[-1] == "and 3 more"
+    assert len(summary(scene)) == LIMIT + 1
+
+
+def test_an_empty_cloud_is_nowhere() -> None:
+    scene = Scene()
+    scene.set_object("cloud", Points(np.zeros((0, 3)), WHITE, (0.1, 0.1)))
+    assert summary(scene) == ["cloud: 0 points at nowhere"]
