@@ -4,13 +4,15 @@ import re
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Floats
+from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.drawables import Mesh
+
+Part: TypeAlias = tuple[Any, Matrix]  # a mesh of trimesh, and the transform from it to the file's frame
 
 FORMATS = ("dae", "stl", "obj")
 
@@ -57,32 +59,41 @@ def parse_mesh(
         unit = unit_conversion(scene.units or "meters", "meters")  # [m]
     except Exception as error:  # its readers raise whatever a broken file leads to
         raise MeshFileError(f"This is no {file_format.upper()} file that can be read: {error}") from error
-    if not any(len(part.faces) for part in parts):
+    if not any(len(mesh.faces) for mesh, _ in parts):
         raise MeshFileError(f"This is no {file_format.upper()} file that can be read: it has no triangles.")
     return _joined(parts, unit, color)
 
 
-def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list[Any]]:
-    """Return trimesh's scene, and its parts where they are in it."""
+def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list[Part]]:
+    """Return trimesh's scene, and its meshes with the transforms from them to the file's frame."""
     import trimesh
     from trimesh.resolvers import FilePathResolver
 
     textures = FilePathResolver(str(folder)) if folder else None
     scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
-    return scene, scene.dump()
+    placed = (scene.graph[node] for node in scene.graph.nodes_geometry)
+    parts = [(scene.geometry[name], place) for place, name in placed]
+    return scene, [(mesh, place) for mesh, place in parts if isinstance(mesh, trimesh.Trimesh)]
 
 
-def _joined(parts: list[Any], unit: float, color: tuple[float, ...] | None) -> Mesh:
-    counts = [len(part.vertices) for part in parts]
-    starts = np.cumsum([0, *counts[:-1]])
+def _joined(parts: list[Part], unit: float, color: tuple[float, ...] | None) -> Mesh:
+    meshes = [mesh for mesh, _ in parts]
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     # A file's own normals, if it has any, are in the cache; trimesh would make up others.
-    smooth = all("vertex_normals" in part._cache for part in parts)
+    smooth = all("vertex_normals" in mesh._cache for mesh in meshes)
     return Mesh(
-        np.concatenate([part.vertices for part in parts]) * unit,
-        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]),
-        np.concatenate([_colors(part) for part in parts]) if color is None else color,
-        np.concatenate([part.vertex_normals for part in parts]) if smooth else None,
+        np.concatenate([mesh.vertices @ place[:3, :3].T + place[:3, 3] for mesh, place in parts]) * unit,
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+        np.concatenate([_colors(mesh) for mesh in meshes]) if color is None else color,
+        np.concatenate([_normals(mesh, place) for mesh, place in parts]) if smooth else None,
     )
+
+
+def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
+    """Return unit normals at a mesh's vertices, shape (V, 3), after a transform that may stretch."""
+    turned = mesh.vertex_normals @ np.linalg.pinv(transform_mesh_to_file[:3, :3])
+    normals: Matrix = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12)
+    return normals
 
 
 def _colors(part: Any) -> Floats:

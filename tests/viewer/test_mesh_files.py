@@ -76,6 +76,23 @@ def test_what_a_broken_material_paints_is_read_without_it() -> None:
     assert mesh.colors[0].tolist() != pytest.approx([1, 0.5, 0, 1], abs=0.01)
 
 
+def test_the_normals_of_a_dae_file_are_its_own_turned_with_its_nodes() -> None:
+    source = (
+        DAE[DAE.index(' <source id="p">') : DAE.index(" <vertices")]
+        .replace('"p"', '"n"')
+        .replace('"#f"', '"#g"')
+    )
+    source = source.replace('id="f"', 'id="g"').replace("0 0 0 100 0 0 100 100 0 0 100 0", "0.6 0 0.8 " * 4)
+    data = DAE.replace(" <vertices", source + " <vertices").replace(
+        '<input semantic="VERTEX" source="#v" offset="0"/>',
+        '<input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#n" offset="0"/>',
+    )
+    normals = parse_mesh(data.encode(), "dae").normals
+    assert normals is not None
+    expected = np.array([0.6 / 2, -0.8, 0.0])  # stretched along x, then turned about it: z goes to -y
+    np.testing.assert_allclose(normals, [expected / np.linalg.norm(expected)] * len(normals), atol=1e-6)
+
+
 def test_a_texture_counts_where_it_touches_vertices(tmp_path: Path) -> None:
     picture = Image.new("RGB", (8, 8), (255, 0, 0))
     picture.paste((0, 0, 255), (4, 0, 8, 8))
