@@ -1,9 +1,12 @@
 import base64
+from io import BytesIO
 
 import msgpack
 import numpy as np
 import pytest
+from PIL import Image
 
+from course_lib.viewer import zbuffer
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Solids, Text
 from course_lib.viewer.encoding import snapshot
@@ -284,3 +287,23 @@ def test_a_view_fills_the_screen_by_key_and_by_button_and_follows_its_size(host:
     host.page.wait_for_function("document.fullscreenElement === null")
     host.carry(frames=4)
     assert count(host.pixels(), RED) == before
+
+
+def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(host: Host) -> None:
+    scene = from_above()
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 200), np.linspace(-1, 1, 200), [0.0]), axis=-1)
+    colors = np.repeat(np.eye(4)[[0, 2]] + [0, 0, 0, 1], 20_000, axis=0).clip(0, 1)  # half red, half blue
+    scene.set_object("cloud", Points(grid.reshape(-1, 3), colors, (0.03, 0.03)))
+    widget = shown(host, scene)
+    clicks: list[Click] = []
+    widget.link.on_click.append(clicks.append)
+    png = zbuffer.draw(scene, (400, 300))
+    expected = np.asarray(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
+    seen = host.pixels()[:300, :400]
+    assert (np.abs(seen - expected).max(axis=-1) < 60).mean() > 0.97
+    assert min(count(seen, RED), count(seen, BLUE)) > 5000
+    host.page.mouse.click(200, 170)
+    host.carry()
+    assert clicks[0].path == "cloud"
+    assert clicks[0].index is not None
+    assert np.linalg.norm(grid.reshape(-1, 3)[clicks[0].index] - clicks[0].point) < 0.05

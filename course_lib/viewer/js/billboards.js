@@ -3,6 +3,7 @@ import { material, pixel } from "./materials.js";
 import { seesThrough, spread } from "./surfaces.js";
 
 const BOX_SHADES = [0.6, 0.6, 0.4, 1, 0.9, 0.5]; // of the sides +x -x +y -y +z -z, as in RViz's nogp/box.frag
+const MANY = 20_000; // points; so many are so small that nobody sees which way their squares are turned
 const square = () => new THREE.PlaneGeometry(1, 1);
 
 /** What is drawn at a point, and how bright each of its vertices is. @type {Record<string, any>} */
@@ -24,7 +25,12 @@ function instances(shared, shape, uniforms, attributes) {
   const geometry = new THREE.InstancedBufferGeometry().copy(shape);
   geometry.instanceCount = Infinity; // the attributes know; `copy` takes the shape to be instanced too
   for (const [name, value] of Object.entries(attributes)) geometry.setAttribute(name, value);
-  const mesh = new THREE.Mesh(geometry, shared);
+  return placed(new THREE.Mesh(geometry, shared), uniforms);
+}
+
+/** @param {any} mesh whose vertices its shader moves @param {Record<string, any>} uniforms of this object */
+function placed(mesh, uniforms) {
+  const shared = mesh.material;
   mesh.frustumCulled = false;
   mesh.onBeforeRender = () => {
     for (const [name, value] of Object.entries(uniforms)) shared.uniforms[name].value = value;
@@ -77,6 +83,16 @@ export function buildLines(lines) {
   });
 }
 
+/** Draw one vertex per point: squares that stand upright in the picture, much faster than shapes. */
+function dots(points, tints, size, inPixels) {
+  const geometry = new THREE.BufferGeometry();
+  const position = new THREE.BufferAttribute(points, 3);
+  geometry.setAttribute("position", position);
+  geometry.setAttribute("start", position); // for `hit`
+  geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
+  return placed(new THREE.Points(geometry, material("dot", seesThrough(tints))), { size, inPixels });
+}
+
 /** @param {any} points */
 export function buildPoints({ points, colors, size, pixels, spot }) {
   const { define, shape, shade } = SPOTS[spot];
@@ -84,6 +100,7 @@ export function buildPoints({ points, colors, size, pixels, spot }) {
   const shades = Float32Array.from({ length: geometry.attributes.position.count }, (_, i) => shade(i));
   geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
   const tints = spread(colors, points.length / 3);
+  if (spot === "square" && points.length / 3 >= MANY) return dots(points, tints, size, pixels);
   const paint = material("spot", seesThrough(tints), pixels ? "" : define, spot === "tile");
   return instances(paint, geometry, { size, inPixels: pixels }, {
     start: perInstance(points, 3),

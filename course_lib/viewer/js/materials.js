@@ -112,11 +112,26 @@ const SPOT = `
     gl_Position = projectionMatrix * here;
   }`;
 
+const DOT = `
+  attribute vec3 start;
+  attribute vec4 startTint;
+  uniform float pixel;
+  uniform vec3 size;
+  uniform bool inPixels;
+  varying vec4 vColor;
+  void main() {
+    vec4 here = modelViewMatrix * vec4(start, 1.0);
+    float unit = inPixels ? 1.0 : pixel * (isOrthographic ? 1.0 : -here.z);
+    vColor = startTint;
+    gl_Position = projectionMatrix * here;
+    gl_PointSize = max(size.x / unit, 1.0);
+  }`;
+
 /** @type {Map<string, any>} They live as long as the page: a marker that is sent anew compiles nothing. */
 const made = new Map();
 
 /**
- * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
+ * @param {"surface" | "strip" | "spot" | "dot"} kind @param {boolean} transparent RViz blends without writing depth
  * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
@@ -125,7 +140,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
   let found = made.get(key);
   if (!found) {
     found = new THREE.ShaderMaterial({
-      vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
+      vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT, dot: DOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
       uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, mask: { value: null } },
