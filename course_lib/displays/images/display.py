@@ -18,7 +18,7 @@ from course_lib.displays.topic_display import TopicDisplay
 from course_lib.viewer.drawables import Inset
 
 IMAGE, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-_COLUMNS = 640  # [px] that a page gets of a picture at most
+_COLUMNS = 480  # [px] that a page gets of a picture at most: more than its place in the view has
 
 
 class PictureDisplay(TopicDisplay):
