@@ -1,0 +1,39 @@
+import re
+import shutil
+import subprocess
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from course_lib.viewer import assets
+
+FOLDER = Path(assets.__file__).parent / "js"
+SCRIPTS = sorted(path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*.js"))
+DECLARED = re.compile(r"^(?:export )?(?:async )?(?:const|let|function|class) (\w+)", re.M)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_a_script_is_valid_javascript(script: str, tmp_path: Path) -> None:
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("no Node.js on this machine")
+    module = tmp_path / "script.mjs"
+    module.write_text((FOLDER / script).read_text("utf-8"), "utf-8")
+    done = subprocess.run([node, "--check", str(module)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_no_two_scripts_of_the_bundle_declare_the_same_name() -> None:
+    texts = {name: (FOLDER / f"{name}.js").read_text("utf-8") for name in assets._MODULES}
+    declared = Counter(name for text in texts.values() for name in set(DECLARED.findall(text)))
+    assert [name for name, count in declared.items() if count > 1] == []
+
+
+@pytest.mark.slow
+def test_types_in_the_scripts_comments_hold() -> None:
+    compiler = shutil.which("tsc")
+    if compiler is None:
+        pytest.skip("no TypeScript compiler on this machine")
+    done = subprocess.run([compiler, "-p", str(FOLDER / "jsconfig.json")], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
