@@ -62,6 +62,7 @@ class TimePanel:
         self._link = link
         self._source = source
         self._posted = 0.0  # [s] of the wall clock
+        self._shown: dict[str, Any] = {}
         link.listen("time", self._act)
         session.after_frame.append(self.refresh)
 
@@ -71,12 +72,13 @@ class TimePanel:
 
     def post(self) -> None:
         """Show the time, now."""
-        self._posted = wall.monotonic()
-        self._link.post({"type": "time", **self._source.time()}, [])
+        self._posted, self._shown = wall.monotonic(), self._source.time()
+        self._link.post({"type": "time", **self._shown})
 
     def refresh(self) -> None:
         """Show the time to whoever looks, unless that was done a moment ago."""
-        if self._link.ready and wall.monotonic() - self._posted >= PERIOD:
+        is_due = self._link.ready and wall.monotonic() - self._posted >= PERIOD
+        if is_due and self._source.time() != self._shown:
             self.post()
 
     def _act(self, change: dict[str, Any]) -> None:

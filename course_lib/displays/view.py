@@ -40,20 +40,19 @@ def view(
     server = PageServer(session.context.scene, f"course view: {bag or rviz or 'a grid'}", port, token)
     Desk(session, server.link)
     playback = Playback(session, recording)
-    if bag:
-        TimePanel(session, server.link, playback)
+    time_panel = TimePanel(session, server.link, playback) if bag else None
     server.listen()
     sys.stdout.write(f"The viewer is at {server.url}\nCtrl+C ends it.\n")
     sys.stdout.flush()
     if browser:
         webbrowser.open(server.url)
     try:
-        asyncio.run(_serve(server, playback))
+        asyncio.run(_serve(server, playback, time_panel))
     except KeyboardInterrupt:
         sys.stdout.write("\nThe viewer has ended.\n")
 
 
-async def _serve(server: PageServer, playback: Playback) -> None:
+async def _serve(server: PageServer, playback: Playback, time_panel: TimePanel | None) -> None:
     """Serve for ever, and let time go on while a page is open."""
     serving = asyncio.create_task(server.serve())
     last = wall.monotonic()
@@ -62,4 +61,6 @@ async def _serve(server: PageServer, playback: Playback) -> None:
         before, last = last, wall.monotonic()
         if server.link.ready:
             playback.advance(last - before)
+            if time_panel:
+                time_panel.refresh()
     await serving

@@ -134,10 +134,10 @@ def test_keys_step_frame_by_frame_and_go_to_the_ends(playing: Page) -> None:
 
 def test_every_control_has_a_name_and_is_reached_by_tab(playing: Page) -> None:
     names = []
-    for _ in range(7):
+    for _ in range(8):
         playing.keyboard.press("Tab")
         names.append(playing.evaluate("document.activeElement.ariaLabel ?? ''").split(" (")[0])
-    assert names == ["3D view", "Play", "Step back", "Step", "Time", "Loop", "Speed"]
+    assert names == ["3D view", "Full screen", "Play", "Step back", "Step", "Time", "Loop", "Speed"]
 
 
 def test_a_page_with_a_film_is_small_and_asks_for_nothing(page: Page, tmp_path: Path) -> None:

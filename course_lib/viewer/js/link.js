@@ -2,8 +2,8 @@ import { bytesOf } from "./decode.js";
 import { encode } from "./encode.js";
 import { Mirror } from "./mirror.js";
 import { Desk, DeskState } from "./panels/desk.js";
-import { pictureOf } from "./page.js";
 import { timeBelow } from "./panels/time.js";
+import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
 const SAVE_AFTER = 1000; // [ms] without a change

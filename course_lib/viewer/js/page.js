@@ -1,9 +1,8 @@
 import { decode } from "./decode.js";
 import { Film } from "./film.js";
 import { Mirror } from "./mirror.js";
-import { Orbit } from "./orbit.js";
 import { Player } from "./player.js";
-import { draw } from "./renderer.js";
+import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
 /** @param {string} text base64 */
@@ -42,13 +41,4 @@ export function picture(scene, width, height) {
   const mirror = new Mirror();
   mirror.apply(fromBase64(scene));
   return pictureOf(mirror, width, height);
-}
-
-/** @param {Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} see `picture` */
-export function pictureOf(mirror, width, height) {
-  const orbit = new Orbit();
-  orbit.look(mirror.camera);
-  const canvas = Object.assign(document.createElement("canvas"), { width, height });
-  draw(canvas, mirror, orbit.camera(width, height));
-  return canvas.toDataURL("image/png");
 }

@@ -1,5 +1,6 @@
 /* global THREE */
 import { drawInsets } from "./insets.js";
+import { Orbit } from "./orbit.js";
 import { pixel } from "./materials.js";
 
 // Browsers keep 16 WebGL contexts at most: all views of a page share one and copy its picture.
@@ -50,4 +51,13 @@ export function draw(canvas, mirror, camera) {
 export function metresPerPixel(camera, height) {
   if (camera.isOrthographicCamera) return (camera.top - camera.bottom) / height;
   return (2 * Math.tan((camera.fov * Math.PI) / 360)) / height;
+}
+
+/** @param {import("./mirror.js").Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} a PNG as a data address */
+export function pictureOf(mirror, width, height) {
+  const orbit = new Orbit();
+  orbit.look(mirror.camera);
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  draw(canvas, mirror, orbit.camera(width, height));
+  return canvas.toDataURL("image/png");
 }
