@@ -343,3 +343,15 @@ def test_all_robots_that_can_be_loaded_are_drawn_without_an_error() -> None:
         visuals = [part for part in drawn(bench) if "/visual/" in part]
         assert len(visuals) == sum(len(link.visuals) for link in links_of(loaded.urdf)), name
         assert bool(visuals) == (name not in blank), name
+
+
+def test_a_transform_that_is_no_number_leaves_the_link_where_it_was_and_is_named() -> None:
+    bench = Bench()
+    display = standing(bench)
+    bench.transform("map", "base", (float("nan"), 0.0, 0.0), at=0.1)
+    bench.look(0.1)
+    node = "displays/Robot/links/base/visual"
+    np.testing.assert_array_equal(bench.scene.transform(node)[:3, 3], [1, 0, 0])
+    assert bench.said(display, "base") == ("ok", "Transform OK")
+    hints = [row.text for row in bench.session.rows() if row.level == "hint"]
+    assert any("nan" in text and "base" in text for text in hints)
