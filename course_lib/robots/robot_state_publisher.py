@@ -4,7 +4,9 @@ from typing import Any, Unpack
 
 from builtin_interfaces.msg import Time as TimeMsg
 from geometry_msgs.msg import TransformStamped
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node, NodeOptions
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -55,12 +57,12 @@ class RobotStatePublisher(Node):
         self._tf_static = self.create_publisher(TFMessage, "/tf_static", _LATCHED)
         self._description = self.create_publisher(String, "robot_description", _LATCHED)
         try:
-            if not 0.0 <= self._value("publish_frequency") <= 1000.0:
-                raise CourseError("publish_frequency must be between 0 and 1000")
+            _check_frequency(self._value("publish_frequency"))
             self.set_description(self._value("robot_description"))
         except CourseError:
             self.destroy_node()
             raise
+        self.add_on_set_parameters_callback(self._on_parameters)
         self.create_subscription(JointState, "joint_states", self._on_state, qos_profile_sensor_data)
 
     def set_description(self, text: str) -> None:
@@ -73,6 +75,18 @@ class RobotStatePublisher(Node):
         # KDL knows no planar and no floating joints: the ones count as fixed, the others are left out.
         fixed = [joint.name for joint in self._tree.joints.values() if joint.kind in ("fixed", "planar")]
         self._tf_static.publish(self._transforms(dict.fromkeys(fixed, 0.0), self.get_clock().now().to_msg()))
+
+    def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Follow changed parameters, as in ROS; one that is wrong is refused."""
+        for parameter in parameters:
+            try:
+                if parameter.name == "robot_description":
+                    self.set_description(parameter.value)
+                elif parameter.name == "publish_frequency":
+                    _check_frequency(parameter.value)
+            except CourseError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
 
     def _value(self, parameter: str) -> Any:
         return self.get_parameter(parameter).value
@@ -122,3 +136,8 @@ class RobotStatePublisher(Node):
             place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = map(float, pose)
             message.transforms.append(moved)
         return message
+
+
+def _check_frequency(frequency: float) -> None:
+    if not 0.0 <= frequency <= 1000.0:
+        raise CourseError("publish_frequency must be between 0 and 1000")

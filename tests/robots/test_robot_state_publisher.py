@@ -256,3 +256,18 @@ def test_parameters_from_outside_count_more(graph: Graph) -> None:
     overrides = [Parameter("robot_description", value=ARM_2R), Parameter("frame_prefix", value="r/")]
     node = RobotStatePublisher(parameter_overrides=overrides)
     assert node.get_parameter("frame_prefix").value == "r/"
+
+
+def test_another_robot_can_be_set_as_a_parameter_and_a_wrong_one_is_refused(graph: Graph) -> None:
+    node = RobotStatePublisher(ARM_2R)
+    told: list[str] = []
+    graph.tap(lambda sample: told.append(sample.topic))
+    for name, value, reason in (
+        ("robot_description", ALL_KINDS, ""),
+        ("robot_description", "", "robot_description parameter must not be empty"),
+        ("publish_frequency", 2000.0, "publish_frequency must be between 0 and 1000"),
+    ):
+        (result,) = node.set_parameters([Parameter(name, value=value)])
+        assert (result.successful, result.reason) == (not reason, reason)
+    assert told[:3] == ["/robot_description", "/rosout", "/tf_static"]
+    assert node.get_parameter("robot_description").value == ALL_KINDS

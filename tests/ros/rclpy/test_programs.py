@@ -122,6 +122,7 @@ def test_a_second_ctrl_c_ends_at_once_what_hangs_outside_the_kit(tmp_path: Path)
     command = [sys.executable, "-m", "course_lib", "run", str(program)]
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, start_new_session=True, **pipes) as process:
+        assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         for _ in range(2):
             time.sleep(0.5)  # [s] as a person does
