@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
+from course_lib.tools.param import PARAM_GET, PARAM_LIST, PARAM_SET
 from course_lib.tools.run import recorded
 from course_lib.tools.sources import RecordingSource, Source
 from course_lib.tools.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
@@ -25,6 +26,9 @@ VERBS = (
     TF2_MONITOR,
     STATIC_TRANSFORM_PUBLISHER,
     VIEW_FRAMES,
+    PARAM_LIST,
+    PARAM_GET,
+    PARAM_SET,
 )
 
 
