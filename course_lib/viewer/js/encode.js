@@ -1,9 +1,4 @@
-const ARRAYS = new Map([
-  [Uint8Array, 0x12],
-  [Int32Array, 0x15],
-  [Uint32Array, 0x16],
-  [Float32Array, 0x17],
-]);
+const ARRAYS = { Uint8Array: 0x12, Int32Array: 0x15, Uint32Array: 0x16, Float32Array: 0x17 };
 
 /**
  * Write msgpack, with arrays as meshcat's decoder reads them.
@@ -30,9 +25,9 @@ function write(value, parts) {
   else if (typeof value === "string") {
     const text = new TextEncoder().encode(value);
     parts.push(head(0xdb, text.length), text);
-  } else if (ARRAYS.has(value.constructor)) {
+  } else if (ArrayBuffer.isView(value)) {
     const bytes = new Uint8Array(value.buffer, value.byteOffset, value.byteLength);
-    parts.push(head(0xc9, bytes.length), Uint8Array.of(ARRAYS.get(value.constructor)), bytes);
+    parts.push(head(0xc9, bytes.length), Uint8Array.of(ARRAYS[value.constructor.name]), bytes);
   } else if (Array.isArray(value)) {
     parts.push(head(0xdd, value.length));
     for (const member of value) write(member, parts);

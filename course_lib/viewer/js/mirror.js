@@ -76,7 +76,10 @@ export class Mirror {
   whole() {
     const { background: color, camera, animation } = this;
     const commands = [{ type: "background", color }, camera, animation].filter(Boolean);
-    const [paths, matrices] = [[], []];
+    /** @type {string[]} */
+    const paths = [];
+    /** @type {number[]} */
+    const matrices = [];
     for (const [path, node] of this.nodes) {
       const object = node.userData.object?.userData.description;
       if (object) commands.push({ type: "object", path, object });
