@@ -55,7 +55,7 @@ class Playback:
             self.rate = float(rate)
         self.loop = bool(change.get("loop", self.loop))
         self.paused = bool(change.get("paused", self.paused))
-        if not self.paused and self.now_ns >= self.end_ns:
+        if change.get("paused") is False and self.now_ns >= self.end_ns:
             self.go_to(self.start_ns)
 
     def time(self) -> dict[str, Any]:

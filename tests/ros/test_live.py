@@ -6,7 +6,7 @@ import rclpy
 from rclpy.node import Node
 
 from course_lib.errors import CourseError
-from course_lib.ros import live, virtual_time, wall
+from course_lib.ros import live, pace, virtual_time, wall
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph, use_graph
@@ -102,3 +102,14 @@ def test_a_shutdown_in_a_callback_ends_it_and_it_can_begin_anew(
 def test_it_needs_a_node(notebook: Graph) -> None:
     with pytest.raises(CourseError, match=r"at least one node, like run_live\(MyNode\(\)\)"):
         run_live()
+
+
+def test_paused_nodes_rest_and_a_step_lets_them_run_so_long(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, calls = Node("talker"), []
+    node.create_timer(0.05, lambda: calls.append(1))
+    speed = pace.speed_of(notebook)
+    speed.paused, speed.step_ns = True, 110_000_000  # [ns]
+    in_a_kernel(lambda: run_live(node), monkeypatch, seconds=0.4)
+    assert (len(calls), notebook.now_ns) == (2, START_NS + 110_000_000)

@@ -52,3 +52,32 @@ def test_a_call_that_waits_gives_a_page_two_seconds_to_come_but_only_once(
         start = wall.monotonic()
         with pace.kept(Graph(notebook=True)):
             assert (wall.monotonic() - start >= 0.1) is expected
+
+
+def test_robot_time_may_go_slower_stand_and_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]  # [s] of a wall clock that moves by sleeping
+    monkeypatch.setattr(wall, "monotonic", lambda: now[0])
+    monkeypatch.setattr(wall, "sleep", lambda seconds: now.__setitem__(0, now[0] + seconds))
+    graph = Graph()
+    speed, at_pace = pace.speed_of(graph), pace.WallPace(graph)
+    speed.rate = 0.5
+    due_ns = START_NS + 10**9
+    while not at_pace(due_ns):
+        pass
+    assert now[0] == pytest.approx(2.0, abs=pace.SLICE)
+    speed.paused = True
+    assert not any(at_pace(due_ns + 10**8) for _ in range(100))
+    speed.step_ns = 10**8
+    assert at_pace(due_ns + 10**8)
+    assert not at_pace(due_ns + 2 * 10**8)
+
+
+def test_a_call_that_waits_while_robot_time_is_paused_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    graph = Graph(notebook=True)
+    pace.speed_of(graph).paused = True
+    with pace.kept(graph):
+        pass
+    assert "Robot time is paused" in capsys.readouterr().out

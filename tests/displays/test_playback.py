@@ -1,0 +1,99 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.displays.playback import Playback
+from course_lib.displays.render import film_of, replayed, session_for
+from course_lib.recording import Recording
+from course_lib.viewer.html import save_html
+from tests.displays.bench import marker
+from tests.displays.test_render import COMES_AND_GOES, sample
+from tests.viewer.test_stream import decoded
+
+
+@pytest.fixture
+def playback() -> Playback:
+    return Playback(
+        session_for(COMES_AND_GOES), COMES_AND_GOES
+    )  # at 0 s a marker, at 1 s another, which is gone at 2 s
+
+
+def seen(playback: Playback) -> int:
+    scene = playback.session.context.scene
+    return sum("Marker" in path and scene.visible(path) for path in scene.objects())
+
+
+@pytest.mark.parametrize("order", [(0.5, 1.5, 2.0), (2.0, 1.5, 0.5, 1.5), (1.5, 1.2, 1.0, 0.99)])
+def test_any_time_shows_what_a_replay_up_to_it_shows(playback: Playback, order: tuple[float, ...]) -> None:
+    for seconds in order:
+        playback.act({"now": seconds})
+        expected = replayed(COMES_AND_GOES, at=seconds).context.scene.objects().keys()
+        assert playback.session.context.scene.objects().keys() == expected
+        assert playback.time()["elapsed"] == pytest.approx(seconds)
+
+
+def test_it_plays_to_the_end_and_rests_there_until_it_is_played_again(playback: Playback) -> None:
+    playback.advance(1.5)
+    assert seen(playback) == 2
+    playback.advance(9.0)
+    assert seen(playback) == 1
+    assert (playback.time()["elapsed"], playback.paused) == (2.0, True)
+    playback.advance(1.0)
+    assert playback.time()["elapsed"] == 2.0
+    playback.act({"paused": False})
+    assert playback.time()["elapsed"] == 0.0
+
+
+def test_a_loop_begins_again_and_a_rate_makes_it_faster(playback: Playback) -> None:
+    playback.act({"loop": True, "rate": 2})
+    playback.advance(1.75)
+    assert playback.time()["elapsed"] == pytest.approx(1.5)
+    assert seen(playback) == 2
+    assert not playback.paused
+
+
+def test_steps_pause(playback: Playback) -> None:
+    playback.act({"step": 1})
+    assert (playback.time()["elapsed"], playback.paused) == (pytest.approx(1 / 30), True)
+    playback.act({"step": -3})
+    assert playback.time()["elapsed"] == 0.0
+
+
+@pytest.mark.parametrize(
+    "nonsense", [{"now": "x"}, {"now": float("nan")}, {"rate": -1}, {"rate": None}, {"step": "1"}]
+)
+def test_nonsense_changes_nothing(playback: Playback, nonsense: dict[str, Any]) -> None:
+    before = playback.time()
+    playback.act(nonsense)
+    assert playback.time() == before
+
+
+def test_an_empty_recording_stands_still() -> None:
+    empty = Recording(())
+    playback = Playback(session_for(empty), empty)
+    playback.act({"loop": True})
+    playback.advance(1.0)
+    assert playback.time()["range"] == [0.0, 0.0]
+
+
+def test_a_film_of_a_recording_has_what_expires_without_a_message_at_its_time() -> None:
+    fading = marker()
+    fading.lifetime.sec = 1
+    film, _ = film_of(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
+    batches = decoded(film.packed())["batches"]
+    gone = [b["time"] for b in batches for c in b.get("commands", []) if c["type"] in ("delete", "visible")]
+    assert gone[-1] == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_saved_page_of_a_long_recording_stays_small(tmp_path: Path) -> None:
+    moving = []
+    for number in range(600):
+        message = marker()
+        message.pose.position.x = number / 100  # [m]
+        moving.append(sample("/m", message, number / 30))
+    film, _ = film_of(Recording(moving))
+    assert film.duration == pytest.approx(599 / 30)
+    still = save_html(film.scene, tmp_path / "still.html").stat().st_size
+    assert still < 350_000
+    assert save_html(film, tmp_path / "film.html").stat().st_size < still + 60_000
