@@ -329,5 +329,6 @@ def test_in_full_screen_the_view_fills_what_the_panels_leave(bench: Bench) -> No
     size = bench.page.viewport_size
     assert box is not None
     assert size is not None
-    assert box["height"] > size["height"] - 90
+    assert box["height"] > size["height"] - 120
+    assert bench.page.get_by_role("group", name="Time").is_visible()
     assert box["width"] == pytest.approx(size["width"] - 300, abs=2)

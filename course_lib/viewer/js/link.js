@@ -96,18 +96,16 @@ export class Link {
   show(element) {
     const host = document.createElement("div");
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
-    element.append(host);
     const label = this.model.get("label");
     const onClick = (click) => desk.gestures?.click(click) || this.send(click);
     const view = new View(host, this.mirror, { label, onClick });
-    const desk = new Desk(host, view, this.desk);
-    const endTime = timeBelow(this, element);
+    const desk = new Desk(element, host, view, this.desk);
+    const endTime = timeBelow(this, desk.frame);
     this.count();
     return () => {
       endTime();
-      desk.dispose();
       view.dispose();
-      host.remove();
+      desk.dispose();
       this.count();
     };
   }

@@ -33,11 +33,19 @@ export class DeskState {
 
 /** RViz's tools, panels and status line around one view; there once Python has said something. */
 export class Desk {
-  /** @param {HTMLElement} host holds the view @param {import("../view.js").View} view @param {DeskState} state */
-  constructor(host, view, state) {
+  /**
+   * @param {HTMLElement} element gets all of it @param {HTMLElement} host holds the view
+   * @param {import("../view.js").View} view @param {DeskState} state
+   */
+  constructor(element, host, view, state) {
     Object.assign(this, { host, view, state });
     this.id = `desk${Math.random().toString(36).slice(2)}`;
-    this.frame = null;
+    this.tree = null; // the panels are there once Python has said what they show
+    const style = part("style", { textContent: DESK_STYLE });
+    this.frame = part("div", { className: "course-viewer" }, style, host);
+    this.frame.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    host.classList.add("course-host");
+    element.append(this.frame);
     this.turning = 0; // a timer
     state.desks.add(this);
     view.onTurn = () => this.turned();
@@ -47,13 +55,13 @@ export class Desk {
   dispose() {
     clearTimeout(this.turning);
     this.state.desks.delete(this);
-    this.frame?.remove();
+    this.frame.remove();
   }
 
   update() {
     const { values } = this.state;
     if (!values.tree) return;
-    if (!this.frame) this.build();
+    if (!this.tree) this.build();
     this.tree.update(this.state.rows("tree"));
     this.properties.update(this.state.rows("view"));
     this.updateViews(values.views);
@@ -96,13 +104,10 @@ export class Desk {
     const line = part("div", { className: "course-lines" }, this.opener(left, "Displays"), this.status, this.notice);
     line.append(this.opener(this.right, "Views"));
     const middle = part("div", { className: "course-middle" }, left, part("div", { className: "course-view" }), this.right);
-    this.slot = part("div"); // of the Time panel
-    this.frame = part("div", { className: "course-viewer", role: "group", ariaLabel: "RViz" });
-    this.frame.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
-    this.frame.append(part("style", { textContent: DESK_STYLE }), this.tools, middle, line, this.slot, this.words, this.lists);
-    this.frame.addEventListener("keydown", (event) => this.key(event));
-    this.host.replaceWith(this.frame);
     middle.children[1].append(this.host);
+    this.frame.firstChild.after(this.tools, middle, line, this.words, this.lists);
+    Object.assign(this.frame, { role: "group", ariaLabel: "RViz" });
+    this.frame.addEventListener("keydown", (event) => this.key(event));
     this.view.canvas.setAttribute("aria-describedby", this.words.id);
     this.choose(0);
   }
