@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
+from course_lib.ros.stopped import StoppedProgram, StoppedThread
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -22,14 +23,6 @@ RETURNS_AFTER_THE_END = 1_000  # waits that return at once after the end, before
 
 class DeadlockError(CourseError):
     """Every thread waits for another one, so nothing can happen any more."""
-
-
-class StoppedProgram(KeyboardInterrupt):
-    """The main thread went on waiting after the end of the run."""
-
-
-class StoppedThread(SystemExit):
-    """Another thread did."""
 
 
 class ProgramThread:

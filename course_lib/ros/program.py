@@ -11,10 +11,11 @@ from types import FrameType, ModuleType
 
 from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
-from course_lib.ros.baton import DeadlockError, StoppedProgram, StoppedThread, baton
+from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import Graph, current_graph, program
 from course_lib.ros.notebook_program import NotebookProgram
 from course_lib.ros.seeding import seeded
+from course_lib.ros.stopped import StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error, print_error_of_thread
 
 
