@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from course_lib.displays import rows
 from course_lib.displays.display import Display
@@ -16,6 +16,7 @@ from course_lib.displays.selection import selected
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.summary import told
+from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.errors import CourseError
@@ -135,8 +136,11 @@ class Desk:
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
-        classes = {getattr(display, "type_name", ""): name for name, display in REGISTRY.items()}
-        return [(topic, kind, classes[kind]) for topic, kind in sorted(known.items()) if kind in classes]
+        wanted = [(name, display.type_name) for name, display in REGISTRY.items() if _has_topic(display)]
+        shows = [
+            (topic, kind, name) for topic, kind in known.items() for name, takes in wanted if takes == kind
+        ]
+        return sorted(shows)
 
     def _edit(self, order: Order) -> Callable[[Any], Any]:
         edit = self._row(order).edit
@@ -159,7 +163,8 @@ class Desk:
         name = str(order["class"])
         if name not in REGISTRY:
             raise CourseError(f"There is no display {name!r} here.")
-        topic = {"Topic": order["topic"]} if order.get("topic") else {}
+        display = REGISTRY[name]
+        topic = {display.topic_label: order["topic"]} if order.get("topic") and _has_topic(display) else {}
         self._session.add(name, short_name(name), {}, **topic)
 
     def _duplicate(self, order: Order) -> None:
@@ -224,6 +229,10 @@ class Desk:
             raise CourseError("This page shows a recording: nothing can be published into it.")
         said = self._node.publish(self._session, str(order["tool"]), order)
         self._extra["notice"] = {"level": "ok", "text": said}
+
+
+def _has_topic(display: type[Display]) -> TypeGuard[type[TopicDisplay]]:
+    return issubclass(display, TopicDisplay)
 
 
 def _line(worst: StatusTable | list[Any], displays: int) -> str:

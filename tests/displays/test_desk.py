@@ -137,6 +137,11 @@ def test_topics_of_the_graph_can_be_added_before_anything_came(page: Page, graph
     assert ("/scan", "sensor_msgs/msg/LaserScan", "rviz_default_plugins/LaserScan") in page.told["topics"]
 
 
+def test_a_display_is_added_with_its_topic_whatever_that_is_called(page: Page, viewer: Viewer) -> None:
+    page.ask(act="add", **{"class": "rviz_default_plugins/RobotModel"}, topic="/robot_description")
+    assert viewer.displays[-1]["Description Topic"] == "/robot_description"
+
+
 def test_a_recording_is_not_published_into() -> None:
     page = Page(Session(Scene()))
     page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)

@@ -171,7 +171,10 @@ export class Desk {
 
   fillAddable() {
     const { types, topics } = this.state.values;
-    const byTopic = topics.map(([topic, type, name]) => [JSON.stringify({ class: name, topic }), `${topic} (${type})`]);
+    const byTopic = topics.map(([topic, type, name]) => [
+      JSON.stringify({ class: name, topic }),
+      `${topic} (${type}) → ${name.split("/").pop()}`,
+    ]);
     const byType = types.map(([name, short]) => [JSON.stringify({ class: name }), short]);
     const { value } = this.addable;
     this.addable.replaceChildren(choicesOf("By topic", byTopic), choicesOf("By display type", byType));
