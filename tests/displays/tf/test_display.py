@@ -1,5 +1,7 @@
 """What RViz's TF display says and shows (tf_display.cpp, frame_info.cpp)."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ def shown(bench: Bench) -> set[str]:
     return {path.removeprefix("displays/TF/") for path in paths if path.startswith("displays/TF/")}
 
 
-def chain(bench: Bench, **properties: object) -> Display:
+def chain(bench: Bench, **properties: Any) -> Display:
     """Return a display of map → base (1 m along x) → camera."""
     display = bench.session.add(TF, "TF", {}, **properties)
     bench.transform("map", "base", (1.0, 0.0, 0.0))
@@ -40,8 +42,8 @@ def test_an_arrow_reaches_from_child_to_parent_with_its_head_there() -> None:
     chain(bench)
     tail = np.array([[0, 0, -0.5, 1], [0, 0, 0.5, 1]])
     shaft, head = (tail @ bench.scene.transform(f"displays/TF/arrows/base/{p}").T for p in ("shaft", "head"))
-    np.testing.assert_allclose(shaft[:, :3], [[1, 0, 0], [0.1, 0, 0]], atol=1e-6)
-    np.testing.assert_allclose(head[:, :3], [[0.1, 0, 0], [0, 0, 0]], atol=1e-6)
+    np.testing.assert_allclose(shaft[:, :3], np.array([[1.0, 0.0, 0.0], [0.1, 0.0, 0.0]]), atol=1e-6)
+    np.testing.assert_allclose(head[:, :3], np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]]), atol=1e-6)
 
 
 def test_switches_show_and_hide_all_of_a_kind() -> None:
