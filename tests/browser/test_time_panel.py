@@ -1,0 +1,78 @@
+"""The Time panel below a viewer in a cell, and pictures that an open page draws."""
+
+import threading
+from collections.abc import Iterator
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.pace import speed_of
+from tests.browser.fake_host import Host, count
+from tests.browser.test_desk import Bench
+from tests.browser.test_playback import READING
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def bench(host: Host) -> Iterator[Bench]:
+    with use_graph(Graph()) as graph:
+        yield Bench(host, graph)
+
+
+def test_the_time_panel_shows_robot_time_and_drives_its_speed(bench: Bench) -> None:
+    speed = speed_of(bench.graph)
+    assert "ROS Time: 1700000000.00" in bench.page.locator(READING).inner_text()
+    bench.press("Pause (Space)")
+    assert speed.paused
+    bench.press("Step (period)")
+    assert speed.step_ns == 100_000_000
+    bench.page.get_by_role("combobox", name="Speed").select_option("0.5")
+    bench.host.carry()
+    assert speed.rate == 0.5
+    bench.press("Play (Space)")
+    assert not speed.paused
+    assert bench.page.get_by_role("slider", name="Time").count() == 0  # nobody can scrub what is live
+
+
+def test_the_time_panel_is_driven_by_keys_when_it_has_the_focus(bench: Bench) -> None:
+    bench.page.get_by_role("button", name="Pause (Space)").focus()
+    bench.page.keyboard.press("Space")
+    bench.host.carry()
+    assert speed_of(bench.graph).paused
+    bench.page.get_by_role("combobox", name="Speed").focus()
+    bench.page.keyboard.press("ArrowDown")
+    bench.host.carry()
+    assert speed_of(bench.graph).rate == 2.0
+
+
+def test_the_panel_follows_robot_time(bench: Bench) -> None:
+    bench.graph.call_at(bench.graph.now_ns + 2_500_000_000, lambda: None, node=0, entity=0)
+    bench.graph.advance()
+    bench.page.wait_for_timeout(150)
+    bench.viewer.look()
+    bench.host.carry()
+    assert "ROS Elapsed: 2.50" in bench.page.locator(READING).inner_text()
+
+
+def test_an_open_page_draws_the_screenshot(bench: Bench) -> None:
+    pictures = []
+    asking = threading.Thread(target=lambda: pictures.append(bench.viewer.screenshot(size=(300, 200))))
+    asking.start()
+    while asking.is_alive():
+        bench.host.carry()
+    (picture,) = pictures
+    assert picture.renderer == "page"
+    pixels = np.asarray(Image.open(BytesIO(picture.png)).convert("RGB")).astype(np.int64)
+    assert pixels.shape == (200, 300, 3)
+    assert count(pixels, bench.viewer.scene.background, within=10) > 10_000
+
+
+def test_a_page_that_does_not_answer_is_waited_for_a_while_only(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.displays.panel._ANSWER", 0.1)
+    assert bench.viewer.screenshot(size=(80, 60)).renderer in ("chromium", "numpy")
