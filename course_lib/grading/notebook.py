@@ -25,21 +25,24 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     """Read a notebook's bytes, in which anything may be; `name` is the file's.
 
     Raises:
-        CourseError: It is too large, no JSON, or no notebook of format 4.
+        CourseError: It is too large, no JSON, or no notebook of format 3 or 4.
     """
     if len(data) > MAX_BYTES:
-        size = f"{len(data)} bytes, at most {MAX_BYTES} are read"
-        raise CourseError(f"{name} has {size}. Clear its outputs and save it.")
+        raise CourseError(f"{name} has more than {MAX_BYTES} bytes. Clear its outputs and save it.")
     try:
-        content = json.loads(data.decode("utf-8-sig"))
+        content = json.loads(data)  # in UTF-8, 16 or 32, as it begins
     except (ValueError, RecursionError) as error:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
         what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
         raise CourseError(f"{name} is no notebook: {what}. Save it again in JupyterLab.") from error
-    cells = content.get("cells") if isinstance(content, dict) else None
+    content = _dict(content)
+    sheets = content.get("worksheets")  # what format 3 had around the cells
+    cells = content.get(
+        "cells", _dict(sheets[0]).get("cells") if isinstance(sheets, list) and sheets else None
+    )
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
-        raise CourseError(f"{name} is no notebook of format 4: it has no list of cells.")
+        raise CourseError(f"{name} is no notebook of format 3 or 4: it has no list of cells.")
     code = tuple(_source(cell) for cell in cells if cell.get("cell_type") == "code")
     claims = _dict(_dict(content.get("metadata")).get("course"))
     return Notebook(code, exercise_named(claims.get("exercise")) or exercise_named(name), claimed_id(claims))
@@ -62,7 +65,7 @@ def claimed_id(claims: Any) -> str | None:
 
 def _source(cell: dict[str, Any]) -> str:
     """A cell's text, which the format allows to be a text or a list of lines."""
-    source = cell.get("source", "")
+    source = cell.get("source", cell.get("input", ""))
     lines = source if isinstance(source, list) else [source]
     return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
 

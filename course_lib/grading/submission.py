@@ -98,7 +98,8 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
     """
     try:
         if path.suffix != ".zip":
-            return path.read_bytes(), {}
+            with path.open("rb") as file:
+                return file.read(MAX_BYTES + 1), {}
         with zipfile.ZipFile(path) as archive:
             receipt = json.loads(_member(archive, RECEIPT))
             return _member(archive, f"{receipt['exercise']}.ipynb"), receipt

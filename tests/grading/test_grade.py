@@ -3,6 +3,7 @@
 import csv
 import json
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course, catalog_of
+from course_lib.grading.jail.isolation import LAYERS
+from course_lib.grading.jail.launch import TemplateProcess
 from course_lib.grading.scenario import run_here
 
 WriteNotebook = Callable[..., Path]
@@ -99,8 +102,8 @@ def test_the_same_submission_gives_the_same_files_again(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     submissions = hand_in({"right": right, "crashes": variants(right)["crashes"]})
-    for out in ("one", "two"):
-        grade(submissions, tmp_path / out, jobs=1, course=course)
+    for out, jobs in {"one": 1, "two": 2}.items():
+        grade(submissions, tmp_path / out, jobs=jobs, course=course)
     files = [path.relative_to(tmp_path / "one") for path in (tmp_path / "one").rglob("*") if path.is_file()]
     assert len(files) == 7
     for file in files:
@@ -198,3 +201,26 @@ def test_an_out_folder_that_cannot_be_written_is_named_before_grading(
     (tmp_path / "out").write_text("a file")
     with pytest.raises(CourseError, match="can't be written"):
         grade(hand_in({"right": right}), tmp_path / "out", course=course)
+
+
+def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
+    course: Course,
+    right: str,
+    hand_in: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    submissions, out = hand_in({"right": right}), tmp_path / "out"
+    with closing(TemplateProcess(off=LAYERS)) as template:
+        for module in ("grade", "grade_one", "runner"):
+            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda: template)
+        for need in ("full", "partial"):
+            with pytest.raises(CourseError, match=r"--require-sandbox|--i-trust-these-submissions"):
+                grade(submissions, out, jobs=1, course=course, need=need)  # type: ignore[arg-type]
+        assert not out.exists()
+        assert grade(submissions, out, jobs=1, course=course, need="any")
+    assert rows(out)["right"]["final"] == "110.0"
+    assert result(out, "right")["isolation"].startswith("no sandbox (lacks")
+    assert "Isolation: no sandbox (lacks" in capsys.readouterr().out
+    assert "Ran with isolation: no sandbox" in (out / "reports/right/week01_exercise.html").read_text()

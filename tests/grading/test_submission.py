@@ -44,8 +44,8 @@ def test_without_an_id_the_student_is_told(tmp_path: Path, write_notebook: Write
         ("week01_exercise.ipynb", b"", "it is empty"),
         ("week01_exercise.ipynb", b"{]", "it is not JSON"),
         ("week01_exercise.ipynb", b"[" * 100_000, "it is not JSON"),
-        ("week01_exercise.ipynb", b"[]", "no notebook of format 4"),
-        ("week01_exercise.ipynb", b'{"cells": [1]}', "no notebook of format 4"),
+        ("week01_exercise.ipynb", b"[]", "no notebook of format 3 or 4"),
+        ("week01_exercise.ipynb", b'{"cells": [1]}', "no notebook of format 3 or 4"),
         ("homework.ipynb", b'{"cells": []}', "no exercise of this course"),
         ("week01.zip", b"PK", "not a file that `course submit` wrote"),
     ],
@@ -73,6 +73,13 @@ def test_a_notebook_may_keep_its_source_as_lines_and_have_any_metadata() -> None
     notebook = parse_notebook(json.dumps({"cells": cells, "metadata": {"course": 7}}).encode(), "n")
     assert notebook.cells == ("a = 1\nb = 2",)
     assert (notebook.exercise, notebook.student) == (None, None)
+
+
+def test_old_formats_and_other_encodings_are_read() -> None:
+    cells = [{"cell_type": "code", "input": ["x = 1\n", "y = 2"]}, {"cell_type": "markdown", "source": "é"}]
+    old = json.dumps({"nbformat": 3, "worksheets": [{"cells": cells}], "metadata": {}}, ensure_ascii=False)
+    for encoding in ("utf-8", "utf-8-sig", "utf-16", "utf-32"):
+        assert parse_notebook(old.encode(encoding), "week01_exercise.ipynb").cells == ("x = 1\ny = 2",)
 
 
 def test_the_folder_says_who_and_a_mismatch_is_a_note(tmp_path: Path, write_notebook: WriteNotebook) -> None:
