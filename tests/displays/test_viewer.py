@@ -1,3 +1,4 @@
+import urllib.request
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -257,3 +258,31 @@ def test_code_for_meshcat_draws_into_the_viewer_and_may_move_its_camera(graph: G
     viewer.view["Distance"] = 4.0
     viewer.look()
     assert viewer.scene.camera.eye != (1.0, 2.0, 3.0)
+
+
+def test_a_saved_page_plays_what_was_seen(graph: Graph, tmp_path: Path) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    graph.call_at(graph.now_ns + 10**9, lambda: publish(graph, "/m", marker()), node=1, entity=0)
+    while graph.advance():
+        pass
+    still, film = tmp_path / "still.html", tmp_path / "film.html"
+    viewer.save_html(still)
+    viewer.save_html(film, playback=True)
+    assert still.stat().st_size < film.stat().st_size < 350_000
+
+
+def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    viewer = Viewer()
+    url = viewer.open()
+    assert opened == [url]
+    assert url in capsys.readouterr().out
+    assert viewer.open(browser=False) == url
+    with urllib.request.urlopen(url, timeout=5) as response:
+        assert response.status == 200
+    viewer.close()
+    assert viewer.session.after_frame == []
