@@ -57,13 +57,14 @@ def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) 
         """async () => {
             await jupyterapp.commands.execute('notebook:insert-cell-below');
             const cell = jupyterapp.shell.currentWidget.content.activeCell;
-            cell.model.sharedModel.setSource('print("picked", (await viewer.pick()).path)');
+            cell.model.sharedModel.setSource(
+                'print("ready, " + "waiting")\\nprint("picked:", (await viewer.pick()).button)');
             jupyterapp.commands.execute('notebook:run-cell'); }"""
     )
-    lesson.page.wait_for_timeout(500)
+    said = "() => JSON.stringify(jupyterapp.shell.currentWidget.content.model.toJSON()).includes('%s')"
+    lesson.page.wait_for_function(said % "ready, waiting")
     lesson.cell(SHOW).locator("canvas").first.click()
-    lesson.wait_idle()
-    assert any("picked" in str(output.get("text")) for output in lesson.outputs())
+    lesson.page.wait_for_function(said % "picked: 0")
     assert lesson.kernel("print(len(clicks))").strip() == "1"
 
 
