@@ -32,8 +32,8 @@ body, main { display: flex; flex-direction: column; overflow: hidden }
 main { flex: 1; min-height: 0 }
 main > div:first-child { flex: 1; min-height: 0; height: auto !important }
 main .course-viewer { display: flex; flex-direction: column }
-main .course-middle { flex: 1 }
-main .course-view, main .course-view > div { height: 100% !important }
+main .course-middle, main .course-host { flex: 1; min-height: 0 }
+main .course-view, main .course-host { height: 100% !important }
 </style>
 <main></main>"""
 
