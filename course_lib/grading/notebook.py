@@ -38,9 +38,8 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         raise CourseError(f"{name} is no notebook: {what}. Save it again in JupyterLab.") from error
     content = _dict(content)
     sheets = content.get("worksheets")  # what format 3 had around the cells
-    cells = content.get(
-        "cells", _dict(sheets[0]).get("cells") if isinstance(sheets, list) and sheets else None
-    )
+    sheet = _dict(sheets[0]) if isinstance(sheets, list) and sheets else {}
+    cells = content.get("cells", sheet.get("cells"))
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(f"{name} is no notebook of format 3 or 4: it has no list of cells.")
     code = tuple(_source(cell) for cell in cells if cell.get("cell_type") == "code")

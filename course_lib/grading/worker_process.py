@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from select import select
 
 from course_lib.grading.course_file import Limits
-from course_lib.grading.jail.launch import START_SECONDS, TemplateProcess, WorkerError
+from course_lib.grading.jail.launch import PIPE_HOLDS, START_SECONDS, TemplateProcess, WorkerError
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 
-PIPE_HOLDS = 2**20  # [B] at least as much as a pipe does
 HEAVY = {  # what takes long to import, by the word that tells who needs it
     "matplotlib": "matplotlib.pyplot",
     "%matplotlib": "matplotlib_inline.backend_inline",

@@ -217,7 +217,7 @@ def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
             monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda: template)
         for need in ("full", "partial"):
             with pytest.raises(CourseError, match=r"--require-sandbox|--i-trust-these-submissions"):
-                grade(submissions, out, jobs=1, course=course, need=need)  # type: ignore[arg-type]
+                grade(submissions, out, jobs=1, course=course, need=need)
         assert not out.exists()
         assert grade(submissions, out, jobs=1, course=course, need="any")
     assert rows(out)["right"]["final"] == "110.0"
