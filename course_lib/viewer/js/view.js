@@ -38,6 +38,7 @@ export class View {
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
     this.words = document.createElement("output"); // what went wrong, for a while
     this.words.style.cssText = `${CORNER};left:0;bottom:0;pointer-events:none`;
+    this.words.hidden = true;
     this.full = document.createElement("button");
     Object.assign(this.full, { type: "button", textContent: "⛶", title: "Full screen (F)", ariaLabel: "Full screen" });
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
@@ -70,9 +71,9 @@ export class View {
 
   /** @param {string} text shown in a corner, and read aloud by screen readers */
   say(text) {
-    this.words.textContent = text;
+    [this.words.textContent, this.words.hidden] = [text, false];
     clearTimeout(this.silence);
-    this.silence = setTimeout(() => (this.words.textContent = ""), SAY_FOR);
+    this.silence = setTimeout(() => (this.words.hidden = true), SAY_FOR);
   }
 
   toggleFull() {
