@@ -4,7 +4,7 @@ import { ask, button, choicesOf, part } from "./parts.js";
 import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
-const SIGNS = { Interact: "☝", "Move Camera": "✥", Select: "▭", "Focus Camera": "◎", Measure: "↔", "Publish Point": "●" };
+const SIGNS = { Interact: "☝", "Move Camera": "✥", Select: "▭", "Focus Camera": "◎", Measure: "↔", "2D Goal Pose": "➤", "Publish Point": "●" };
 
 /** What Python says of all panels, and the desks of a page that show it. */
 export class DeskState {
