@@ -31,7 +31,6 @@ from course_lib.viewer.scene import Scene
 
 if TYPE_CHECKING:
     from course_lib.robots.robot import Robot
-
     from course_lib.viewer.visualizer import Visualizer
 
 
