@@ -1,5 +1,6 @@
 """What our side publishes in a scenario, in the words of the check files."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -47,6 +48,22 @@ def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> M
         "detections": [{"header": header(at, frame), **_detection(one)} for one in found],
     }
     return Message("/objects", "vision_msgs/msg/Detection3DArray", fields, at=at)
+
+
+def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
+    """The transform child to parent of `transforms`: translation in [m], yaw about z in [rad]."""
+    turn = {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
+    placed = {"translation": xyz(translation), "rotation": turn}
+    return {"parent": parent, "child_frame_id": child, "transform": placed}
+
+
+def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
+    """What is broadcast on `/tf`, `at` [s] after the start, with that stamp."""
+    stamped = [
+        {"header": header(at, made["parent"]), **{k: v for k, v in made.items() if k != "parent"}}
+        for made in poses
+    ]
+    return Message("/tf", "tf2_msgs/msg/TFMessage", {"transforms": stamped}, at=at)
 
 
 def _detection(found: Found) -> Mapping[str, Any]:

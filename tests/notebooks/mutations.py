@@ -23,11 +23,11 @@ class Operator:
 GEOMETRY = "position|size|scale|circle|point|width|height|line|at the end|turn"
 
 OPERATORS = (
-    Operator("sign: sine", r"math\.sin\(", "-math.sin(", "direction|clockwise"),
+    Operator("sign: sine", r"math\.sin\(", "-math.sin(", "direction|clockwise|sign|value|turned|orientation"),
     Operator("sign: height", r"(position\.z = )", r"\1-", "position|height"),
     Operator("frame", r'frame_id = "map"', 'frame_id = "base_link"', "frame"),
     Operator("unit: centimetres", r"(?<=[=*] )(\d+\.\d+)(?=.*# \[m\])", r"\1 * 100", GEOMETRY),
-    Operator("unit: degrees", r"2 \* math\.pi", "360", "turn|direction|circle"),
+    Operator("unit: degrees", r"2 \* math\.pi", "360", "turn|direction|circle|shorter way"),
     Operator("stamp: not set", r"marker\.header\.stamp = .*", "pass", "stamp"),
     Operator(
         "stamp: late",
@@ -63,6 +63,22 @@ OPERATORS = (
     Operator(
         "stamp: not copied", r"(marker\.header)( = message\.header)(?=\n)", r"\1.frame_id\2.frame_id", "stamp"
     ),
+    Operator("frame: misspelled", r'stamped\("base_link"', 'stamped("base"', "frame|tree|tf2"),
+    Operator(
+        "frame: parent and child exchanged",
+        r'stamped\("(\w+)", "(\w+)"',
+        r'stamped("\2", "\1"',
+        "parent|tf2|place|frame|came",
+    ),
+    Operator(
+        "stamp: 0",
+        r"self\.get_clock\(\)\.now\(\)\.to_msg\(\)(?=\n.*hand_link)",
+        "TransformStamped().header.stamp",
+        "tf2|stamp|transform",
+    ),
+    Operator("yaw: outward", r" \+ math\.pi / 2(?=\n)", "", "turned|orientation"),
+    Operator("frame: map, always", r', "map"\)', ', "base_link")', "frame|missing"),
+    Operator("turn: the long way", r"math\.remainder\((.*), 2 \* math\.pi\)", r"(\1)", "way round|wrong"),
     Operator("type", r"Marker\.(CUBE|SPHERE|CYLINDER|LINE_STRIP)", "Marker.POINTS", "type|shows 0|POINTS"),
     Operator("hard-coded: one student's value", r"my_values\(.*?\)\[.*?\]", "9.9", GEOMETRY),
     Operator(
