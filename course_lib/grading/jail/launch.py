@@ -51,12 +51,12 @@ class TemplateProcess:
     def __init__(self, off: Collection[str] = ()) -> None:
         if not hasattr(os, "fork"):
             raise WorkerError("grading needs Linux, macOS or WSL2: this system can't fork a process")
-        self._scratch = tempfile.mkdtemp(prefix="course_worker_")
         said = ""
         for bubblewrap, user in _attempts(off):
+            scratch = INSIDE if bubblewrap else tempfile.mkdtemp(prefix="course_worker_")
             self._control, theirs = socket.socketpair()
             with theirs:
-                self._process = _start(theirs, self._scratch, bubblewrap, user, off)
+                self._process = _start(theirs, scratch, bubblewrap, user, off)
             self._control.settimeout(START_SECONDS)
             answer = self._control.recv(2**16)
             if answer:
@@ -64,6 +64,8 @@ class TemplateProcess:
                 return
             said = self._process.communicate()[0].decode("utf-8", "replace")
             self._control.close()
+            if not bubblewrap:
+                shutil.rmtree(scratch, ignore_errors=True)
         raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
 
     def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:
@@ -110,7 +112,6 @@ class TemplateProcess:
             self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
-        shutil.rmtree(self._scratch, ignore_errors=True)
         shared_template.cache_clear()
 
 
@@ -142,13 +143,13 @@ def _start(
         "PYTHONUSERBASE": site.getuserbase(),  # the kit may be installed there, and HOME is not the user's
     }
     read = [path for path in _readable() if os.path.exists(path)]
-    place = INSIDE if bubblewrap else scratch
-    settings = {"control": control.fileno(), "scratch": place, "read": read, "off": list(off), "user": user}
+    settings = {"control": control.fileno(), "scratch": scratch, "read": read, "off": list(off), "user": user}
     command = [sys.executable, "-P", "-m", "course_lib.grading.jail.template", json.dumps(settings)]
-    os.chown(scratch, os.geteuid() if user is None else user, -1)
+    if user is not None and not bubblewrap:
+        os.chown(scratch, user, -1)
     return subprocess.Popen(
         [*(_bubblewrap(bubblewrap, read, user) if bubblewrap else ()), *command],
-        env={**environment, **dict.fromkeys(("HOME", "IPYTHONDIR", "MPLCONFIGDIR"), place), **THREADS},
+        env={**environment, **dict.fromkeys(("HOME", "IPYTHONDIR", "MPLCONFIGDIR"), scratch), **THREADS},
         cwd="/",
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,

@@ -123,7 +123,10 @@ def main() -> None:
         os.setresgid(user, user, user)
         os.setresuid(user, user, user)
     place = Place(settings["scratch"], tuple(settings["read"]))
-    Template(socket.socket(fileno=settings["control"]), place, settings["off"]).serve()
+    try:
+        Template(socket.socket(fileno=settings["control"]), place, settings["off"]).serve()
+    finally:
+        shutil.rmtree(place.scratch, ignore_errors=True)
 
 
 if __name__ == "__main__":
