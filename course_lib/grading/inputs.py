@@ -66,6 +66,21 @@ def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
     return Message("/tf", "tf2_msgs/msg/TFMessage", {"transforms": stamped}, at=at)
 
 
+def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: float, step: float) -> Message:
+    """What a laser scanner says on `/scan`: ranges [m] from the angle `first` on, every `step`, [rad]."""
+    measured = list(ranges)
+    fields = {
+        "header": header(at, frame),
+        "angle_min": first,
+        "angle_max": first + step * (len(measured) - 1),
+        "angle_increment": step,
+        "range_min": 0.1,  # [m]
+        "range_max": 30.0,  # [m]
+        "ranges": measured,
+    }
+    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
+
+
 def _detection(found: Found) -> Mapping[str, Any]:
     return {
         "id": str(found.track),

@@ -1,5 +1,6 @@
 """The words that check files are written in; each gives a `Check`."""
 
+from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
@@ -9,6 +10,8 @@ from course_lib.grading.vocabulary.values import expect_text, expect_value
 __all__ = [
     "expect_circle",
     "expect_circling_frame",
+    "expect_joint_states",
+    "expect_joint_swing",
     "expect_marker",
     "expect_marker_count",
     "expect_message",

@@ -1,0 +1,114 @@
+"""Expectations on joint states: that they are whole, and how a joint swings."""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
+from course_lib.ros.messages import type_name
+
+TOPIC = "/joint_states"
+STATE = "sensor_msgs/msg/JointState"
+PHASE_TOLERANCE = 0.15  # [rad]: time may be counted from the node's start or from its first message
+
+
+@word("joint states of {names}")
+def expect_joint_states(evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC) -> Iterable[Problem]:
+    """Every message names exactly these joints, in any order, each with a finite position."""
+    came = evidence.messages(topic)
+    if not came:
+        return [nothing_on(evidence, topic)]
+    for seconds, state in came:
+        if problems := list(_broken(state, names)):
+            when = f"after {number(seconds, 's')} "
+            return [Problem(when + problem.message, problem.mistake) for problem in problems]
+    return []
+
+
+@word("how {joint} moves")
+def expect_joint_swing(
+    evidence: Evidence,
+    joint: str,
+    *,
+    amplitude: float,
+    hz: float,
+    phase: float = 0.0,
+    middle: float = 0.0,
+    topic: str = TOPIC,
+    tolerance: float = 0.02,
+) -> Iterable[Problem]:
+    """The position of a joint is middle + amplitude * sin(2 pi hz t + phase), t from the first message.
+
+    Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still.
+    """
+    states = [(s, m) for s, m in evidence.messages(topic) if type_name(m) == STATE]
+    if not states:
+        return [nothing_on(evidence, topic)]
+    found = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
+    if not found:
+        named = ", ".join(states[-1][1].name) or "no joint"
+        message = f"no position of {joint} came on {topic}; the last message names {named}"
+        return [Problem(message, "the position of a joint is missing")]
+    times, positions = np.array(found).T
+    if not np.isfinite(positions).all():
+        return [Problem(f"a position of {joint} is not finite", "the position of a joint is not finite")]
+    wave = 2 * math.pi * hz * (times - states[0][0])
+    return list(_differs(joint, wave, positions, (amplitude, hz, phase, middle), tolerance))
+
+
+def _index(state: Any, joint: str) -> int:
+    return list(state.name).index(joint) if joint in state.name else len(state.position)
+
+
+def _broken(state: Any, names: Sequence[str]) -> Iterator[Problem]:
+    if type_name(state) != STATE:
+        yield Problem(f"a {type_name(state)} came, expected {STATE}", "a topic has the wrong type")
+        return
+    for unknown in sorted(set(state.name) - set(names)):
+        message = f"a joint is called {unknown!r}; the names are {', '.join(names)}"
+        yield Problem(message, "the name of a joint is wrong")
+    for missing in sorted(set(names) - set(state.name)):
+        yield Problem(f"the joint {missing} is missing", "the name of a joint is missing")
+    if len(state.position) != len(state.name):
+        message = f"a message has {len(state.name)} names and {len(state.position)} positions"
+        yield Problem(message, "names and positions are not equally many")
+    if not np.isfinite(state.position).all():
+        yield Problem("a position is not finite", "the position of a joint is not finite")
+
+
+def _differs(
+    joint: str,
+    wave: np.ndarray[Any, Any],
+    positions: np.ndarray[Any, Any],
+    wanted: tuple[float, float, float, float],
+    tolerance: float,
+) -> Iterator[Problem]:
+    """Compare with the swing of the wanted frequency that fits the positions best."""
+    amplitude, hz, phase, middle = wanted
+    columns = np.array([np.sin(wave), np.cos(wave), np.ones(len(wave))]).T
+    columns[:, :2] *= amplitude != 0  # what should stand still has a middle only
+    sine, cosine, came_middle = np.linalg.lstsq(columns, positions)[0].round(9)
+    came, turned = math.hypot(sine, cosine), math.remainder(math.atan2(cosine, sine) - phase, math.tau)
+    rest = float(np.abs(columns @ (sine, cosine, came_middle) - positions).max())
+    if rest > tolerance and amplitude == 0:
+        message = f"{joint} moves by {number(rest, 'rad')}, expected that it stands still"
+        yield Problem(message, "a joint moves that should stand still")
+        return
+    if rest > max(tolerance, 0.05 * came):
+        message = f"{joint} does not swing {number(hz)} times a second as a sine does"
+        yield Problem(f"{message}: {number(rest, 'rad')} off", "a joint does not swing as it should")
+        return
+    if not close(came, amplitude, tolerance):
+        message = f"{joint} swings by {number(came, 'rad')}, expected {number(amplitude, 'rad')}"
+        yield Problem(message, "the amplitude of a joint's position is wrong")
+    elif amplitude and not close(turned, 0.0, PHASE_TOLERANCE):
+        message = (
+            f"{joint} swings with another phase: by {number(abs(turned), 'rad')}; a half turn is a wrong sign"
+        )
+        yield Problem(message, "the phase or the sign of a joint's position is wrong")
+    if not close(came_middle, middle, tolerance):
+        message = f"the middle of {joint} is {number(came_middle, 'rad')}, expected {number(middle, 'rad')}"
+        yield Problem(message, "the middle position of a joint is wrong")

@@ -1,0 +1,96 @@
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import expect_joint_states, expect_joint_swing
+
+MakeEvidence = Callable[..., Evidence]
+NAMES = ("pan", "lift")
+
+
+def swing(amplitude: float = 0.5, hz: float = 0.5, phase: float = 0.0, middle: float = 0.2) -> list[Any]:
+    """Four seconds of a joint that swings and one that stands, 50 times a second."""
+    return [
+        (
+            0.02 * n + 0.02,
+            "/joint_states",
+            JointState(
+                name=["lift", "pan"],
+                position=[1.0, middle + amplitude * math.sin(2 * math.pi * hz * 0.02 * n + phase)],
+            ),
+        )
+        for n in range(200)
+    ]
+
+
+SWING = expect_joint_swing("pan", amplitude=0.5, hz=0.5, middle=0.2)
+
+
+def test_joints_may_come_in_any_order_and_swing_as_asked(evidence: MakeEvidence) -> None:
+    came = evidence(*swing())
+    for check in (
+        expect_joint_states(NAMES),
+        SWING,
+        expect_joint_swing("lift", amplitude=0.0, hz=0.0, middle=1.0),
+    ):
+        assert check.judge(came).message == "as expected"
+
+
+def test_time_may_be_counted_from_a_period_before_the_first_message(evidence: MakeEvidence) -> None:
+    assert SWING.judge(evidence(*swing(phase=2 * math.pi * 0.5 * 0.02))).message == "as expected"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message", "mistake"),
+    [
+        ({"amplitude": math.degrees(0.5)}, "swings by 28.65 rad, expected 0.50 rad", "amplitude"),
+        ({"amplitude": -0.5}, "another phase: by 3.14 rad; a half turn is a wrong sign", "sign"),
+        ({"phase": math.pi / 2}, "another phase: by 1.57 rad", "phase"),
+        ({"hz": 1.0}, "does not swing 0.50 times a second", "does not swing as it should"),
+        ({"middle": 0.0}, "the middle of pan is 0.00 rad, expected 0.20 rad", "middle position"),
+        ({"amplitude": 0.0}, "swings by 0.00 rad, expected 0.50 rad", "amplitude"),
+        ({"middle": math.nan}, "a position of pan is not finite", "not finite"),
+    ],
+)
+def test_each_way_to_swing_otherwise_is_named(
+    evidence: MakeEvidence, wrong: dict[str, float], message: str, mistake: str
+) -> None:
+    verdict = SWING.judge(evidence(*swing(**wrong)))
+    assert message in verdict.message
+    assert mistake in verdict.mistake
+
+
+def test_a_joint_that_should_stand_still_must(evidence: MakeEvidence) -> None:
+    verdict = expect_joint_swing("pan", amplitude=0.0, hz=0.0, middle=0.2).judge(evidence(*swing()))
+    assert verdict.message == "pan moves by 0.50 rad, expected that it stands still"
+
+
+@pytest.mark.parametrize(
+    ("state", "message"),
+    [
+        (JointState(name=["pan", "lft"], position=[0.0, 0.0]), "a joint is called 'lft'"),
+        (JointState(name=["pan"], position=[0.0]), "the joint lift is missing"),
+        (JointState(name=["pan", "lift"], position=[0.0]), "has 2 names and 1 positions"),
+        (JointState(name=["pan", "lift"], position=[0.0, math.inf]), "a position is not finite"),
+        (String(data="pan"), "a std_msgs/msg/String came, expected sensor_msgs/msg/JointState"),
+    ],
+)
+def test_a_broken_message_is_named_with_its_time(evidence: MakeEvidence, state: Any, message: str) -> None:
+    verdict = expect_joint_states(NAMES).judge(evidence(*swing(), (5.0, "/joint_states", state)))
+    assert verdict.message.startswith("after 5.00 s ")
+    assert message in verdict.message
+
+
+def test_nothing_at_all_passes_no_check(evidence: MakeEvidence) -> None:
+    for check in (expect_joint_states(NAMES), SWING):
+        assert "nothing was published on /joint_states" in check.judge(evidence()).message
+
+
+def test_a_joint_that_nobody_names_is_said_to_be_missing(evidence: MakeEvidence) -> None:
+    verdict = expect_joint_swing("elbow", amplitude=0.5, hz=0.5).judge(evidence(*swing()))
+    assert "no position of elbow came on /joint_states; the last message names lift, pan" in verdict.message
