@@ -41,13 +41,16 @@ def replayed(recording: Recording, rviz_path: str | Path | None = None, at: floa
 
 
 def film_of(
-    recording: Recording, rviz_path: str | Path | None = None, at: float | None = None
+    recording: Recording,
+    rviz_path: str | Path | None = None,
+    at: float | None = None,
+    frame_rate: int | None = None,
 ) -> tuple[Film, Session]:
-    """Film a recording from its beginning to a time, frame by frame as RViz shows it; see `scene_of`."""
+    """Film a recording from its beginning to a time, in frames a second as RViz shows it; see `scene_of`."""
     session = session_for(recording, rviz_path)
     film = Film(session.context.scene, lambda: session.context.now_ns / NS, seconds=inf, megabytes=200)
     playback, end_ns = Playback(session, recording), _end_ns(recording, at)
-    for now_ns in range(recording.start_ns, end_ns, NS // session.frame_rate):
+    for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.frame_rate)):
         playback.go_to(now_ns)
     playback.go_to(end_ns)
     film.stop()

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.message_data import build
-from course_lib.grading.task import Task
+from course_lib.grading.task import Message, Task
 from course_lib.recording import Recording
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
@@ -19,9 +19,15 @@ PALE = 0.3  # alpha
 NAMESPACE = "expected"
 
 
-def expected(task: Task, personal: Mapping[str, Any]) -> Recording:
-    """What a right answer looks like."""
-    return _recording((), [(m.topic, build(m, personal)) for m in task.ghost])
+def expected(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
+    """What a right answer looks like, among what our side published."""
+    return _recording(_published(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
+
+
+def seen(evidence: Evidence, inputs: Iterable[Message]) -> Recording:
+    """What both sides published: without our transforms a scene lacks its frames."""
+    samples = (*_published(inputs, evidence.personal), *evidence.samples)
+    return Recording(sorted(samples, key=lambda sample: sample.stamp_ns))
 
 
 def compared(task: Task, evidence: Evidence) -> "Scene":
@@ -36,5 +42,13 @@ def compared(task: Task, evidence: Evidence) -> "Scene":
 
 def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]]) -> Recording:
     end_ns = samples[-1].stamp_ns if samples else START_NS
-    added = (Sample(end_ns, topic, type_name(m), serialize(m), Qos(), 0) for topic, m in messages)
-    return Recording((*samples, *added))
+    return Recording((*samples, *(_sample(end_ns, topic, message) for topic, message in messages)))
+
+
+def _published(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
+    ordered = sorted(inputs, key=lambda message: message.at)
+    return tuple(_sample(START_NS + round(m.at * 1e9), m.topic, build(m, personal)) for m in ordered)
+
+
+def _sample(stamp_ns: int, topic: str, message: Any) -> Sample:
+    return Sample(stamp_ns, topic, type_name(message), serialize(message), Qos(), 0)

@@ -109,7 +109,7 @@ def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: 
             try:
                 yield future.result()
             except Exception as error:  # the grading process itself died: that submission's is our fault
-                yield stored(our_fault(futures[future], error), out)
+                yield stored(our_fault(futures[future], error), course, out)
 
 
 def _say_summary(rows: Sequence[Row]) -> None:

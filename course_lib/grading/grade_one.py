@@ -38,7 +38,7 @@ def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, An
         result = _graded(submission, course, out)
     except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
         result = our_fault(submission, error)
-    return stored(result, out)
+    return stored(result, course, out)
 
 
 def our_fault(submission: Submission, error: Exception) -> Result:
@@ -46,10 +46,10 @@ def our_fault(submission: Submission, error: Exception) -> Result:
     return Result(submission, "grader_error", type(error).__name__, str(error))
 
 
-def stored(result: Result, out: Path) -> dict[str, Any]:
+def stored(result: Result, course: Course, out: Path) -> dict[str, Any]:
     """Write report and result; returns its line of the gradebook."""
     try:
-        write_report(result, out)
+        write_report(result, out, catalog_of(course).course)
     except Exception as error:  # the marks are right without a report, and must not be lost with it
         result = replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
     result.write(out)

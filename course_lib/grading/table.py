@@ -1,5 +1,6 @@
 """What a student sees of a result: a table, as text and as HTML."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
 FOR_A_PERSON = "noted; a person reads and marks it"
+_WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
 
 @dataclass(frozen=True)
@@ -63,4 +65,10 @@ def fill(template: str, **values: Any) -> str:
 def _templates() -> "Environment":
     from jinja2 import Environment, FileSystemLoader
 
-    return Environment(loader=FileSystemLoader(Path(__file__).with_name("templates")), autoescape=True)
+    loader = FileSystemLoader(Path(__file__).with_name("templates"))
+    return Environment(loader=loader, autoescape=True, finalize=_tame)
+
+
+def _tame(value: Any) -> Any:
+    """A text without terminal colours, control characters and turns of the reading direction."""
+    return _WILD.sub("", value) if type(value) is str else value  # not what is markup already

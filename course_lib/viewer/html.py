@@ -37,15 +37,14 @@ main .course-view, main .course-host { height: 100% !important }
 </style>
 <main></main>"""
 
-_SCRIPT = """\
-<script>
+_CODE = """\
 (async () => {{
   const zipped = Uint8Array.from(atob("{zipped}"), (sign) => sign.charCodeAt(0));
   const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
   (0, eval)(await new Response(stream).text());
   await globalThis["{key}"].{start};
 }})().catch((error) => document.body.append("The 3D view could not start: " + error));
-</script>"""
+"""
 
 
 def save_html(scene: Scene | Film, path: str | Path, title: str = "3D view") -> Path:
@@ -83,5 +82,10 @@ def live_page(title: str) -> str:
 
 def bundle_script(start: str = "mountAll()") -> str:
     """Return the element that starts all scenes of a page."""
+    return f"<script>\n{bundle_code(start)}</script>"
+
+
+def bundle_code(start: str = "mountAll()") -> str:
+    """Return what that element does, for pages that share one file of it."""
     zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _SCRIPT.format(zipped=zipped, key=assets.bundle()[0], start=start)
+    return _CODE.format(zipped=zipped, key=assets.bundle()[0], start=start)

@@ -1,0 +1,84 @@
+"""Scenes in reports: small enough to be sent, with one file of JavaScript for all of them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_lib.course.whole_file import write_whole
+from course_lib.errors import CourseError
+from course_lib.grading.ghost import expected, seen
+from course_lib.grading.judge import Run
+from course_lib.grading.task import Task
+from course_lib.recording import Recording
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+SPEEDS = ((None, 3000), (5, 20_000), (1, 50_000))  # frames/s, None: as RViz; messages that it may hold
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A scene of a page: its element, "" if there is none, and what there is to say about it."""
+
+    caption: str
+    view: "Markup | str"
+    note: str = ""
+
+
+def figures(task: Task, runs: Iterable[Run], room: int) -> list[Figure]:
+    """What was published in the first public scenario, beside what was expected.
+
+    Args:
+        task: Its ghost is what was expected.
+        runs: Of the whole exercise.
+        room: Characters that each scene may have.
+    """
+    run = next((run for run in runs if run.evidence.task == task.id and not run.hidden), None)
+    if run is None or not (run.evidence.samples or task.ghost):
+        return []
+    inputs, evidence = run.scenario.inputs, run.evidence
+    made = [_figure("Yours", seen(evidence, inputs), room)]
+    if task.ghost:
+        made.append(_figure("Expected", expected(task, evidence.personal, inputs), room))
+    return made
+
+
+def shared_script(folder: Path) -> str:
+    """Write the viewer into a folder, if it is not there yet, and return the file's name."""
+    from course_lib.viewer import assets, html
+
+    path = folder / f"viewer-{assets.bundle()[0].rpartition('_')[2]}.js"
+    if not path.is_file():
+        write_whole(path, html.bundle_code().encode())
+    return path.name
+
+
+def _figure(caption: str, recording: Recording, room: int) -> Figure:
+    if not recording.samples:
+        return Figure(caption, "", "Nothing was published.")
+    try:
+        return _fitting(caption, recording, room)
+    except Exception as error:  # what students publish may be anything; the reasons matter more than the view
+        return Figure(caption, "", f"This scene can't be drawn: {error}")
+
+
+def _fitting(caption: str, recording: Recording, room: int) -> Figure:
+    """Play the scene in as many frames a second as there is room for, else show its end."""
+    from markupsafe import Markup
+
+    from course_lib.displays.render import film_of, scene_of
+    from course_lib.viewer.html import scene_fragment
+
+    for rate, messages in SPEEDS:
+        if len(recording.samples) <= messages:
+            view = scene_fragment(film_of(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
+            if len(view) <= room:
+                return Figure(
+                    caption, Markup(view), f"Shortened to {rate} pictures a second." if rate else ""
+                )
+    view = scene_fragment(scene_of(recording), label=f"{caption}: 3D view")
+    if len(view) > room:
+        raise CourseError(f"it has {len(view) // 1000} kB, and a report has room for {room // 1000} kB")
+    return Figure(caption, Markup(view), "Too much to be played here: this is its end.")
