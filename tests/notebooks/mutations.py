@@ -23,15 +23,20 @@ class Operator:
 GEOMETRY = "position|size|scale|circle|point|width|height|line|at the end|turn"
 
 OPERATORS = (
-    Operator("sign: sine", r"math\.sin\(", "-math.sin(", "direction|clockwise|sign|value|turned|orientation"),
+    Operator(
+        "sign: sine",
+        r"math\.sin\(",
+        "-math.sin(",
+        "direction|clockwise|sign|value|turned|orientation|position",
+    ),
     Operator("sign: height", r"(position\.z = )", r"\1-", "position|height"),
     Operator("frame", r'frame_id = "map"', 'frame_id = "base_link"', "frame"),
     Operator("unit: centimetres", r"(?<=[=*] )(\d+\.\d+)(?=.*# \[m\])", r"\1 * 100", GEOMETRY),
-    Operator("unit: degrees", r"2 \* math\.pi", "360", "turn|direction|circle|shorter way"),
-    Operator("stamp: not set", r"marker\.header\.stamp = .*", "pass", "stamp"),
+    Operator("unit: degrees", r"2 \* math\.pi", "360", "turn|direction|circle|shorter way|swing"),
+    Operator("stamp: not set", r"(marker|state)\.header\.stamp = .*", "pass", "stamp"),
     Operator(
         "stamp: late",
-        r"(marker\.header\.stamp) = .*",
+        r"((?:marker|state)\.header\.stamp) = .*",
         r'\1 = (self.get_clock().now() - __import__("rclpy").duration.Duration(seconds=1)).to_msg()',
         "stamp",
     ),
@@ -79,11 +84,18 @@ OPERATORS = (
     Operator("yaw: outward", r" \+ math\.pi / 2(?=\n)", "", "turned|orientation"),
     Operator("frame: map, always", r', "map"\)', ', "base_link")', "frame|missing"),
     Operator("turn: the long way", r"math\.remainder\((.*), 2 \* math\.pi\)", r"(\1)", "way round|wrong"),
+    Operator("unit: degrees for radians", r"math\.radians\((\w+)\)", r"\1", "swings|middle"),
+    Operator("joint: misspelled", r'"elbow_joint"', '"elbow"', "joint is called"),
+    Operator("joint: the last one lost", r"(\.position = \[.*), 0\.0\]", r"\1]", "names and .* positions"),
+    Operator(
+        "order: turned, then shifted", r"@ (shifted\(.*\)) @ (turned\(.*\))", r"@ \2 @ \1", "value is wrong"
+    ),
+    Operator("beams: those that do not count", r" if low <= \w+ <= high", "", "position"),
     Operator("type", r"Marker\.(CUBE|SPHERE|CYLINDER|LINE_STRIP)", "Marker.POINTS", "type|shows 0|POINTS"),
     Operator("hard-coded: one student's value", r"my_values\(.*?\)\[.*?\]", "9.9", GEOMETRY),
     Operator(
         "hard-coded: as long as the public run",
-        r"(self\.publisher\.publish\(marker\))",
+        r"(self\.publisher\.publish\((marker|state)\))",
         r"(self.get_clock().now().nanoseconds < 1_700_000_006_500_000_000) and \1",
         "silent",
     ),

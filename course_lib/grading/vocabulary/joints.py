@@ -12,7 +12,7 @@ from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
 STATE = "sensor_msgs/msg/JointState"
-PHASE_TOLERANCE = 0.15  # [rad]: time may be counted from the node's start or from its first message
+PHASE_TOLERANCE = 0.2  # [rad]: time may be counted from the node's start or from its first message
 
 
 @word("joint states of {names}")

@@ -1,0 +1,125 @@
+"""Week 2, joint states: hidden scenarios and checks."""
+
+import math
+
+from course_lib.grading.inputs import scan
+from course_lib.grading.task import Call, Scenario, my
+from course_lib.grading.vocabulary import (
+    expect_joint_states,
+    expect_joint_swing,
+    expect_marker,
+    expect_marker_count,
+    expect_rate,
+    expect_stamps,
+    expect_value,
+)
+
+STATES = "/joint_states"
+NAMES = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+UR10 = [["z", [0.0, 0.0, 0.1273]], ["y", [0.0, 0.220941, 0.0]], ["y", [0.0, -0.1719, 0.612]]]  # axes, [m]
+PAN, LIFT, ELBOW = 0.7, 0.6, 1.1  # [rad]
+SCAN_STEP = math.radians(30)
+LAST = (-math.inf, 7.0, 0.0, math.nan, 6.5, 31.0, 2.25, 2.5, math.inf)  # [m]; the last beam but two
+TOWARDS = -math.radians(120) + 6 * SCAN_STEP  # [rad]
+
+
+def wrist() -> list[float]:
+    """Where the UR10's wrist is: the reach in the arm's plane, turned by pan."""
+    reach = 0.612 * math.sin(LIFT) + 0.5723 * math.sin(LIFT + ELBOW)  # [m]
+    height = 0.1273 + 0.612 * math.cos(LIFT) + 0.5723 * math.cos(LIFT + ELBOW)
+    side = 0.220941 - 0.1719
+    x = reach * math.cos(PAN) - side * math.sin(PAN)
+    return [x, reach * math.sin(PAN) + side * math.cos(PAN), height]
+
+
+HIDDEN = {
+    "week02.joint_wave": (
+        Scenario(
+            "longer",
+            seconds=10.0,  # [s]
+            seed=7,
+            checks=(
+                expect_joint_states(NAMES),
+                expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).worth(2),
+                expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5),
+                expect_joint_swing("shoulder_lift_joint", amplitude=0.0, hz=0.0, middle=-1.2),
+                expect_rate(STATES, 50.0),
+                expect_stamps(STATES),
+            ),
+        ),
+    ),
+    "week02.two_link": (
+        Scenario(
+            "other arms",
+            calls=(Call(1.0, 0.5, math.pi / 6, -math.pi / 2), Call(0.3, 0.4, -math.pi / 3, math.pi)),
+            checks=(
+                expect_value([math.sqrt(3) / 2 + 0.25, 0.5 - math.sqrt(3) / 4], call=0, unit="m"),
+                expect_value([-0.05, 0.05 * math.sqrt(3)], call=1, unit="m"),
+            ),
+        ),
+    ),
+    "week02.tool_place": (
+        Scenario(
+            "other arms",
+            calls=(
+                Call(UR10, [PAN, LIFT, ELBOW], [0.0, 0.0, 0.5723]),
+                Call(
+                    [["x", [1.0, 0.0, 0.0]], ["z", [0.0, 2.0, 0.0]]],
+                    [math.pi / 2, -math.pi / 2],
+                    [0.3, 0.0, 0.1],
+                ),
+            ),
+            checks=(
+                expect_value(wrist(), call=0, unit="m").worth(2),
+                expect_value([1.0, -0.1, 1.7], call=1, unit="m"),  # y becomes z, then x becomes -y
+            ),
+        ),
+    ),
+    "week02.mended_states": (
+        Scenario(
+            "longer",
+            seconds=9.0,  # [s]
+            seed=11,
+            checks=(
+                expect_joint_states(NAMES),
+                expect_joint_swing("shoulder_pan_joint", amplitude=math.radians(30), hz=0.5),
+                expect_joint_swing("shoulder_lift_joint", amplitude=0.0, hz=0.0, middle=math.radians(-90)),
+                expect_joint_swing("wrist_2_joint", amplitude=0.0, hz=0.0, middle=math.radians(90)),
+                expect_rate(STATES, 20.0),
+                expect_stamps(STATES),
+            ),
+        ),
+    ),
+    "week02.nearest": (
+        Scenario(
+            "another laser",
+            seconds=8.0,  # [s]
+            seed=13,
+            inputs=(
+                *(scan((3.0,) * 9, at=0.1 + n / 4, frame="rear", first=-1.0, step=0.2) for n in range(30)),
+                scan((math.inf,) * 9, at=7.7, frame="rear", first=-1.0, step=0.2),  # nothing near
+                scan(LAST, at=7.8, frame="rear", first=-math.radians(120), step=SCAN_STEP),
+            ),
+            checks=(
+                expect_marker_count("/nearest", 1, type="SPHERE"),
+                expect_marker(
+                    "/nearest",
+                    type="SPHERE",
+                    frame="rear",
+                    position=(2.25 * math.cos(TOWARDS), 2.25 * math.sin(TOWARDS), 0.0),
+                    scale=(0.2, 0.2, 0.2),
+                    color=(1.0, 0.0, 0.0, 1.0),
+                ).worth(2),
+                expect_rate("/nearest", 4.0),
+                expect_stamps("/nearest"),
+            ),
+        ),
+    ),
+}
