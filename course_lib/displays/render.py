@@ -101,13 +101,15 @@ def _end_ns(recording: Recording, at: float | None) -> int:
 
 
 def _show_all(session: Session, recording: Recording) -> None:
-    """Show a grid and all topics of markers, in a frame that fits them."""
+    """Show a grid and all topics of markers, without any the frames, in a frame that fits them."""
     session.add("rviz_default_plugins/Grid", "Grid", {})
     topics = {topic.name: topic.type_name for topic in recording.topics() if topic.type_name in _DISPLAYS}
     for topic, type_name in topics.items():
         if topics.get(topic.removesuffix("_array")) != MARKER or type_name == MARKER:
             name = _DISPLAYS[type_name]
             session.add(f"rviz_default_plugins/{name}", name, {"Topic": topic})
+    if not topics and any(sample.type_name == TF for sample in recording.samples):
+        session.add("rviz_default_plugins/TF", "TF", {"Show Names": True, "Marker Scale": 3.0})
     session.fixed_frame = _likely_fixed_frame(recording)
     guess = f"no layout was given: {session.fixed_frame!r} is the root of what is shown."
     session.statuses.hint("Fixed Frame", guess)

@@ -17,6 +17,7 @@ from course_lib.grading.grade_one import Course, catalog_of, grade_one, our_faul
 from course_lib.grading.gradebook import write_gradebook
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.report_index import write_index
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
 
@@ -67,7 +68,8 @@ def grade(
             _say(f"{submission.student}  {submission.exercise}  note: {note}")
     _say_summary(rows)
     _say(f"Isolation: {isolation}.")
-    _say(f"Wrote {write_gradebook(out)}")
+    index = write_index(out, catalog_of(course).course.time_zone)
+    _say(f"Wrote {write_gradebook(out)} and {index}")
     return all(row["status"] in GRADED for row in rows)
 
 

@@ -105,7 +105,7 @@ def test_the_same_submission_gives_the_same_files_again(
     for out, jobs in {"one": 1, "two": 2}.items():
         grade(submissions, tmp_path / out, jobs=jobs, course=course)
     files = [path.relative_to(tmp_path / "one") for path in (tmp_path / "one").rglob("*") if path.is_file()]
-    assert len(files) == 7
+    assert len(files) == 9
     for file in files:
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 
