@@ -1,0 +1,107 @@
+"""Marks into the CSV that a learning platform exported, Canvas, Moodle or another."""
+
+import csv
+from collections import Counter
+from pathlib import Path
+
+from course_lib.course.identity import normalise
+from course_lib.course.whole_file import write_whole
+from course_lib.errors import CourseError
+from course_lib.grading.lms_file import LmsFile
+
+POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
+FINAL = ("graded", "limit")
+
+
+def fill_lms(
+    out: Path, lms: Path, target: Path, *, exercise: str, column: str, id_column: str, raw: bool = False
+) -> list[str]:
+    """Fill one column with the marks of an exercise and write the file again, otherwise unchanged.
+
+    Args:
+        out: Where `course grade` put gradebook.csv.
+        lms: What the platform exported.
+        target: The file to write.
+        exercise: "week01_exercise".
+        column: Its heading there.
+        id_column: The heading of the students' IDs.
+        raw: Whether the score before the late policy counts, as the platform has a policy of its own.
+
+    Returns:
+        What was done, and who is missing on either side: a line each.
+
+    Raises:
+        CourseError: A file can't be read, a column is not there, or no row fits.
+    """
+    file, marks = LmsFile.read(lms), _marks(out, exercise)
+    place, id_place = file.column(column), file.column(id_column)
+    if place == id_place:
+        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
+    students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
+    ids = {
+        row: _key(file.text(row, id_place))
+        for row in students
+        if file.text(row, 0) or file.text(row, id_place)
+    }
+    count = Counter(ids.values())
+    lines, filled = _points_lines(file, place, marks), 0
+    for row, key in ids.items():
+        if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
+            lines.append(f"{lms.name}: row {row + 1}, {file.text(row, id_place) or 'no ID'}: {problem}")
+        else:
+            file.put(row, place, f"{float(marks[key]['score' if raw else 'final']):.10g}")
+            filled += 1
+    lines += [f"gradebook.csv: {mark['student']}: no such ID in {lms.name}" for key, mark in marks.items()
+              if key not in count]  # fmt: skip
+    if not filled:
+        raise CourseError(f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}.")
+    write_whole(target, file.encoded())
+    what = (
+        "scores before the late policy" if raw else "marks after the late policy; switch the platform's off"
+    )
+    return [*lines, f"Wrote {target}: {filled} {what}."]
+
+
+def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
+    path = out / "gradebook.csv"
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        marks = {_key(row["student"]): row for row in rows if row["exercise"] == exercise}
+    except (OSError, UnicodeError, KeyError, csv.Error) as error:
+        raise CourseError(
+            f"{path} can't be read: {error!r}. Type: course grade SUBMISSIONS --out {out}"
+        ) from error
+    if not marks:
+        known = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
+        raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known}.")
+    return marks
+
+
+def _key(text: str) -> str:
+    """One spelling of an ID on both sides."""
+    try:
+        return normalise(text)
+    except CourseError:
+        return text.strip().casefold()
+
+
+def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) -> str:
+    """Why a row is left as it is, or ""."""
+    if key and count > 1:
+        return "more than one row has this ID, left as they are"
+    if mark is None:
+        return "no mark"
+    if mark["status"] not in FINAL:
+        return f"{mark['status']}, left as it is"
+    return "the row is too short" if is_short else ""
+
+
+def _points_lines(file: LmsFile, place: int, marks: dict[str, dict[str, str]]) -> list[str]:
+    """A note if the platform counts other points than the exercise has."""
+    rows = [row for row in range(1, len(file.rows)) if file.text(row, 0) == POINTS_POSSIBLE]
+    there = {file.text(row, place).removesuffix(".0") for row in rows} - {""}
+    ours = {mark["max_score"].removesuffix(".0") for mark in marks.values()} - {""}
+    if not there or not ours or there & ours:
+        return []
+    return [f"note: the platform gives {', '.join(there)} points, gradebook.csv {', '.join(ours)}"]

@@ -1,0 +1,167 @@
+import codecs
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from course_lib.errors import CourseError
+from course_lib.grading.lms import fill_lms
+from course_lib.grading.lms_file import LmsFile
+
+GRADEBOOK = """\
+student,exercise,score,max_score,days_late,penalty,final,status,reason,message
+ada1,week01_exercise,90.5,100,1,9.05,81.45,graded,,
+bob2,week01_exercise,50.0,100,0,0.0,50.0,limit,time,
+cleo3,week01_exercise,,,,,,grader_error,OSError,
+ghost9,week01_exercise,10.0,100,0,0.0,10.0,graded,,
+ada1,week02_exercise,1.0,100,0,0.0,1.0,graded,,
+"""
+CANVAS = '''\
+Student,ID,SIS Login ID,Section,Week 1 (1234),Week 10 (1250),Final Score
+,,,,Manual Posting,,
+    Points Possible,,,,100.0,100.0,(read only)
+"Lovelace, Ada",11,ADA1,"R ""2""",,=1+1,
+"Bobson, Bob",12,bob2,S,7,,-
+"Cleo, É.",13,cleo3,S,,,
+"Dora, D",14,dora4,S,3,,@x
+'''
+MOODLE = """\
+"Identifier";"Full name";"ID number";"Email address";"Status";"Grade";"Maximum Grade"
+"Participant 7";"Ada Lovelace";"ada1";"a@x.org";"Submitted
+for grading";"";"100,00"
+"Participant 8";"Bob; Bobson";"bob2";"b@x.org";"-";"12,00";"100,00"
+"Participant 9";"Nobody";"";"n@x.org";"-";"";"100,00"
+"""
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    (tmp_path / "gradebook.csv").write_text(GRADEBOOK)
+    return tmp_path
+
+
+Fill = Callable[..., tuple[bytes, list[str]]]
+
+
+@pytest.fixture
+def fill(out: Path) -> Fill:
+    """Fills a file of these bytes and returns the new ones, and the lines."""
+
+    def do(data: bytes, column: str, id_column: str, raw: bool = False) -> tuple[bytes, list[str]]:
+        (out / "lms.csv").write_bytes(data)
+        source, target = out / "lms.csv", out / "filled.csv"
+        lines = fill_lms(
+            out, source, target, exercise="week01_exercise", column=column, id_column=id_column, raw=raw
+        )
+        return target.read_bytes(), lines
+
+    return do
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1", "utf-16-be-bom"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+def test_canvas_keeps_every_byte_but_the_marks(fill: Fill, encoding: str, newline: str) -> None:
+    def bytes_of(text: str) -> bytes:
+        text = text.replace("\n", newline)
+        if encoding == "utf-16-be-bom":
+            return codecs.BOM_UTF16_BE + text.encode("utf-16-be")
+        return text.encode(encoding)
+
+    filled, lines = fill(bytes_of(CANVAS), "Week 1", "SIS Login ID")
+    expected = CANVAS.replace('"R ""2""",,', '"R ""2""",81.45,').replace("bob2,S,7", "bob2,S,50")
+    assert filled == bytes_of(expected)
+    assert lines == [
+        "lms.csv: row 6, cleo3: grader_error, left as it is",
+        "lms.csv: row 7, dora4: no mark",
+        "gradebook.csv: ghost9: no such ID in lms.csv",
+        lines[-1],
+    ]
+    assert lines[-1].endswith("filled.csv: 2 marks after the late policy; switch the platform's off.")
+
+
+def test_moodle_keeps_its_quotes_and_lists_whom_it_names_no_id_of(fill: Fill) -> None:
+    filled, lines = fill(MOODLE.encode("utf-8-sig"), "Grade", "ID number")
+    expected = MOODLE.replace('grading";""', 'grading";"81.45"').replace('"12,00"', '"50"')
+    assert filled == expected.encode("utf-8-sig")
+    assert "lms.csv: row 4, no ID: no mark" in lines
+
+
+def test_a_platform_with_its_own_late_policy_gets_the_raw_scores(fill: Fill) -> None:
+    filled, lines = fill(CANVAS.encode(), "Week 1", "SIS Login ID", raw=True)
+    assert b'"R ""2""",90.5,' in filled
+    assert "before the late policy" in lines[-1]
+
+
+def test_other_points_than_the_exercise_has_are_noted(fill: Fill) -> None:
+    _, lines = fill(CANVAS.replace("100.0,100.0", "20,20").encode(), "Week 1", "SIS Login ID")
+    assert "note: the platform gives 20 points, gradebook.csv 100" in lines
+
+
+def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
+    filled, lines = fill(CANVAS.replace("dora4", "ADA 1").encode(), "Week 1", "SIS Login ID")
+    assert b"81.45" not in filled
+    assert sum("more than one row has this ID" in line for line in lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("data", "column", "id_column", "message"),
+    [
+        (CANVAS, "Week 7", "SIS Login ID", "0 columns are named 'Week 7'; expected one of 'Student', 'ID'"),
+        (CANVAS, "Week 1", "Section", "no ID in column 'Section'"),
+        (CANVAS, "ID", "ID", "the marks would replace the IDs"),
+        ("", "a", "b", "is no CSV"),
+        ("PK\x03\x04\0\0,", "a", "b", "is no CSV"),
+        ("a,a,b\n", "a", "b", "2 columns are named 'a'"),
+    ],
+)
+def test_what_does_not_fit_is_refused_and_nothing_is_written(
+    fill: Fill, out: Path, data: str, column: str, id_column: str, message: str
+) -> None:
+    with pytest.raises(CourseError, match=message):
+        fill(data.encode(), column, id_column)
+    assert not (out / "filled.csv").exists()
+
+
+ANY_TEXT = st.text(st.sampled_from('ab,;"\t\r\n |é=+-@ 7'), max_size=60).map(lambda text: "a,b" + text)
+
+
+@settings(max_examples=300)
+@given(text=ANY_TEXT, encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"]))
+def test_whatever_is_read_is_written_again(
+    tmp_path_factory: pytest.TempPathFactory, text: str, encoding: str
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    path.write_bytes(text.encode(encoding))
+    assert LmsFile.read(path).encoded() == text.encode(encoding)
+
+
+CELLS = st.text(st.sampled_from('ab,;"\n é='), max_size=8)
+
+
+@settings(max_examples=200)
+@given(
+    rows=st.lists(st.tuples(CELLS, CELLS, CELLS), min_size=1, max_size=5),
+    delimiter=st.sampled_from(",;\t"),
+    quoting=st.sampled_from([csv.QUOTE_ALL, csv.QUOTE_MINIMAL]),
+)
+def test_cells_are_those_that_pythons_own_reader_finds_and_one_alone_changes(
+    tmp_path_factory: pytest.TempPathFactory,
+    rows: list[tuple[str, str, str]],
+    delimiter: str,
+    quoting: Literal[0, 1],
+) -> None:
+    text = io.StringIO(newline="")
+    csv.writer(text, delimiter=delimiter, quoting=quoting).writerows([("who", "id", "mark"), *rows])
+    path = tmp_path_factory.getbasetemp() / "cells.csv"
+    path.write_text(text.getvalue(), encoding="utf-8", newline="")
+    file = LmsFile.read(path)
+    file.put(len(rows), 2, "42")
+    expected = [["who", "id", "mark"], *map(list, rows)]
+    expected[-1][2] = "42"
+    assert list(csv.reader(io.StringIO(file.encoded().decode(), newline=""), delimiter=delimiter)) == expected
+    assert [file.text(row, 0) for row in range(1, len(rows) + 1)] == [row[0].strip() for row in rows]
