@@ -95,6 +95,9 @@ def _interpreter_kept() -> Iterator[None]:
     try:
         yield
     finally:
+        from rclpy.signals import uninstall_signal_handlers
+
+        uninstall_signal_handlers()  # those of a program that never shut down: they would bring ours back later
         sys.argv, sys.path[:], sys.modules["__main__"] = before
         threading.excepthook = threading.__excepthook__
         if on_interrupt is signal.default_int_handler:

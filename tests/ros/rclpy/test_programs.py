@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.signals import uninstall_signal_handlers
 
 from course_lib.ros.baton import DeadlockError
 from course_lib.ros.clock import START_NS
@@ -192,3 +193,10 @@ def test_a_text_given_to_sys_exit_is_shown_and_means_1(
     with use_graph(Graph()):
         assert run_files([file], seed=1) == 1
     assert capsys.readouterr().err == "no robot here\n"
+
+
+def test_a_program_that_never_shuts_down_leaves_no_signal_handler_behind(tmp_path: Path) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    run(tmp_path, "import rclpy; rclpy.init()")
+    uninstall_signal_handlers()  # as the next program does
+    assert signal.getsignal(signal.SIGINT) is before
