@@ -46,11 +46,11 @@ JOINT_WAVE = Task(
             seed=1,
             checks=(
                 expect_joint_states(NAMES).titled("six names, six positions"),
-                expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).titled(
-                    "the shoulder swings by your amplitude"
-                ),
-                expect_rate(STATES, 50.0).titled("50 times a second"),
-                expect_stamps(STATES).titled("stamped with the time"),
+                expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25)
+                .titled("the shoulder swings by your amplitude")
+                .worth(2),
+                expect_rate(STATES, 50.0).titled("50 times a second").worth(0.5),
+                expect_stamps(STATES).titled("stamped with the time").worth(0.5),
             ),
         ),
     ),
@@ -122,7 +122,7 @@ MENDED_STATES = Task(
             seconds=4.0,  # [s]
             seed=1,
             checks=(
-                expect_joint_states(NAMES).titled("all six joints have a name and a position"),
+                expect_joint_states(NAMES).titled("all six joints have a name and a position").worth(3),
                 expect_joint_swing("elbow_joint", amplitude=0.0, hz=0.0, middle=math.radians(60)).titled(
                     "the elbow stands at 60°"
                 ),

@@ -48,7 +48,11 @@ def test_time_may_be_counted_from_a_period_before_the_first_message(evidence: Ma
 @pytest.mark.parametrize(
     ("wrong", "message", "mistake"),
     [
-        ({"amplitude": math.degrees(0.5)}, "swings by 28.65 rad, expected 0.50 rad", "amplitude"),
+        (
+            {"amplitude": math.degrees(0.5)},
+            "swings by 28.65 rad, expected 0.50 rad: degrees, where radians are wanted",
+            "amplitude",
+        ),
         ({"amplitude": -0.5}, "another phase: by 3.14 rad; a half turn is a wrong sign", "sign"),
         ({"phase": math.pi / 2}, "another phase: by 1.57 rad", "phase"),
         ({"hz": 1.0}, "does not swing 0.50 times a second", "does not swing as it should"),
@@ -73,8 +77,11 @@ def test_a_joint_that_should_stand_still_must(evidence: MakeEvidence) -> None:
 @pytest.mark.parametrize(
     ("state", "message"),
     [
-        (JointState(name=["pan", "lft"], position=[0.0, 0.0]), "a joint is called 'lft'"),
-        (JointState(name=["pan"], position=[0.0]), "the joint lift is missing"),
+        (
+            JointState(name=["pan", "lft"], position=[0.0, 0.0]),
+            "the robot has no joint lft; not named is lift",
+        ),
+        (JointState(name=["pan"], position=[0.0]), "not named is lift"),
         (JointState(name=["pan", "lift"], position=[0.0]), "has 2 names and 1 positions"),
         (JointState(name=["pan", "lift"], position=[0.0, math.inf]), "a position is not finite"),
         (String(data="pan"), "a std_msgs/msg/String came, expected sensor_msgs/msg/JointState"),

@@ -84,8 +84,10 @@ OPERATORS = (
     Operator("yaw: outward", r" \+ math\.pi / 2(?=\n)", "", "turned|orientation"),
     Operator("frame: map, always", r', "map"\)', ', "base_link")', "frame|missing"),
     Operator("turn: the long way", r"math\.remainder\((.*), 2 \* math\.pi\)", r"(\1)", "way round|wrong"),
-    Operator("unit: degrees for radians", r"math\.radians\((\w+)\)", r"\1", "swings|middle"),
-    Operator("joint: misspelled", r'"elbow_joint"', '"elbow"', "joint is called"),
+    Operator(
+        "unit: degrees for radians", r"math\.radians\((\w+)\)", r"\1", "degrees, where radians are wanted"
+    ),
+    Operator("joint: misspelled", r'"elbow_joint"', '"elbow"', "has no joint elbow"),
     Operator("joint: the last one lost", r"(\.position = \[.*), 0\.0\]", r"\1]", "names and .* positions"),
     Operator(
         "order: turned, then shifted", r"@ (shifted\(.*\)) @ (turned\(.*\))", r"@ \2 @ \1", "value is wrong"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, listed, nothing_on, number, word
 from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
@@ -15,7 +15,7 @@ STATE = "sensor_msgs/msg/JointState"
 PHASE_TOLERANCE = 0.2  # [rad]: time may be counted from the node's start or from its first message
 
 
-@word("joint states of {names}")
+@word("every joint has a name and a position")
 def expect_joint_states(evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC) -> Iterable[Problem]:
     """Every message names exactly these joints, in any order, each with a finite position."""
     came = evidence.messages(topic)
@@ -67,11 +67,13 @@ def _broken(state: Any, names: Sequence[str]) -> Iterator[Problem]:
     if type_name(state) != STATE:
         yield Problem(f"a {type_name(state)} came, expected {STATE}", "a topic has the wrong type")
         return
-    for unknown in sorted(set(state.name) - set(names)):
-        message = f"a joint is called {unknown!r}; the names are {', '.join(names)}"
+    unknown = [name for name in state.name if name not in names]
+    missing = [name for name in names if name not in state.name]
+    if unknown:
+        message = f"the robot has no joint {listed(unknown)}; not named is {listed(missing) or 'none'}"
         yield Problem(message, "the name of a joint is wrong")
-    for missing in sorted(set(names) - set(state.name)):
-        yield Problem(f"the joint {missing} is missing", "the name of a joint is missing")
+    elif missing:
+        yield Problem(f"not named is {listed(missing)}", "the name of a joint is missing")
     if len(state.position) != len(state.name):
         message = f"a message has {len(state.name)} names and {len(state.position)} positions"
         yield Problem(message, "names and positions are not equally many")
@@ -102,7 +104,7 @@ def _differs(
         yield Problem(f"{message}: {number(rest, 'rad')} off", "a joint does not swing as it should")
         return
     if not close(came, amplitude, tolerance):
-        message = f"{joint} swings by {number(came, 'rad')}, expected {number(amplitude, 'rad')}"
+        message = f"{joint} swings by {_angles(came, amplitude)}"
         yield Problem(message, "the amplitude of a joint's position is wrong")
     elif amplitude and not close(turned, 0.0, PHASE_TOLERANCE):
         message = (
@@ -110,5 +112,11 @@ def _differs(
         )
         yield Problem(message, "the phase or the sign of a joint's position is wrong")
     if not close(came_middle, middle, tolerance):
-        message = f"the middle of {joint} is {number(came_middle, 'rad')}, expected {number(middle, 'rad')}"
+        message = f"the middle of {joint} is {_angles(came_middle, middle)}"
         yield Problem(message, "the middle position of a joint is wrong")
+
+
+def _angles(came: float, expected: float) -> str:
+    in_degrees = expected and close(math.radians(came), expected, 0.01 * abs(expected))
+    hint = ": degrees, where radians are wanted" if in_degrees else ""
+    return f"{number(came, 'rad')}, expected {number(expected, 'rad')}{hint}"

@@ -67,8 +67,8 @@ def close(value: float, expected: float, tolerance: float) -> bool:
 
 def number(value: float, unit: str = "") -> str:
     """A number for people: at least two decimals, and as many as a small value needs."""
-    decimals = 2 if value == 0 or abs(value) >= 0.1 or not math.isfinite(value) else 4
-    return f"{value:.{decimals}f}{unit and ' ' + unit}"
+    small = 5e-5 <= abs(value) < 0.1
+    return f"{value:z.{4 if small else 2}f}{unit and ' ' + unit}"
 
 
 def numbers(values: Iterable[float]) -> str:
