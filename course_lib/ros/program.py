@@ -97,7 +97,7 @@ def _interpreter_kept() -> Iterator[None]:
     finally:
         from rclpy.signals import uninstall_signal_handlers
 
-        uninstall_signal_handlers()  # those of a program that never shut down: they would bring ours back later
+        uninstall_signal_handlers()  # a program that never shut down has left them; they remember ours
         sys.argv, sys.path[:], sys.modules["__main__"] = before
         threading.excepthook = threading.__excepthook__
         if on_interrupt is signal.default_int_handler:

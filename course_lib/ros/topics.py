@@ -57,11 +57,6 @@ class EndpointInfo:
         """Whether a service answers here: it hears the requests."""
         return self.kind == "sub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
 
-    @property
-    def is_client(self) -> bool:
-        """Whether a client of a service asks here."""
-        return self.kind == "pub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
-
 
 @dataclass(slots=True)
 class Publisher:

@@ -78,20 +78,14 @@ def test_a_node_sees_the_graph(node: Node) -> None:
     other.create_subscription(String, "/chatter", print, 10)
     assert node.get_node_names() == ["talker", "other"]
     assert node.get_node_names_and_namespaces() == [("talker", "/"), ("other", "/far")]
-    assert node.get_fully_qualified_node_names() == ["/talker", "/far/other"]
     assert (node.count_publishers("chatter"), node.count_subscribers("chatter")) == (1, 1)
-    assert ("/chatter", ["std_msgs/msg/String"]) in node.get_publisher_names_and_types_by_node("talker", "/")
-    assert node.get_subscriber_names_and_types_by_node("other", "/far") == [
-        ("/chatter", ["std_msgs/msg/String"])
-    ]
+    assert ("/chatter", ["std_msgs/msg/String"]) in node.get_topic_names_and_types()
     assert str(node.get_subscriptions_info_by_topic("/chatter")[0]).splitlines()[:4] == [
         "Node name: other",
         "Node namespace: /far",
         "Topic type: std_msgs/msg/String",
         "Endpoint type: SUBSCRIPTION",
     ]
-    with pytest.raises(RuntimeError, match="the node 'nobody' in '/' is unknown"):
-        node.get_publisher_names_and_types_by_node("nobody", "/")
 
 
 def test_topics_are_private_to_the_node_or_in_its_namespace(begun: Graph) -> None:

@@ -170,8 +170,6 @@ def test_services_and_clients_are_listed_as_services_not_as_topics(adder: Node, 
     added = ("/add", ["example_interfaces/srv/AddTwoInts"])
     assert added in asker.get_service_names_and_types()
     assert ("/robot/go", ["std_srvs/srv/Trigger"]) in asker.get_service_names_and_types()
-    assert added in asker.get_service_names_and_types_by_node("talker", "/")
-    assert asker.get_client_names_and_types_by_node("talker", "/") == [added]
     assert {name for name, _ in asker.get_topic_names_and_types()} == {"/parameter_events", "/rosout"}
     assert client.service_name == "/add"
     assert client.srv_name == "add"

@@ -12,7 +12,6 @@ from rclpy.executors import Executor
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments, joined, parse
 from rclpy.impl.node_entities import NodeEntities
-from rclpy.impl.node_graph import NodeNameNonExistentError
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.node_parameters import NodeParameters
 from rclpy.impl.rcutils_logger import RcutilsLogger
@@ -23,8 +22,6 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.utilities import get_default_context
-
-__all__ = ["Node", "NodeNameNonExistentError"]
 
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 

@@ -4,88 +4,51 @@
 
 import warnings
 from enum import Enum, IntEnum
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 from course_lib.ros.qos import incompatible
-from rclpy.duration import Duration, Infinite
+from rclpy.duration import Duration
 
 
 class QoSPolicyKind(IntEnum):
-    """Names a policy, as in the report of an incompatibility."""
+    """Names the policy that keeps a publisher and a subscription apart."""
 
-    INVALID = 1
     DURABILITY = 2
     DEADLINE = 4
     LIVELINESS = 8
     RELIABILITY = 16
-    HISTORY = 32
-    LIFESPAN = 64
-    DEPTH = 128
-    LIVELINESS_LEASE_DURATION = 256
-    AVOID_ROS_NAMESPACE_CONVENTIONS = 512
 
 
-def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
-    """Return the name of a policy."""
-    return QoSPolicyKind(policy_kind).name
-
-
-class QoSPolicyEnum(IntEnum):
-    """The base of the policies; short keys are what one types at a command line."""
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        """List the short keys."""
-        return [name.lower() for name in cls.__members__]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> int:
-        """Find a value by its short key, in any case."""
-        return cls[name.upper()].value
-
-    @property
-    def short_key(self) -> str:
-        """The short key of this value."""
-        return self.name.lower()
-
-
-class HistoryPolicy(QoSPolicyEnum):
+class HistoryPolicy(IntEnum):
     """How many samples are kept: the last `depth`, or all."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
     KEEP_ALL = 2
-    UNKNOWN = 3
 
 
-class ReliabilityPolicy(QoSPolicyEnum):
+class ReliabilityPolicy(IntEnum):
     """Whether lost samples are sent again."""
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
     BEST_EFFORT = 2
-    UNKNOWN = 3
-    BEST_AVAILABLE = 4
 
 
-class DurabilityPolicy(QoSPolicyEnum):
+class DurabilityPolicy(IntEnum):
     """Whether a subscription that comes late gets the last samples."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
-    UNKNOWN = 3
-    BEST_AVAILABLE = 4
 
 
-class LivelinessPolicy(QoSPolicyEnum):
+class LivelinessPolicy(IntEnum):
     """Who says that a publisher is alive."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1
     MANUAL_BY_TOPIC = 3
-    UNKNOWN = 4
-    BEST_AVAILABLE = 5
 
 
 class InvalidQoSProfileException(Exception):
@@ -101,22 +64,6 @@ QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
 
 UNSPECIFIED = Duration()
-DeadlineBestAvailable = Duration(nanoseconds=Infinite.nanoseconds - 1)
-LivelinessLeaseDurationeBestAvailable = DeadlineBestAvailable  # spelt as in rclpy
-
-
-class QoSFields(TypedDict, total=False):
-    """What a QoSProfile is made of."""
-
-    history: HistoryPolicy
-    depth: int
-    reliability: ReliabilityPolicy
-    durability: DurabilityPolicy
-    lifespan: Duration
-    deadline: Duration
-    liveliness: LivelinessPolicy
-    liveliness_lease_duration: Duration
-    avoid_ros_namespace_conventions: bool
 
 
 _POLICIES: dict[str, type[IntEnum]] = {
@@ -125,17 +72,17 @@ _POLICIES: dict[str, type[IntEnum]] = {
     "durability": DurabilityPolicy,
     "liveliness": LivelinessPolicy,
 }
-_DEFAULTS = QoSFields(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=10,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-    lifespan=UNSPECIFIED,
-    deadline=UNSPECIFIED,
-    liveliness=LivelinessPolicy.SYSTEM_DEFAULT,
-    liveliness_lease_duration=UNSPECIFIED,
-    avoid_ros_namespace_conventions=False,
-)
+_DEFAULTS: dict[str, Any] = {
+    "history": HistoryPolicy.KEEP_LAST,
+    "depth": 10,
+    "reliability": ReliabilityPolicy.RELIABLE,
+    "durability": DurabilityPolicy.VOLATILE,
+    "lifespan": UNSPECIFIED,
+    "deadline": UNSPECIFIED,
+    "liveliness": LivelinessPolicy.SYSTEM_DEFAULT,
+    "liveliness_lease_duration": UNSPECIFIED,
+    "avoid_ros_namespace_conventions": False,
+}
 
 
 class QoSProfile:
@@ -159,7 +106,7 @@ class QoSProfile:
     liveliness_lease_duration: Duration
     avoid_ros_namespace_conventions: bool
 
-    def __init__(self, **kwargs: Unpack[QoSFields]) -> None:
+    def __init__(self, **kwargs: Any) -> None:
         if not _DEFAULTS.keys() >= kwargs.keys():
             raise AssertionError(f"Invalid arguments passed to constructor: {kwargs.keys()!r}")
         if "depth" not in kwargs:
@@ -194,13 +141,6 @@ class QoSProfile:
         return f"QoSProfile({', '.join(f'{name}={value}' for name, value in vars(self).items())})"
 
 
-qos_profile_unknown = QoSProfile(
-    history=HistoryPolicy.UNKNOWN,
-    depth=0,
-    reliability=ReliabilityPolicy.UNKNOWN,
-    durability=DurabilityPolicy.UNKNOWN,
-    liveliness=LivelinessPolicy.UNKNOWN,
-)
 qos_profile_default = QoSProfile(depth=10)
 qos_profile_system_default = QoSProfile(
     history=HistoryPolicy.SYSTEM_DEFAULT,
@@ -212,21 +152,12 @@ qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST
 qos_profile_services_default = QoSProfile(depth=10)
 qos_profile_parameters = QoSProfile(depth=1000)
 qos_profile_parameter_events = QoSProfile(depth=1000)
-qos_profile_best_available = QoSProfile(
-    depth=10,
-    reliability=ReliabilityPolicy.BEST_AVAILABLE,
-    durability=DurabilityPolicy.BEST_AVAILABLE,
-    deadline=DeadlineBestAvailable,
-    liveliness=LivelinessPolicy.BEST_AVAILABLE,
-    liveliness_lease_duration=LivelinessLeaseDurationeBestAvailable,
-)
 qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class QoSPresetProfiles(Enum):
     """The presets by name."""
 
-    UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default
     SYSTEM_DEFAULT = qos_profile_system_default
     SENSOR_DATA = qos_profile_sensor_data
@@ -234,17 +165,6 @@ class QoSPresetProfiles(Enum):
     PARAMETERS = qos_profile_parameters
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
-    BEST_AVAILABLE = qos_profile_best_available
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        """List the presets as one types them at a command line."""
-        return [name.lower() for name in cls.__members__]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> QoSProfile:
-        """Find a preset by its short name, in any case."""
-        return cls[name.upper()].value
 
 
 class QoSCompatibility(IntEnum):
@@ -269,12 +189,11 @@ def qos_check_compatible(
     """Say whether samples would flow from such a publisher to such a subscription, and if not, why."""
     from rclpy.impl.qos_conversion import to_qos
 
-    policy = incompatible(to_qos(publisher_qos, "pub", []), to_qos(subscription_qos, "sub", []))
+    policy = incompatible(to_qos(publisher_qos, "pub"), to_qos(subscription_qos, "sub"))
     if policy:
         return QoSCompatibility.ERROR, f"ERROR: incompatible {policy};"
-    open_ = ("SYSTEM_DEFAULT", "UNKNOWN")  # left to the system, which may make it weak or strict
     for name, (weak, strict) in _WEAK_AND_STRICT.items():
         offered, requested = getattr(publisher_qos, name), getattr(subscription_qos, name)
-        if offered.name in (*open_, weak.name) and requested.name in (*open_, strict.name):
+        if offered in (0, weak) and requested in (0, strict):  # 0: the system may make it weak or strict
             return QoSCompatibility.WARNING, f"WARNING: {name} is left to the system;"
     return QoSCompatibility.OK, ""

@@ -1,10 +1,9 @@
 """What a node creates and destroys."""
 
 from collections.abc import Callable, Iterator
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from course_lib.ros.messages import Message, type_name
-from course_lib.ros.qos import Qos
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
@@ -88,7 +87,7 @@ class NodeEntities(NodeGraph):
         """
         node, profile, full_topic = self.handle, _to_profile(qos_profile), self.resolve_topic_name(topic)
         require_type(msg_type, "message")
-        qos = to_qos(profile, "pub", self._partners(full_topic, "sub"))
+        qos = to_qos(profile, "pub")
         endpoint_id = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), qos)
         endpoint = Endpoint(node, endpoint_id, full_topic)
         publisher = Publisher(endpoint, msg_type, topic, profile)
@@ -124,7 +123,7 @@ class NodeEntities(NodeGraph):
         require_type(msg_type, "message")
         group = callback_group or self.default_callback_group
         subscription = Subscription(self.handle, msg_type, topic, callback, group, profile, raw)
-        qos = to_qos(profile, "sub", self._partners(full_topic, "pub"))
+        qos = to_qos(profile, "sub")
         subscription.join(type_name(msg_type), full_topic, qos)
         self._subscriptions.append(subscription)
         events = event_callbacks or SubscriptionEventCallbacks()
@@ -212,11 +211,6 @@ class NodeEntities(NodeGraph):
         """Check a service's type; returns its fully resolved name."""
         require_type(srv_type, "service")
         return self.resolve_service_name(srv_name)
-
-    def _partners(self, topic: str, kind: Literal["pub", "sub"]) -> list[Qos]:
-        return [
-            info.qos for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind
-        ]
 
 
 def _to_profile(qos_profile: QoSProfile | int) -> QoSProfile:

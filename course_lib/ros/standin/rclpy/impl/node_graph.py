@@ -12,10 +12,6 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 NamesAndTypes = list[tuple[str, list[str]]]
 
 
-class NodeNameNonExistentError(RuntimeError):
-    """The node that was asked for is not there."""
-
-
 class NodeGraph:
     """The part of Node that asks the graph."""
 
@@ -35,10 +31,6 @@ class NodeGraph:
         """List the names of all nodes."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
-    def get_fully_qualified_node_names(self) -> list[str]:
-        """List the full names of all nodes."""
-        return [names.join(namespace, name) for name, namespace in self.get_node_names_and_namespaces()]
-
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """List (name, namespace) of all nodes."""
         return [(node.name, node.namespace) for node in self.handle.graph.nodes()]
@@ -50,26 +42,6 @@ class NodeGraph:
     def get_service_names_and_types(self) -> NamesAndTypes:
         """List all services with their types; as in ROS also those that are only asked for."""
         return _services(self.handle.graph.endpoints())
-
-    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
-        """List the services of a node; raises NodeNameNonExistentError if it is not there."""
-        return _services(e for e in self._endpoints_of(node_name, node_namespace, "sub") if e.is_service)
-
-    def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
-        """List what services a node asks; raises NodeNameNonExistentError if it is not there."""
-        return _services(e for e in self._endpoints_of(node_name, node_namespace, "pub") if e.is_client)
-
-    def get_publisher_names_and_types_by_node(
-        self, node_name: str, node_namespace: str, no_demangle: bool = False
-    ) -> NamesAndTypes:
-        """List what a node publishes; raises NodeNameNonExistentError if it is not there."""
-        return _topics(self._endpoints_of(node_name, node_namespace, "pub"))
-
-    def get_subscriber_names_and_types_by_node(
-        self, node_name: str, node_namespace: str, no_demangle: bool = False
-    ) -> NamesAndTypes:
-        """List what a node subscribes to; raises NodeNameNonExistentError if it is not there."""
-        return _topics(self._endpoints_of(node_name, node_namespace, "sub"))
 
     def count_publishers(self, topic_name: str) -> int:
         """Count the publishers on a topic."""
@@ -107,16 +79,6 @@ class NodeGraph:
     def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
         return [info for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind]
-
-    def _endpoints_of(self, name: str, namespace: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
-        ids = {
-            node.id for node in self.handle.graph.nodes() if (node.name, node.namespace) == (name, namespace)
-        }
-        if not ids:
-            raise NodeNameNonExistentError(
-                f"Cannot get names and types: the node '{name}' in '{namespace}' is unknown"
-            )
-        return [info for info in self.handle.graph.endpoints() if info.node in ids and info.kind == kind]
 
     def _describe(self, info: EndpointInfo) -> TopicEndpointInfo:
         node = next(node for node in self.handle.graph.nodes() if node.id == info.node)

@@ -1,6 +1,5 @@
-"""Between a QoSProfile and the QoS that the graph works with."""
+"""QoS profiles to what the graph works with, and back."""
 
-from collections.abc import Sequence
 from typing import Literal
 
 from course_lib.ros.qos import Qos
@@ -14,30 +13,17 @@ from rclpy.qos import (
 )
 
 
-def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"], partners: Sequence[Qos]) -> Qos:
-    """Resolve a profile to what an endpoint really offers or requests.
-
-    Args:
-        profile: The profile as given; what it leaves to the system becomes what DDS has by default.
-        kind: Whether the endpoint is a publisher or a subscription.
-        partners: What is there on the topic already: BEST_AVAILABLE asks for no more than these offer.
-    """
-    is_publisher = kind == "pub"
-    reliable = {
-        ReliabilityPolicy.RELIABLE: True,
-        ReliabilityPolicy.BEST_EFFORT: False,
-        ReliabilityPolicy.BEST_AVAILABLE: is_publisher or all(q.reliability == "reliable" for q in partners),
-    }.get(profile.reliability, is_publisher)
-    latched = {
-        DurabilityPolicy.TRANSIENT_LOCAL: True,
-        DurabilityPolicy.BEST_AVAILABLE: is_publisher
-        or (bool(partners) and all(q.durability == "transient_local" for q in partners)),
-    }.get(profile.durability, False)
+def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
+    """Resolve what a profile leaves to the system to what DDS has by default for such an endpoint."""
+    reliability = profile.reliability or (
+        ReliabilityPolicy.RELIABLE if kind == "pub" else ReliabilityPolicy.BEST_EFFORT
+    )
+    latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     return Qos(
         history="keep_all" if profile.history == HistoryPolicy.KEEP_ALL else "keep_last",
         depth=profile.depth or 1,
-        reliability="reliable" if reliable else "best_effort",
+        reliability="reliable" if reliability == ReliabilityPolicy.RELIABLE else "best_effort",
         durability="transient_local" if latched else "volatile",
         deadline_ns=_limit(profile.deadline),
         lifespan_ns=_limit(profile.lifespan),
@@ -61,8 +47,8 @@ def to_profile(qos: Qos) -> QoSProfile:
 
 
 def _limit(duration: Duration) -> int | None:
-    """Return a limit in [ns]; unspecified (zero) and infinite (or one less: best available) are none."""
-    return duration.nanoseconds if 0 < duration.nanoseconds < Infinite.nanoseconds - 1 else None
+    """Return a limit in [ns]; unspecified (zero) and infinite are none."""
+    return duration.nanoseconds if 0 < duration.nanoseconds < Infinite.nanoseconds else None
 
 
 def _duration(limit_ns: int | None) -> Duration:

@@ -48,7 +48,7 @@ class ServiceEnd(Entity):
         names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
         types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
         sent, heard = (0, 1) if asks else (1, 0)
-        offered, wanted = to_qos(qos_profile, "pub", ()), to_qos(qos_profile, "sub", ())
+        offered, wanted = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
         self.id = graph.add_publisher(node.id, names[sent], types[sent], offered)
         heard_id = graph.add_subscription(
             node.id, self.entity, names[heard], types[heard], wanted, self._receive
