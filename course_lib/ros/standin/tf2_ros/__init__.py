@@ -1,5 +1,4 @@
 from tf2_py import (
-    BufferCore,
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
@@ -9,27 +8,17 @@ from tf2_py import (
 )
 
 from tf2_ros.buffer import Buffer
-from tf2_ros.buffer_interface import (
-    BufferInterface,
-    NotImplementedException,
-    Stamped,
-    TransformRegistration,
-    TypeException,
-)
+from tf2_ros.buffer_interface import TransformRegistration, TypeException
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster
 from tf2_ros.transform_broadcaster import TransformBroadcaster
 from tf2_ros.transform_listener import TransformListener
 
 __all__ = [
     "Buffer",
-    "BufferCore",
-    "BufferInterface",
     "ConnectivityException",
     "ExtrapolationException",
     "InvalidArgumentException",
     "LookupException",
-    "NotImplementedException",
-    "Stamped",
     "StaticTransformBroadcaster",
     "TimeoutException",
     "TransformBroadcaster",

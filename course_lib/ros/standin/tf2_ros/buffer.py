@@ -1,26 +1,37 @@
 """The buffer that programs look transforms up in."""
 
 from collections.abc import Callable
-from typing import Literal, overload
+from typing import Any, TypeAlias, TypeVar
 
-from geometry_msgs.msg import TransformStamped
+import builtin_interfaces.msg
+from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from rclpy.duration import Duration
+from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.time import Time
+from std_msgs.msg import Header
 from tf2_msgs.srv import FrameGraph
-from tf2_py import AnyTime, BufferCore
 
+from course_lib.ros import tf2_core, tf2_frames, tf2_transform
 from course_lib.ros.baton import baton
 from course_lib.ros.driving import wait_for
 from course_lib.ros.graph import current_graph
-from tf2_ros.buffer_interface import NO_WAIT, BufferInterface
+from tf2_ros.buffer_interface import TransformRegistration
+
+AnyTime: TypeAlias = Time | builtin_interfaces.msg.Time  # of any kind of clock: tf2 does not look
+Obj = TypeVar("Obj")
+NO_WAIT = Duration()
+_log = RcutilsLogger()  # C++ names none
 
 
-class Buffer(BufferCore, BufferInterface):
+class Buffer:
     """Remembers transforms, waits for them, and carries things from frame to frame.
 
-    A lookup with a timeout waits for another thread that spins the listener's node: in a callback of the
-    same thread nothing can come in meanwhile, as on a robot.
+    A lookup takes coordinates in the source frame to the target frame; the time zero, `Time()`, means the
+    latest at which all of the chain is known. What is not known raises one of tf2's TransformExceptions.
+    A timeout waits for another thread that spins the listener's node: in a callback of the same thread
+    nothing can come in meanwhile, as on a robot.
 
     Args:
         cache_time: How long dynamic transforms are remembered; default 10 s.
@@ -28,38 +39,26 @@ class Buffer(BufferCore, BufferInterface):
     """
 
     def __init__(self, cache_time: Duration | None = None, node: Node | None = None) -> None:
-        BufferCore.__init__(self, cache_time)
-        BufferInterface.__init__(self)
+        self._core = tf2_core.BufferCore(tf2_core.CACHE_NS if cache_time is None else cache_time.nanoseconds)
         if node is not None:
             self.srv = node.create_service(FrameGraph, "tf2_frames", self._describe)
         self._on_new_data: dict[Callable[[], None], None] = {}  # a set that keeps its order
 
     def set_transform(self, transform: TransformStamped, authority: str) -> None:
         """Remember a transform; one that breaks tf2's rules is logged and ignored."""
-        super().set_transform(transform, authority)
-        self._tell()
+        self._set(transform, authority, is_static=False)
 
     def set_transform_static(self, transform: TransformStamped, authority: str) -> None:
         """Remember a transform that holds at any time."""
-        super().set_transform_static(transform, authority)
-        self._tell()
+        self._set(transform, authority, is_static=True)
 
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: AnyTime, timeout: Duration = NO_WAIT
     ) -> TransformStamped:
-        """Return the transform that takes coordinates in the source frame to the target frame.
-
-        Args:
-            target_frame: Frame to express things in.
-            source_frame: Frame the things are given in.
-            time: When; `Time()` means the latest time at which all of the chain is known.
-            timeout: How long to wait for it.
-
-        Raises:
-            TransformException: It is not known.
-        """
-        self._wait(lambda: self.can_transform_core(target_frame, source_frame, time), timeout)
-        return self.lookup_transform_core(target_frame, source_frame, time)
+        """Return the transform from the source frame to the target frame; wait for it at most so long."""
+        asked = target_frame, source_frame, _ns(time)
+        self._wait(lambda: self._core.can_transform(*asked), timeout)
+        return _message(self._core.lookup(*asked))
 
     def lookup_transform_full(
         self,
@@ -70,42 +69,11 @@ class Buffer(BufferCore, BufferInterface):
         fixed_frame: str,
         timeout: Duration = NO_WAIT,
     ) -> TransformStamped:
-        """Return the transform from the source frame at one time to the target frame at another.
+        """Return the transform between two frames at two times; the fixed frame rests between them."""
+        asked = target_frame, _ns(target_time), source_frame, _ns(source_time), fixed_frame
+        self._wait(lambda: self._core.can_transform_full(*asked), timeout)
+        return _message(self._core.lookup_full(*asked))
 
-        Args:
-            target_frame: Frame to express things in.
-            target_time: When it is where it counts.
-            source_frame: Frame the things are given in.
-            source_time: When the things were seen.
-            fixed_frame: Frame that does not move between the two times.
-            timeout: How long to wait for it.
-
-        Raises:
-            TransformException: It is not known.
-        """
-        asked = target_frame, target_time, source_frame, source_time, fixed_frame
-        self._wait(lambda: self.can_transform_full_core(*asked), timeout)
-        return self.lookup_transform_full_core(*asked)
-
-    @overload
-    def can_transform(
-        self,
-        target_frame: str,
-        source_frame: str,
-        time: AnyTime,
-        timeout: Duration = ...,
-        return_debug_tuple: Literal[False] = ...,
-    ) -> bool: ...
-    @overload
-    def can_transform(
-        self,
-        target_frame: str,
-        source_frame: str,
-        time: AnyTime,
-        timeout: Duration = ...,
-        *,
-        return_debug_tuple: Literal[True],
-    ) -> tuple[bool, str]: ...
     def can_transform(
         self,
         target_frame: str,
@@ -113,106 +81,108 @@ class Buffer(BufferCore, BufferInterface):
         time: AnyTime,
         timeout: Duration = NO_WAIT,
         return_debug_tuple: bool = False,
-    ) -> bool | tuple[bool, str]:
-        """Say whether a lookup would succeed; with `return_debug_tuple` also why not."""
-        answer = self._wait(lambda: self.can_transform_core(target_frame, source_frame, time), timeout)
+    ) -> Any:
+        """Say whether a lookup would succeed; with `return_debug_tuple` as (whether, why not)."""
+        asked = target_frame, source_frame, _ns(time)
+        problem = self._wait(lambda: self._core.can_transform(*asked), timeout)
         baton.poll()
-        return answer if return_debug_tuple else answer[0]
-
-    def can_transform_full(
-        self,
-        target_frame: str,
-        target_time: AnyTime,
-        source_frame: str,
-        source_time: AnyTime,
-        fixed_frame: str,
-        timeout: Duration = NO_WAIT,
-        return_debug_tuple: bool = False,
-    ) -> bool | tuple[bool, str]:
-        """Say whether a full lookup would succeed; with `return_debug_tuple` also why not."""
-        asked = target_frame, target_time, source_frame, source_time, fixed_frame
-        answer = self._wait(lambda: self.can_transform_full_core(*asked), timeout)
-        baton.poll()
-        return answer if return_debug_tuple else answer[0]
+        return (problem is None, problem or "") if return_debug_tuple else problem is None
 
     def wait_for_transform_async(
         self, target_frame: str, source_frame: str, time: AnyTime
     ) -> Future[TransformStamped]:
         """Return a future of the transform."""
-        return self._future(
-            lambda: self.can_transform_core(target_frame, source_frame, time)[0],
-            lambda: self.lookup_transform_core(target_frame, source_frame, time),
-        )
-
-    def wait_for_transform_full_async(
-        self,
-        target_frame: str,
-        target_time: AnyTime,
-        source_frame: str,
-        source_time: AnyTime,
-        fixed_frame: str,
-    ) -> Future[TransformStamped]:
-        """Return a future of the transform between two times."""
-        asked = target_frame, target_time, source_frame, source_time, fixed_frame
-        return self._future(
-            lambda: self.can_transform_full_core(*asked)[0], lambda: self.lookup_transform_full_core(*asked)
-        )
-
-    async def lookup_transform_async(
-        self, target_frame: str, source_frame: str, time: AnyTime
-    ) -> TransformStamped:
-        """Await the transform and return it; otherwise as `lookup_transform`."""
-        await self.wait_for_transform_async(target_frame, source_frame, time)
-        return self.lookup_transform_core(target_frame, source_frame, time)
-
-    async def lookup_transform_full_async(
-        self,
-        target_frame: str,
-        target_time: AnyTime,
-        source_frame: str,
-        source_time: AnyTime,
-        fixed_frame: str,
-    ) -> TransformStamped:
-        """Await the transform between two times and return it."""
-        asked = target_frame, target_time, source_frame, source_time, fixed_frame
-        await self.wait_for_transform_full_async(*asked)
-        return self.lookup_transform_full_core(*asked)
-
-    def _describe(self, request: FrameGraph.Request, response: FrameGraph.Response) -> FrameGraph.Response:
-        response.frame_yaml = self.all_frames_as_yaml()
-        return response
-
-    def _future(
-        self, ready: Callable[[], bool], lookup: Callable[[], TransformStamped]
-    ) -> Future[TransformStamped]:
+        asked = target_frame, source_frame, _ns(time)
         future: Future[TransformStamped] = Future()
 
         def look() -> None:
-            if not future.done() and ready():
-                future.set_result(lookup())
+            if not future.done() and self._core.can_transform(*asked) is None:
+                future.set_result(_message(self._core.lookup(*asked)))
 
         self._on_new_data[look] = None
         future.add_done_callback(lambda _: self._on_new_data.pop(look))
         look()
         return future
 
-    def _tell(self) -> None:
+    async def lookup_transform_async(
+        self, target_frame: str, source_frame: str, time: AnyTime
+    ) -> TransformStamped:
+        """Await the transform and return it; otherwise as `lookup_transform`."""
+        await self.wait_for_transform_async(target_frame, source_frame, time)
+        return self.lookup_transform(target_frame, source_frame, time)
+
+    def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
+        """Carry something with a header into another frame, at the time of its stamp.
+
+        Raises:
+            TypeException: The type is not known; `import tf2_geometry_msgs` teaches those of geometry_msgs.
+            TransformException: The transform is not known.
+        """
+        do_transform = TransformRegistration().get(type(object_stamped))
+        header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
+        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
+        carried: Obj = do_transform(object_stamped, found)
+        return carried
+
+    def all_frames_as_yaml(self) -> str:
+        """Describe all frames that have a parent, as YAML."""
+        return tf2_frames.as_yaml(self._core)
+
+    def all_frames_as_string(self) -> str:
+        """Name all frames that have a parent, one in a line."""
+        return self._core.described()
+
+    def clear(self) -> None:
+        """Forget all dynamic transforms."""
+        self._core.clear()
+
+    def _describe(self, request: FrameGraph.Request, response: FrameGraph.Response) -> FrameGraph.Response:
+        response.frame_yaml = self.all_frames_as_yaml()
+        return response
+
+    def _set(self, message: TransformStamped, authority: str, *, is_static: bool) -> None:
+        transform = tf2_transform.Transform.from_message(message)
+        for complaint in self._core.set_transform(transform, authority, is_static):
+            if complaint.startswith("TF_OLD_DATA"):
+                _log.warning(complaint)
+            else:
+                _log.error(complaint)
         for look in list(self._on_new_data):
             look()
 
-    def _wait(self, ask: Callable[[], tuple[bool, str]], timeout: Duration) -> tuple[bool, str]:
-        """Wait until the answer is yes, and give it; in a notebook's cell the live nodes run meanwhile."""
+    def _wait(self, ask: Callable[[], str | None], timeout: Duration) -> str | None:
+        """Wait until nothing stands in the way, and say what does; in a cell the live nodes run meanwhile."""
         if not isinstance(timeout, Duration):
             raise TypeError(
                 f"timeout must be an rclpy.duration.Duration, like Duration(seconds=1.0), not {timeout!r}"
             )
-        if timeout.nanoseconds > 0 and not ask()[0]:
+        if timeout.nanoseconds > 0 and ask() is not None:
             graph = current_graph()
             if graph.notebook and not baton.governs():
-                wait_for(lambda: ask()[0], seconds=timeout.nanoseconds * 1e-9)
+                wait_for(lambda: ask() is None, seconds=timeout.nanoseconds * 1e-9)
             else:
                 until_ns = graph.now_ns + timeout.nanoseconds
                 with baton.known():
                     what = "a transform, for which another thread has to spin the listener's node"
-                    baton.wait(lambda: ask()[0], until_ns=until_ns, what=what)
+                    baton.wait(lambda: ask() is None, until_ns=until_ns, what=what)
         return ask()
+
+
+def _ns(time: AnyTime) -> int:
+    if isinstance(time, Time):
+        return time.nanoseconds
+    if isinstance(time, builtin_interfaces.msg.Time):
+        return time.sec * 10**9 + time.nanosec
+    raise TypeError("time must have sec and nanosec, or nanoseconds.")
+
+
+def _message(found: tf2_transform.Transform) -> TransformStamped:
+    seconds, nanoseconds = divmod(found.stamp_ns, 10**9)
+    (x, y, z), (qx, qy, qz, qw) = found.pose
+    return TransformStamped(
+        header=Header(
+            stamp=builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds), frame_id=found.parent
+        ),
+        child_frame_id=found.child,
+        transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
+    )
