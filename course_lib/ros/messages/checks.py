@@ -16,66 +16,54 @@ from course_lib.ros.messages.definitions import FieldDefinition
 from course_lib.ros.messages.primitives import Primitive
 
 Check = Callable[[Any], None]  # raises AssertionError
+Fits = Callable[[Any], bool]
+
+
+def must(field: FieldDefinition, rule: str, fits: Fits) -> Check:
+    """Make a check that complains "The 'x' field must be …"."""
+
+    def check(value: Any) -> None:
+        if not fits(value):
+            raise AssertionError(f"The '{field.name}' field must be {rule}")
+
+    return check
 
 
 def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Make the check of a number, a bool or a string."""
-    python = primitive.python
+    """Make the check of a number, a bool, a string or a byte, which is a ``bytes`` of length 1."""
+    python, bound = primitive.python, field.string_bound
+    if python is bytes:
+        rule = "of type 'bytes' or 'ByteString' with length 1"
+        return must(field, rule, lambda value: isinstance(value, bytes | bytearray) and len(value) == 1)
+    if bound:
+        rule = f"string value not longer than {bound}"
+        return must(field, rule, lambda value: isinstance(value, str) and len(value) <= bound)
+    if not primitive.range_word:
+        return must(field, f"of type '{python.__name__}'", lambda value: isinstance(value, python))
+    article = "an" if python is int else "a"
+    limits = f"{article} {primitive.range_word} in [{primitive.low}, {primitive.high}]"
 
-    def check(value: Any) -> None:
+    def check_number(value: Any) -> None:
         if not isinstance(value, python):
             raise AssertionError(f"The '{field.name}' field must be of type '{python.__name__}'")
-        if primitive.range_word and not _in_range(value, primitive):
-            article = "an" if primitive.python is int else "a"
-            limits = f"[{primitive.low}, {primitive.high}]"
-            raise AssertionError(
-                f"The '{field.name}' field must be {article} {primitive.range_word} in {limits}"
-            )
+        if not _in_range(value, primitive):
+            raise AssertionError(f"The '{field.name}' field must be {limits}")
 
-    return check
-
-
-def bounded_string_check(field: FieldDefinition) -> Check:
-    """Make the check of a string that has a greatest length."""
-
-    def check(value: Any) -> None:
-        if not (isinstance(value, str) and len(value) <= field.string_bound):
-            raise AssertionError(
-                f"The '{field.name}' field must be string value not longer than {field.string_bound}"
-            )
-
-    return check
-
-
-def byte_check(field: FieldDefinition) -> Check:
-    """Make the check of a ``byte``, which is a ``bytes`` of length 1."""
-
-    def check(value: Any) -> None:
-        if not (isinstance(value, bytes | bytearray) and len(value) == 1):
-            raise AssertionError(
-                f"The '{field.name}' field must be of type 'bytes' or 'ByteString' with length 1"
-            )
-
-    return check
+    return check_number
 
 
 def message_check(field: FieldDefinition, item: type) -> Check:
     """Make the check of a sub message."""
-
-    def check(value: Any) -> None:
-        if not isinstance(value, item):
-            raise AssertionError(f"The '{field.name}' field must be a sub message of type '{item.__name__}'")
-
-    return check
+    rule = f"a sub message of type '{item.__name__}'"
+    return must(field, rule, lambda value: isinstance(value, item))
 
 
 def collection_check(field: FieldDefinition, item: type, primitive: Primitive | None) -> Check:
     """Make the check of a sequence or array of `item`; of numbers, `primitive` gives the range."""
-    text = f"The '{field.name}' field must be {_collection_words(field, item, primitive)}"
     ranged = primitive if primitive is not None and primitive.range_word else None
 
-    def check(value: Any) -> None:
-        fits = (
+    def fits(value: Any) -> bool:
+        return (
             isinstance(value, Sequence | Set)
             and not isinstance(value, str | UserString)
             and _length_fits(value, field)
@@ -83,10 +71,8 @@ def collection_check(field: FieldDefinition, item: type, primitive: Primitive | 
             and (not field.string_bound or all(len(element) <= field.string_bound for element in value))
             and (ranged is None or all(_in_range(element, ranged) for element in value))
         )
-        if not fits:
-            raise AssertionError(text)
 
-    return check
+    return must(field, _collection_words(field, item, primitive), fits)
 
 
 def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:

@@ -37,36 +37,20 @@ def kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kin
         return _message(field, item) if field.container == "scalar" else _list(field, item, None)
     primitive = PRIMITIVES[field.base]
     if field.container == "scalar":
-        return _SCALARS.get(field.base, _number)(field, primitive)
+        return _scalar(field, primitive)
     if primitive.code:
         return (_block if field.container == "array" else _numbers)(field, primitive)
     return _list(field, primitive.python, primitive)
 
 
-def _default(field: FieldDefinition, otherwise: Callable[[], Any]) -> Callable[[], Any]:
-    return otherwise if field.default is None else lambda: field.default
+def _scalar(field: FieldDefinition, primitive: Primitive) -> Kind:
+    default = _one(primitive) if field.default is None else lambda: field.default
+    send, receive = _BYTE if primitive.python is bytes else (None, None)
+    return Kind(default, checks.scalar_check(field, primitive), to_wire=send, from_wire=receive)
 
 
-def _number(field: FieldDefinition, primitive: Primitive) -> Kind:
-    return Kind(_default(field, primitive.python), checks.scalar_check(field, primitive))
-
-
-def _string(field: FieldDefinition, primitive: Primitive) -> Kind:
-    bounded = bool(field.string_bound)
-    check = checks.bounded_string_check(field) if bounded else checks.scalar_check(field, primitive)
-    return Kind(_default(field, str), check)
-
-
-def _byte(field: FieldDefinition, _: Primitive) -> Kind:
-    return Kind(
-        _default(field, lambda: b"\x00"),
-        checks.byte_check(field),
-        to_wire=lambda value: int.from_bytes(value, signed=True),
-        from_wire=lambda value: value.to_bytes(1, signed=True),
-    )
-
-
-_SCALARS: Mapping[str, Callable[[FieldDefinition, Primitive], Kind]] = {"string": _string, "byte": _byte}
+def _one(primitive: Primitive) -> Callable[[], Any]:
+    return (lambda: b"\x00") if primitive.python is bytes else primitive.python
 
 
 def _message(field: FieldDefinition, item: type) -> Kind:
@@ -116,13 +100,17 @@ def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Ki
         check(value)
         return value if send is None else send(value)
 
-    one = _byte(field, primitive).default if primitive and field.base == "byte" else item
+    one = item if primitive is None else _one(primitive)
     length = field.size if field.container == "array" else 0
     return Kind(
         default=lambda: [one() for _ in range(length)], check=check, to_wire=to_wire, from_wire=receive
     )
 
 
+_BYTE: tuple[Convert, Convert] = (
+    lambda value: int.from_bytes(value, signed=True),
+    lambda value: value.to_bytes(1, signed=True),
+)
 # How lists travel that rosbags wants as numpy arrays.
 _LISTS: Mapping[str, tuple[Convert, Convert]] = {
     "bool": (lambda value: np.array(list(value), bool), lambda value: value.tolist()),
