@@ -176,6 +176,27 @@ def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]
 
 
 @app.command()
+def collect(
+    source: Annotated[Path, typer.Argument(help="A folder or zip, as Moodle, Canvas or nbgrader gave it.")],
+    out: Annotated[Path, typer.Option(help="Where the submissions go: a folder per student.")],
+    roster: Annotated[
+        Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
+    ] = None,
+    id_column: Annotated[str, typer.Option(help="The heading of that ID in --roster.")] = "ID number",
+) -> None:
+    """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
+    from course_lib.course.files import exercises_dir
+    from course_lib.grading.collect import collect as sort
+    from course_lib.grading.course_file import read_course_file
+
+    zone = read_course_file(exercises_dir() / "course.toml").time_zone
+    done = sort(source, out, zone, roster, id_column)
+    for line in (*done.refused, done.summary(out)):
+        typer.echo(line)
+    raise typer.Exit(NOT_PASSED if done.refused else 0)
+
+
+@app.command()
 def grade(
     submissions: Annotated[Path, typer.Argument(help="The folder with the submissions.")],
     out: Annotated[Path, typer.Option(help="Where results, gradebook and reports go.")],

@@ -53,7 +53,8 @@ def received(path: Path, top: Path, receipt: Mapping[str, Any]) -> Received:
 
 def _listed(path: Path, file: Path) -> datetime | None:
     with path.open(newline="", encoding="utf-8-sig") as rows:
-        times = (row["received"] for row in csv.DictReader(rows) if path.parent / row["file"] == file)
+        known = (row for row in csv.DictReader(rows) if path.parent / row["file"] == file)
+        times = (row["received"] for row in known if row["received"])
         return next(map(_in_utc, times), None)
 
 

@@ -1,0 +1,228 @@
+import json
+import os
+import stat
+import struct
+import zipfile
+from collections.abc import Callable, Mapping
+from io import BytesIO
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading import arrivals
+from course_lib.grading.collect import Collection, collect
+from course_lib.grading.submission import find_submissions
+
+AMMAN = ZoneInfo("Asia/Amman")
+NAME = "week01_exercise.ipynb"
+Bytes = Mapping[str | zipfile.ZipInfo, bytes]
+
+
+def notebook(code: str = "x = 1") -> bytes:
+    return json.dumps({"nbformat": 4, "cells": [{"cell_type": "code", "source": code}]}).encode()
+
+
+def zipped(files: Bytes) -> bytes:
+    data = BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            info = (
+                name
+                if isinstance(name, zipfile.ZipInfo)
+                else zipfile.ZipInfo(name, (2026, 10, 11, 23, 58, 30))
+            )
+            archive.writestr(info, content, zipfile.ZIP_DEFLATED)
+    return data.getvalue()
+
+
+@pytest.fixture
+def sort(tmp_path: Path) -> Callable[[Bytes], Collection]:
+    def do(files: Bytes) -> Collection:
+        (tmp_path / "in.zip").write_bytes(zipped(files))
+        return collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+
+    return do
+
+
+Sort = Callable[[Bytes], Collection]
+
+
+def kept(out: Path) -> list[str]:
+    return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
+
+
+def test_moodles_zip_with_times_both_ways_of_naming(sort: Sort, tmp_path: Path) -> None:
+    done = sort({
+        f"Ada Lovelace_12345_assignsubmission_file_/{NAME}": notebook("a = 1"),
+        f"Bob O'Neil_777_assignsubmission_file_{NAME}": notebook("b = 1"),
+        "Bob O'Neil_777_assignsubmission_onlinetext_/onlinetext.html": b"<p>",
+    })  # fmt: skip
+    assert kept(tmp_path / "out") == [f"participant12345/{NAME}", f"participant777/{NAME}", "received.csv"]
+    assert len(done.refused) == 1
+    found = {s.student: s.received for s in find_submissions(tmp_path / "out")}
+    assert {r.source for r in found.values()} == {"received.csv"}
+    assert found["participant777"].time.astimezone(AMMAN).isoformat() == "2026-10-11T23:58:30+03:00"
+    assert "Ada Lovelace" in (tmp_path / "out/received.csv").read_text()
+
+
+def test_canvas_names_with_a_late_one_and_a_second_try(sort: Sort, tmp_path: Path) -> None:
+    done = sort({
+        f"lovelaceada_11_900_{NAME}": notebook("a = 1"),
+        f"bobsonbob_LATE_12_901_{NAME}": notebook("b = 1"),
+        "bobsonbob_12_902_week01_exercise-1.ipynb": notebook("b = 2"),
+    })  # fmt: skip
+    assert not done.refused
+    assert kept(tmp_path / "out") == [
+        f"11/{NAME}",
+        "12/week01_exercise-1.ipynb",
+        f"12/{NAME}",
+        "received.csv",
+    ]
+    late = [row["file"] for row in done.rows.values() if row["late"]]
+    assert late == [f"12/{NAME}"]
+    assert "1 late by the platform's word" in done.summary(tmp_path)
+    assert find_submissions(tmp_path / "out")[0].received.source == "file time"  # Canvas tells no times
+
+
+def test_the_platforms_csv_gives_numbers_their_ids(sort: Sort, tmp_path: Path) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
+    (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
+    collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    assert kept(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
+
+
+def test_nbgraders_folders_keep_their_time_stamps(tmp_path: Path) -> None:
+    folder = tmp_path / "in/submitted/ada/week01"
+    folder.mkdir(parents=True)
+    (folder / NAME).write_bytes(notebook())
+    (folder / "timestamp.txt").write_text("2026-10-11 10:00:00 UTC")
+    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    (found,) = find_submissions(tmp_path / "out")
+    assert (found.student, found.received.source, done.count) == ("ada", "timestamp.txt", 1)
+
+
+def test_again_changes_nothing_and_another_version_is_put_beside(sort: Sort, tmp_path: Path) -> None:
+    for code in ("x = 1", "x = 1", "x = 2"):
+        sort({f"ada/{NAME}": notebook(code)})
+    assert kept(tmp_path / "out") == ["ada/week01_exercise-2.ipynb", f"ada/{NAME}", "received.csv"]
+
+
+def test_archives_in_archives_belong_to_who_sent_the_outer_one(sort: Sort, tmp_path: Path) -> None:
+    forged = zipped(
+        {f"Bob_99_assignsubmission_file_/{NAME}": notebook(), "timestamp.txt": b"2020-01-01 0:00 UTC"}
+    )
+    done = sort(
+        {
+            "ada/work.zip": zipped({"again.zip": forged}),
+            f"Bob_99_assignsubmission_file_/{NAME}": notebook("b"),
+        }
+    )
+    assert kept(tmp_path / "out") == [f"ada/{NAME}", f"participant99/{NAME}", "received.csv"]
+    assert "timestamp.txt: it is none of" in done.refused[0]
+
+
+def special(name: str, mode: int) -> zipfile.ZipInfo:
+    info = zipfile.ZipInfo(name)
+    info.create_system, info.external_attr = 3, mode << 16
+    return info
+
+
+def many(count: int) -> bytes:
+    return zipped({f"{number}.py": b"" for number in range(count)})
+
+
+HOSTILE: dict[str, tuple[Bytes, str]] = {
+    "slip": ({f"ada/../../{NAME}": b""}, "its path leads elsewhere"),
+    "absolute": ({f"/etc/{NAME}": b""}, "its path leads elsewhere"),
+    "drive": ({f"C:/{NAME}": b""}, "its path leads elsewhere"),
+    "backslash": ({f"ada\\..\\{NAME}": b""}, "its path leads elsewhere"),
+    "control": ({f"ada/\x1b[31m{NAME}": b""}, "its name is not text"),
+    "right to left": ({f"ada/\u202e{NAME}": b""}, "its name is not text"),
+    "long": ({f"ada/{'w' * 300}.ipynb": b""}, "its name is longer than"),
+    "link": ({special(f"ada/{NAME}", stat.S_IFLNK | 0o777): b"/etc/passwd"}, "it is a link or a device"),
+    "device": ({special(f"ada/{NAME}", stat.S_IFCHR | 0o777): b""}, "it is a link or a device"),
+    "bomb": ({f"ada/{NAME}": b" " * 50_000_000}, "it has more than 20000000 bytes"),
+    "many": ({"ada/a.zip": many(1001)}, "1001 files"),
+    "deep": ({"ada/a.zip": zipped({"b.zip": zipped({"c.zip": zipped({"d.zip": many(1)})})})}, "too deep"),
+    "broken zip": ({"ada/a.zip": b"PK\x03\x04 broken"}, "is no zip that can be read"),
+    "kind": ({"ada/virus.exe": b""}, "it is none of .ipynb"),
+    "folder": ({f"../{NAME}": b""}, "its path leads elsewhere"),
+    "odd folder": ({f"a b;rm/{NAME}": b""}, "is no student ID"),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_what_is_unsafe_is_refused_and_the_rest_goes_on(sort: Sort, tmp_path: Path, kind: str) -> None:
+    files, why = HOSTILE[kind]
+    done = sort({**files, f"zoe/{NAME}": notebook()})
+    assert why in done.refused[0]
+    assert len(done.refused) == 1
+    assert all(line.isprintable() for line in done.refused)
+    assert kept(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
+
+
+def test_of_two_files_of_one_name_in_an_archive_the_first_counts(sort: Sort, tmp_path: Path) -> None:
+    second = BytesIO(zipped({f"ada/{NAME}": notebook("first")}))
+    with pytest.warns(UserWarning, match="Duplicate"), zipfile.ZipFile(second, "a") as archive:
+        archive.writestr(f"ada/{NAME}", notebook("second"))
+    (tmp_path / "in.zip").write_bytes(second.getvalue())
+    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+    assert "twice" in done.refused[0]
+    assert b"first" in (tmp_path / "out/ada" / NAME).read_bytes()
+
+
+def test_a_name_with_a_null_byte_and_a_locked_file_are_refused(sort: Sort, tmp_path: Path) -> None:
+    data = bytearray(
+        zipped({"ada/a.ipynb": notebook(), f"bob/{NAME}": notebook(), f"zoe/{NAME}": notebook()})
+    )
+    data = data.replace(b"ada/a.ipynb", b"ada/a\0ipynb")
+    for header, flags in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        second = data.index(header, data.index(header) + 1)
+        struct.pack_into("<H", data, second + flags, 1)
+    (tmp_path / "in.zip").write_bytes(data)
+    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+    assert len(done.refused) == 2
+    assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
+
+
+def test_an_inner_archive_that_grows_too_large_is_left(
+    sort: Sort, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(arrivals, "MAX_INNER_BYTES", 1000)
+    done = sort({"ada/a.zip": zipped({f"{n}.py": b"#" * 400 for n in range(5)}), f"zoe/{NAME}": notebook()})
+    assert "more than 1000 bytes" in done.refused[0]
+    assert "ada/2.py" not in kept(tmp_path / "out")
+
+
+def test_links_and_pipes_of_a_folder_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "secret").mkdir()
+    (tmp_path / "secret" / NAME).write_bytes(notebook())
+    (tmp_path / "in/zoe").mkdir(parents=True)
+    (tmp_path / "in/zoe" / NAME).write_bytes(notebook())
+    (tmp_path / "in/bob").symlink_to(tmp_path / "secret")
+    (tmp_path / "in/zoe/week02_exercise.ipynb").symlink_to(tmp_path / "secret" / NAME)
+    os.mkfifo(tmp_path / "in/zoe/week03_exercise.ipynb")
+    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert len(done.refused) == 3
+    assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        ("none", "is no folder and no zip"),
+        ("text", "is no folder"),
+        ("empty", "holds no file"),
+        ("inside", "lies in"),
+    ],
+)
+def test_what_cannot_be_collected_is_said(tmp_path: Path, make: str, message: str) -> None:
+    source, out = tmp_path / "in", tmp_path / "out"
+    if make == "text":
+        source.write_text("hello")
+    elif make in ("empty", "inside"):
+        source.mkdir()
+    with pytest.raises(CourseError, match=message):
+        collect(source, source / "out" if make == "inside" else out, AMMAN)
