@@ -45,10 +45,8 @@ def test_levels_are_inherited(graph: Graph) -> None:
     assert get_logger("a.b.c").get_effective_level() is LoggingSeverity.ERROR
     assert not get_logger("a.b").is_enabled_for(LoggingSeverity.WARN)
     assert get_logger("ab").get_effective_level() is LoggingSeverity.INFO
-    assert rclpy.logging.get_logger_level("a.b") is LoggingSeverity.UNSET
     rclpy.logging.set_logger_level("a", LoggingSeverity.UNSET)
     assert rclpy.logging.get_logger_effective_level("a.b") is LoggingSeverity.INFO
-    assert rclpy.logging.get_logging_severity_from_string("warn") is LoggingSeverity.WARN
 
 
 def test_a_message_that_is_no_text_is_an_error(node: Node) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 
 class CallbackGroup:
-    """The base of callback groups; one of your own defines the three questions below."""
+    """The base of callback groups; one of your own may answer the three questions below otherwise."""
 
     def __init__(self) -> None:
         self.entities: set[weakref.ref[Any]] = set()
@@ -20,30 +20,18 @@ class CallbackGroup:
 
     def can_execute(self, entity: Any) -> bool:
         """Say whether the entity's callback may be run now."""
-        raise NotImplementedError
+        return True
 
     def beginning_execution(self, entity: Any) -> bool:
         """Note that the entity's callback begins; False if it may not."""
-        raise NotImplementedError
+        return self.can_execute(entity)
 
     def ending_execution(self, entity: Any) -> None:
         """Note that the entity's callback has come to its end."""
-        raise NotImplementedError
 
 
 class ReentrantCallbackGroup(CallbackGroup):
     """Its callbacks may all run at the same time, each also beside itself."""
-
-    def can_execute(self, entity: Any) -> bool:
-        """Say yes."""
-        return True
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Say yes."""
-        return True
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing is kept, so nothing is to be done."""
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):

@@ -66,10 +66,6 @@ class Client(ServiceEnd):
                 raise DeadlockError(f"call() on {self.full_name} waited in vain for {_SPINNER}.")
         return future.result()
 
-    def get_pending_request(self, sequence_number: int) -> Future[Any]:
-        """Return the future of a request that was not answered yet; raises KeyError if there is none."""
-        return self._pending[sequence_number]
-
     def remove_pending_request(self, future: Future[Any]) -> None:
         """Wait for a response no more: the future stays undone."""
         self._pending = {number: f for number, f in self._pending.items() if f is not future}

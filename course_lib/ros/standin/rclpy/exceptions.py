@@ -75,31 +75,43 @@ class InvalidServiceNameException(NameValidationException):
 
 
 class ParameterException(Exception):
-    """The base of what can go wrong with parameters."""
+    """The base of what can go wrong with parameters: a text, and the parameters that it is about."""
 
-    def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
-        super().__init__(f"{error_msg}: {parameters}")
+    _text = ""
+
+    def __init__(self, parameters: str | list[str], text: str = "") -> None:
+        super().__init__(f"{text or self._text}: {parameters}")
 
 
 class ParameterNotDeclaredException(ParameterException):
     """A parameter was used that had not been declared."""
 
-    def __init__(self, parameters: str | list[str]) -> None:
-        super().__init__("Invalid access to undeclared parameter(s)", parameters)
+    _text = "Invalid access to undeclared parameter(s)"
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
     """A parameter was declared twice."""
 
-    def __init__(self, parameters: str | list[str]) -> None:
-        super().__init__("Parameter(s) already declared", parameters)
+    _text = "Parameter(s) already declared"
 
 
 class InvalidParameterException(ParameterException):
     """A parameter's name is empty."""
 
+    _text = "Invalid parameter name"
+
+
+class ParameterImmutableException(ParameterException):
+    """A read-only parameter was to be changed."""
+
+    _text = "Attempted to modify read-only parameter"
+
+
+class ParameterUninitializedException(ParameterException):
+    """A parameter was read that was declared with a type, and never got a value."""
+
     def __init__(self, parameter_name: str) -> None:
-        super().__init__("Invalid parameter name", parameter_name)
+        super().__init__(parameter_name, f"The parameter '{parameter_name}' is not initialized")
 
 
 class InvalidParameterTypeException(ParameterException):
@@ -107,9 +119,9 @@ class InvalidParameterTypeException(ParameterException):
 
     def __init__(self, desired_parameter: "Parameter", expected_type: str) -> None:
         super().__init__(
+            desired_parameter.name,
             f"Trying to set parameter '{desired_parameter.name}' to '{desired_parameter.value}'"
             f" of type '{desired_parameter.type_.name}', expecting type '{expected_type}'",
-            desired_parameter.name,
         )
 
 
@@ -117,18 +129,4 @@ class InvalidParameterValueException(ParameterException):
     """A parameter's range or a callback refuses a value."""
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
-        super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
-
-
-class ParameterImmutableException(ParameterException):
-    """A read-only parameter was to be changed."""
-
-    def __init__(self, parameter_name: str) -> None:
-        super().__init__("Attempted to modify read-only parameter", parameter_name)
-
-
-class ParameterUninitializedException(ParameterException):
-    """A parameter was read that was declared with a type, and never got a value."""
-
-    def __init__(self, parameter_name: str) -> None:
-        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)
+        super().__init__(parameter, f"Invalid parameter value ({value}) for parameter. Reason: {reason}")

@@ -9,24 +9,18 @@ from contextlib import suppress
 from course_lib.ros.baton import baton
 from rclpy.context import Context
 from rclpy.impl.executor import (
-    ConditionReachedException,
     Executor,
     ExternalShutdownException,
-    ShutdownException,
-    TimeoutException,
     await_or_execute,
 )
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
 
 __all__ = [
-    "ConditionReachedException",
     "Executor",
     "ExternalShutdownException",
     "MultiThreadedExecutor",
-    "ShutdownException",
     "SingleThreadedExecutor",
-    "TimeoutException",
     "await_or_execute",
 ]
 

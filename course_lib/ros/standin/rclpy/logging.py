@@ -2,7 +2,6 @@
 
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
-from rclpy.impl.run import current_run
 
 __all__ = ["LoggingSeverity", "get_logger", "get_logger_effective_level", "set_logger_level"]
 
@@ -19,18 +18,6 @@ def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bo
     RcutilsLogger(name).set_level(level)
 
 
-def get_logger_level(name: str) -> LoggingSeverity:
-    """Return the level that was set for a logger itself."""
-    return LoggingSeverity(current_run().log_levels.get(name, LoggingSeverity.UNSET))
-
-
 def get_logger_effective_level(name: str) -> LoggingSeverity:
     """Return the level that a logger goes by, its own or the nearest above."""
     return RcutilsLogger(name).get_effective_level()
-
-
-def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """Find a severity by its name, in any case."""
-    if log_severity.upper() not in LoggingSeverity.__members__:
-        raise RuntimeError(f"Failed to get log severity from string: unknown severity '{log_severity}'")
-    return LoggingSeverity[log_severity.upper()]

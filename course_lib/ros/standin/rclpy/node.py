@@ -145,10 +145,8 @@ class Node(NodeEntities, NodeParameters):
 
     def destroy_node(self) -> None:
         """End the node with everything in it; ending it again changes nothing."""
-        kinds = (self._publishers, self._subscriptions, self._clients, self._services, self._timers)
-        for created in kinds:
-            while created:
-                created.pop().destroy()
+        while self._created:
+            self._created.pop().destroy()
         self._leave_graph()
 
     def _leave_graph(self) -> None:

@@ -21,20 +21,8 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-class TimeoutException(Exception):
-    """A time limit has passed."""
-
-
-class ShutdownException(Exception):
-    """The executor has been shut down."""
-
-
 class ExternalShutdownException(Exception):
     """The context was shut down while an executor waited."""
-
-
-class ConditionReachedException(Exception):
-    """What was waited for is there."""
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:

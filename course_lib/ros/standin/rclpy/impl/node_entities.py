@@ -29,11 +29,7 @@ class NodeEntities(NodeGraph):
     def __init__(self, handle: NodeHandle) -> None:
         super().__init__(handle)
         self._clock = ROSClock()
-        self._publishers: list[Publisher[Any]] = []
-        self._subscriptions: list[Subscription[Any]] = []
-        self._timers: list[Timer] = []
-        self._clients: list[Client] = []
-        self._services: list[Service] = []
+        self._created: list[Any] = []
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
 
@@ -42,30 +38,11 @@ class NodeEntities(NodeGraph):
         """The group of all callbacks that are given no other."""
         return self._default_callback_group
 
-    @property
-    def publishers(self) -> Iterator[Publisher[Any]]:
-        """Its publishers."""
-        yield from self._publishers
-
-    @property
-    def subscriptions(self) -> Iterator[Subscription[Any]]:
-        """Its subscriptions."""
-        yield from self._subscriptions
-
-    @property
-    def timers(self) -> Iterator[Timer]:
-        """Its timers."""
-        yield from self._timers
-
-    @property
-    def clients(self) -> Iterator[Client]:
-        """Its clients."""
-        yield from self._clients
-
-    @property
-    def services(self) -> Iterator[Service]:
-        """Its services."""
-        yield from self._services
+    publishers = property(lambda self: self._all(Publisher), doc="Its publishers.")
+    subscriptions = property(lambda self: self._all(Subscription), doc="Its subscriptions.")
+    clients = property(lambda self: self._all(Client), doc="Its clients.")
+    services = property(lambda self: self._all(Service), doc="Its services.")
+    timers = property(lambda self: self._all(Timer), doc="Its timers.")
 
     def create_publisher(
         self,
@@ -91,7 +68,7 @@ class NodeEntities(NodeGraph):
         endpoint_id = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), qos)
         endpoint = Endpoint(node, endpoint_id, full_topic)
         publisher = Publisher(endpoint, msg_type, topic, profile)
-        self._publishers.append(publisher)
+        self._created.append(publisher)
         events = event_callbacks or PublisherEventCallbacks()
         group = callback_group or self.default_callback_group
         endpoint.on_incompatible(events.incompatible_handler(node, topic, group))
@@ -125,7 +102,7 @@ class NodeEntities(NodeGraph):
         subscription = Subscription(self.handle, msg_type, topic, callback, group, profile, raw)
         qos = to_qos(profile, "sub")
         subscription.join(type_name(msg_type), full_topic, qos)
-        self._subscriptions.append(subscription)
+        self._created.append(subscription)
         events = event_callbacks or SubscriptionEventCallbacks()
         subscription.handle.on_incompatible(events.incompatible_handler(self.handle, topic, group))
         return subscription
@@ -141,7 +118,7 @@ class NodeEntities(NodeGraph):
         """Make a client that asks the service `srv_name`; the group says when its responses are taken."""
         full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
         client = Client(self.handle, group, srv_type, srv_name, full_name, qos_profile)
-        self._clients.append(client)
+        self._created.append(client)
         return client
 
     def create_service(
@@ -156,7 +133,7 @@ class NodeEntities(NodeGraph):
         """Make a service; `callback(request, response)`, or a coroutine, returns the filled response."""
         full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
         service = Service(callback, self.handle, group, srv_type, srv_name, full_name, qos_profile)
-        self._services.append(service)
+        self._created.append(service)
         return service
 
     def create_timer(
@@ -171,7 +148,7 @@ class NodeEntities(NodeGraph):
         period_ns = int(float(timer_period_sec) * S_TO_NS)
         group = callback_group or self.default_callback_group
         timer = Timer(self.handle, callback, group, period_ns, clock or self._clock, autostart=autostart)
-        self._timers.append(timer)
+        self._created.append(timer)
         return timer
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
@@ -182,30 +159,23 @@ class NodeEntities(NodeGraph):
             self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self.handle.context
         )
 
-    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
-        """End a publisher; False if it is none of the node's."""
-        return _destroy(publisher, self._publishers)
+    def destroy_publisher(self, created: Any) -> bool:
+        """End what the node has created; False if it has not, or it has ended already."""
+        if created not in self._created:
+            return False
+        self._created.remove(created)
+        created.destroy()
+        return True
 
-    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
-        """End a subscription; False if it is none of the node's."""
-        return _destroy(subscription, self._subscriptions)
-
-    def destroy_client(self, client: Client) -> bool:
-        """End a client; False if it is none of the node's."""
-        return _destroy(client, self._clients)
-
-    def destroy_service(self, service: Service) -> bool:
-        """End a service; False if it is none of the node's."""
-        return _destroy(service, self._services)
-
-    def destroy_timer(self, timer: Timer) -> bool:
-        """End a timer; False if it is none of the node's."""
-        return _destroy(timer, self._timers)
+    destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
 
     def destroy_rate(self, rate: Rate) -> bool:
         """End a rate; who sleeps in it wakes up."""
         rate.destroy()
         return self.destroy_timer(rate.timer)
+
+    def _all(self, kind: type) -> Iterator[Any]:
+        return (created for created in self._created if isinstance(created, kind))
 
     def _service(self, srv_type: Any, srv_name: str) -> str:
         """Check a service's type; returns its fully resolved name."""
@@ -221,11 +191,3 @@ def _to_profile(qos_profile: QoSProfile | int) -> QoSProfile:
     if qos_profile < 0:
         raise ValueError("history depth must be greater than or equal to zero")
     return QoSProfile(depth=qos_profile)
-
-
-def _destroy(entity: Any, entities: list[Any]) -> bool:
-    if entity not in entities:
-        return False
-    entities.remove(entity)
-    entity.destroy()
-    return True

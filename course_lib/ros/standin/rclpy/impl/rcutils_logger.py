@@ -7,7 +7,7 @@ from types import FrameType
 from typing import Any
 
 from course_lib.ros.graph import current_graph
-from rclpy.impl.log_filters import CallSite
+from rclpy.impl.log_filters import CallSite, asked
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.run import current_run
 from rclpy.time import Time
@@ -41,17 +41,11 @@ class RcutilsLogger:
         return LoggingSeverity(severity) >= self.get_effective_level()
 
     def log(self, message: str, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
-        """Log a message.
+        """Log a message; returns whether it was.
 
-        Args:
-            message: The text.
-            severity: How bad it is.
-            kwargs: `once=True`, `skip_first=True`, `throttle_duration_sec=...` (with a clock as
-                `throttle_time_source_type`) choose among the calls from this place in the code;
-                `name` stands in for the logger's.
-
-        Returns:
-            Whether it was logged.
+        `once=True`, `skip_first=True`, `throttle_duration_sec=...` (with a clock as
+        `throttle_time_source_type`) choose among the calls from this place in the code; `name` stands in
+        for the logger's.
 
         Raises:
             TypeError: If the message is not a str, or an option is unknown.
@@ -62,12 +56,8 @@ class RcutilsLogger:
         severity, name = LoggingSeverity(severity), kwargs.pop("name", self.name)
         frame = _caller()
         key = (frame.f_code.co_filename, frame.f_code.co_name, frame.f_lineno, frame.f_lasti)
-        site = self._sites.get(key)
-        if site is None:
-            site = self._sites[key] = CallSite.first_call(severity, name, kwargs)
-        else:
-            site.require_same(severity, name, kwargs)
-        if not site.lets_pass():
+        wanted = asked(severity, name, kwargs)
+        if not self._sites.setdefault(key, CallSite(wanted)).lets_pass(wanted):
             return False
         if not isinstance(message, str):
             raise TypeError(
@@ -89,9 +79,7 @@ class RcutilsLogger:
         """Log what may be wrong."""
         return self.log(message, LoggingSeverity.WARN, **kwargs)
 
-    def warn(self, message: str, **kwargs: Any) -> bool:
-        """Log what may be wrong; the old name of `warning`."""
-        return self.log(message, LoggingSeverity.WARN, **kwargs)
+    warn = warning
 
     def error(self, message: str, **kwargs: Any) -> bool:
         """Log what went wrong."""
