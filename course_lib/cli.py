@@ -219,6 +219,23 @@ def grade(
     raise typer.Exit(0 if passed else NOT_PASSED)
 
 
+@app.command()
+def mark(
+    out: Annotated[Path, typer.Argument(help="Where `course grade` put gradebook.csv.")],
+    lms: Annotated[Path, typer.Option(help="The CSV that Canvas, Moodle or another platform exported.")],
+    exercise: Annotated[str, typer.Option(help="Whose marks: week01_exercise.")],
+    column: Annotated[str, typer.Option(help="The heading of the column to fill.")],
+    id_column: Annotated[str, typer.Option(help="The heading of the students' IDs.")],
+    to: Annotated[Path, typer.Option(help="Write it here, otherwise unchanged, to be imported.")],
+    raw: Annotated[bool, typer.Option("--raw", help="The scores before the late policy.")] = False,
+) -> None:
+    """Fill one column of a learning platform's CSV; whoever is on one side only is listed."""
+    from course_lib.grading.lms import fill_lms
+
+    for line in fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw):
+        typer.echo(line)
+
+
 def main() -> None:
     """Run the command line; an error is one line that says what to type next."""
     arguments, for_programs = _split(sys.argv[1:])

@@ -16,6 +16,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.arrivals import Arrival, arrivals
 from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.received import LIST, TIMESTAMP
+from course_lib.grading.table import printable
 
 KEPT = (".ipynb", ".zip", ".rviz", ".yaml", ".yml", ".py")
 COLUMNS = ("file", "received", "late", "name", "handed_in_as")
@@ -36,9 +37,8 @@ class Collection:
     rows: dict[str, dict[str, str]] = field(default_factory=dict)  # of received.csv, by file
 
     def refuse(self, name: str, why: str) -> None:
-        """Note one that is left out; names may try to control the terminal."""
-        line = f"refused: {name}: {why}".encode("utf-8", "replace").decode()
-        self.refused.append("".join(sign if sign.isprintable() else "�" for sign in line))
+        """Note one that is left out."""
+        self.refused.append(printable(f"refused: {name}: {why}"))
 
     def summary(self, out: Path) -> str:
         """Say how much there is, and what to type next."""

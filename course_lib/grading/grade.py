@@ -20,6 +20,7 @@ from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.report_index import write_index
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
+from course_lib.grading.table import printable
 
 Row = dict[str, Any]  # of the gradebook
 GRADED = ("graded", "needs_marking", "limit")
@@ -123,5 +124,4 @@ def _say_summary(rows: Sequence[Row]) -> None:
 
 
 def _say(line: str) -> None:
-    safe = "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
-    print(safe)  # noqa: T201  the terminal is its page; names may be broken, or try to control it
+    print(printable(line))  # noqa: T201  the terminal is its page

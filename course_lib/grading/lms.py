@@ -8,6 +8,7 @@ from course_lib.course.identity import normalise
 from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.lms_file import LmsFile
+from course_lib.grading.table import printable
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 FINAL = ("graded", "limit")
@@ -38,28 +39,39 @@ def fill_lms(
     if place == id_place:
         raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
-    ids = {
-        row: _key(file.text(row, id_place))
-        for row in students
-        if file.text(row, 0) or file.text(row, id_place)
-    }
-    count = Counter(ids.values())
-    lines, filled = _points_lines(file, place, marks), 0
-    for row, key in ids.items():
-        if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
-            lines.append(f"{lms.name}: row {row + 1}, {file.text(row, id_place) or 'no ID'}: {problem}")
-        else:
-            file.put(row, place, f"{float(marks[key]['score' if raw else 'final']):.10g}")
-            filled += 1
-    lines += [f"gradebook.csv: {mark['student']}: no such ID in {lms.name}" for key, mark in marks.items()
-              if key not in count]  # fmt: skip
-    if not filled:
+    ids = {row: _key(file.text(row, id_place)) for row in students if _is_someone(file, row, id_place)}
+    left = _fill(file, place, ids, marks, "score" if raw else "final")
+    if len(left) == len(ids):
         raise CourseError(f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}.")
     write_whole(target, file.encoded())
+    rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
+    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
     what = (
         "scores before the late policy" if raw else "marks after the late policy; switch the platform's off"
     )
-    return [*lines, f"Wrote {target}: {filled} {what}."]
+    lines = [
+        *_points_lines(file, place, marks),
+        *(f"{lms.name}: {line}" for line in rows),
+        *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
+    ]
+    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {what}."]
+
+
+def _fill(
+    file: LmsFile, place: int, ids: dict[int, str], marks: dict[str, dict[str, str]], what: str
+) -> dict[int, str]:
+    """Put what there is into the column; returns why a row was left as it is."""
+    count, left = Counter(ids.values()), dict[int, str]()
+    for row, key in ids.items():
+        if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
+            left[row] = problem
+        else:
+            file.put(row, place, f"{float(marks[key][what]):.10g}")
+    return left
+
+
+def _is_someone(file: LmsFile, row: int, id_place: int) -> bool:
+    return bool(file.text(row, 0) or file.text(row, id_place))
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:

@@ -61,6 +61,11 @@ def fill(template: str, **values: Any) -> str:
     return _templates().get_template(template).render(values)
 
 
+def printable(line: str) -> str:
+    """A line for the terminal; names that come from students may be broken, or try to control it."""
+    return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
+
+
 @lru_cache(maxsize=1)
 def _templates() -> "Environment":
     from jinja2 import Environment, FileSystemLoader
