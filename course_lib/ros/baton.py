@@ -145,15 +145,11 @@ class Baton:
 
         Args:
             ready: Says whether the wait is over.
-            until_ns: Robot time at which it is over anyway, [ns].
+            until_ns: [ns], if there is a limit.
             what: What is waited for, as it is named in a deadlock.
             events_help: Whether events alone can end the wait (they never release a lock).
 
-        Returns:
-            What `ready` says in the end: False when the deadline or the end of the run came first.
-
-        Raises:
-            DeadlockError: In the main thread, when nothing can happen any more.
+        Returns what `ready` says in the end; raises a DeadlockError in the main thread if nothing can happen.
         """
         if ready():
             return True

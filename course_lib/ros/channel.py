@@ -50,25 +50,14 @@ class Channel:
         self._unsent.append(_HEADER.pack(len(body)) + body)
 
     def send(self, frame: list[Any]) -> None:
-        """Send a frame, behind the queued ones.
-
-        Raises:
-            ChannelClosedError: If the other side is gone.
-            ChannelTimeoutError: If it takes nothing until the deadline.
-        """
+        """Send a frame, behind the queued ones; raises a ChannelError if it is not taken in time."""
         self.queue(frame)
         data, self._unsent = b"".join(self._unsent), []
         with self._in_time():
             self._socket.sendall(data)
 
     def receive(self) -> list[Any]:
-        """Receive the next frame.
-
-        Raises:
-            ChannelError: If what came is no frame: too large, no msgpack, or no list that starts with a name.
-            ChannelClosedError: If the other side is gone.
-            ChannelTimeoutError: If nothing came until the deadline.
-        """
+        """Receive the next frame; raises a ChannelError if none comes in time, or what comes is no frame."""
         (size,) = _HEADER.unpack(self._read(_HEADER.size))
         if size > MAX_FRAME:
             raise FrameSizeError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")

@@ -32,14 +32,9 @@ class Done:
 
 
 def spin_for(seconds: float, *nodes: "Node") -> Done:
-    """Run nodes for exactly so much robot time, together with those that run live.
+    """Run nodes for exactly so much robot time [s], together with those that run live.
 
-    Args:
-        seconds: Robot time to run, [s].
-        nodes: The nodes to run; those of earlier cells rest.
-
-    Raises:
-        CourseError: If `seconds` is no time or a node is none.
+    Those of earlier cells rest. Raises a CourseError if `seconds` is no time or a node is none.
     """
     if not isinstance(seconds, int | float) or not 0 <= seconds <= MAX_SECONDS:
         raise CourseError(
@@ -64,15 +59,7 @@ def spin_cell(executor: "Executor") -> None:
 
 
 def wait_for(ready: Callable[[], bool], *, seconds: float | None) -> bool:
-    """Drive the live nodes until something has come about.
-
-    Args:
-        ready: Says whether it has.
-        seconds: Robot time to wait at most, [s]; None: without limit.
-
-    Returns:
-        Whether it came about.
-    """
+    """Drive the live nodes until it is ready, at most so much robot time [s]; says whether it is."""
     graph = current_graph()
     until_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     with executor_with(()) as executor, pace.kept(graph):

@@ -27,13 +27,7 @@ class Room:
 
 
 class GraphServer:
-    """Serves one process over its channel; every frame from there is checked as hostile input.
-
-    Args:
-        graph: The graph that owns the clock.
-        channel: The end of the pipe on this side.
-        room: What may be recorded.
-    """
+    """Serves one process over its channel; every frame from there is checked as hostile input."""
 
     def __init__(self, graph: Graph, channel: Channel, room: Room | None = None) -> None:
         self.graph = graph

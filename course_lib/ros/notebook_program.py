@@ -8,14 +8,7 @@ from course_lib.ros.shell import make_shell
 
 
 class NotebookProgram:
-    """The code cells of one notebook.
-
-    Args:
-        file: The notebook.
-
-    Raises:
-        CourseError: If it cannot be read as a notebook of format 4.
-    """
+    """The code cells of one notebook; raises a CourseError if it cannot be read as one of format 4."""
 
     def __init__(self, file: Path) -> None:
         self.file = file

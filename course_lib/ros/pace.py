@@ -17,13 +17,9 @@ pages: set[Callable[[], bool]] = set()  # each viewer in a cell adds: is its pag
 
 
 def wanted() -> Literal["real", "fast"]:
-    """Say which pace this process is to keep.
+    """Say which pace this process is to keep; `COURSE_PACE` overrides.
 
-    Kernels that a Jupyter server started are watched; nbclient, nbmake and scripts are not. `COURSE_PACE`
-    overrides.
-
-    Raises:
-        CourseError: If COURSE_PACE is neither real nor fast.
+    Kernels that a Jupyter server started are watched; nbclient, nbmake and scripts are not.
     """
     said = os.environ.get("COURSE_PACE")
     if said == "real" or (said is None and "JPY_SESSION_NAME" in os.environ):

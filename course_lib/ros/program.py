@@ -20,18 +20,14 @@ from course_lib.ros.tracebacks import print_error, print_error_of_thread
 
 
 def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> int:
-    """Run Python files as if each were started on its own; they share the current graph.
+    """Run Python files and notebooks as if each were started on its own; they share the current graph.
 
     Args:
-        files: The programs, Python files or notebooks, in their start order.
+        files: The programs in their start order; a CourseError says which cannot be run.
         seed: Seeds every source of chance.
         args: What each finds in `sys.argv` behind its name.
 
-    Returns:
-        The exit code: the first one that is not 0.
-
-    Raises:
-        CourseError: If a file is missing, or is neither Python text nor a notebook.
+    Returns the first exit code that is not 0.
     """
     standin_path.install()
     virtual_time.install()
@@ -46,12 +42,7 @@ def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> 
 
 
 class Program:
-    """One file with its own `__main__`.
-
-    Args:
-        file: The file.
-        args: What it finds in `sys.argv` behind its name.
-    """
+    """One file with its own `__main__`; `args` is what it finds in `sys.argv` behind its name."""
 
     def __init__(self, file: Path, args: Sequence[str]) -> None:
         self.file = file

@@ -58,13 +58,7 @@ class BufferCore:
     def lookup(self, target: str, source: str, time_ns: int = 0) -> Transform:
         """Return the transform that takes coordinates in `source` to coordinates in `target`.
 
-        Args:
-            target: Frame to express things in; the parent of the result.
-            source: Frame the things are given in; the child of the result.
-            time_ns: [ns]; 0 means the latest time at which all of the chain is known.
-
-        Raises:
-            TransformException: One of tf2's, with tf2's text.
+        The time 0 [ns] means the latest at which all of the chain is known. Raises a TransformException.
         """
         if target == source:
             cache = None if time_ns else self._caches.get(target)
@@ -76,17 +70,9 @@ class BufferCore:
         return Transform(target, source, time_ns, translation, normalized(rotation))
 
     def lookup_full(self, target: str, target_ns: int, source: str, source_ns: int, fixed: str) -> Transform:
-        """Return the transform from `source` at one time to `target` at another.
+        """Return the transform from `source` at one time to `target` at another; `fixed` rests between them.
 
-        Args:
-            target: Frame to express things in.
-            target_ns: [ns]; 0 means the latest.
-            source: Frame the things are given in.
-            source_ns: [ns]; 0 means the latest.
-            fixed: Frame that does not move between the two times.
-
-        Raises:
-            TransformException: One of tf2's, with tf2's text.
+        The time 0 [ns] means the latest. Raises a TransformException.
         """
         self._check_frames(target_frame=target, source_frame=source, fixed_frame=fixed)
         inner, outer = self.lookup(fixed, source, source_ns), self.lookup(target, fixed, target_ns)

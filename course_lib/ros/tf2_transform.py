@@ -18,12 +18,7 @@ IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 class Transform:
     """The pose of a child frame in its parent: takes the child's coordinates to the parent's.
 
-    Args:
-        parent: Name of the parent frame.
-        child: Name of the child frame.
-        stamp_ns: When it holds, [ns].
-        translation: [m].
-        rotation: Quaternion (x, y, z, w).
+    The stamp is in [ns], the translation in [m], the rotation a quaternion (x, y, z, w).
     """
 
     parent: str

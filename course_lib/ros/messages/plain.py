@@ -11,11 +11,8 @@ from course_lib.ros.messages.message import Message
 def to_plain(value: Any, truncate: int | None = None) -> Any:
     """Turn a message, or a field's value, into dicts, lists, strings and numbers, in the fields' order.
 
-    Follows rosidl_runtime_py.convert: bytes become a string of as many characters.
-
-    Args:
-        value: What to convert.
-        truncate: Longest list and string; what is longer ends in "...".
+    Follows rosidl_runtime_py.convert: bytes become a string of as many characters; lists and strings longer
+    than `truncate` end in "...".
     """
     if isinstance(value, Message):
         return {name: to_plain(getattr(value, name), truncate) for name in value._KINDS}

@@ -52,13 +52,10 @@ def service_class(type_name: str) -> type:
 
 
 def import_types(module: str) -> dict[str, Any]:
-    """Give what a package's ``msg`` or ``srv`` module holds, by name.
+    """Give what a package's ``msg`` or ``srv`` module, like ``std_msgs.msg``, holds by name.
 
     Each class also gets the private module that rosidl keeps it in, ``std_msgs.msg._string``: pickled
     messages and some programs name it.
-
-    Args:
-        module: The module's name, ``std_msgs.msg``.
     """
     prefix = module.replace(".", "/") + "/"
     names: dict[str, Any] = {}

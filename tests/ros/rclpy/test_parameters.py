@@ -232,19 +232,6 @@ def test_what_changes_is_told_on_parameter_events(node: Node) -> None:
     assert events[1].changed_parameters[0].value.integer_value == 2
 
 
-def test_a_descriptor_can_be_replaced(node: Node) -> None:
-    node.declare_parameter("x", 5.0)
-    with pytest.raises(InvalidParameterValueException):
-        node.set_descriptor("x", ParameterDescriptor(type=3, **_range(0.0, 1.0)))
-    half = Parameter("x", value=0.5).get_parameter_value()
-    node.set_descriptor("x", ParameterDescriptor(type=3, **_range(0.0, 1.0)), half)
-    assert node.get_parameter("x").value == 0.5
-
-
-def _range(low: float, high: float) -> dict[str, Any]:
-    return {"floating_point_range": in_range(low, high, 0.0).floating_point_range}
-
-
 def asked(node: Node, kind: Any, name: str, **request: Any) -> Any:
     client = Node("asker").create_client(kind, f"/talker/{name}")
     future = client.call_async(kind.Request(**request))

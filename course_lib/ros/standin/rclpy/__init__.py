@@ -68,8 +68,7 @@ def init(
         domain_id: Nodes of different domains do not hear each other in ROS; here they share one graph.
         signal_handler_options: Which signals shut down; default: all of them for the default context.
 
-    Raises:
-        RuntimeError: If it was begun before (in a notebook, where cells are run again, that is only noted).
+    A second time raises a RuntimeError; in a notebook, where cells are run again, that is only noted.
     """
     chosen = context or get_default_context()
     if context is None and chosen.graph.notebook and chosen.is_valid:
@@ -124,13 +123,7 @@ def spin(node: "Node", executor: "Executor | None" = None) -> None:
 
 
 def spin_once(node: "Node", *, executor: "Executor | None" = None, timeout_sec: float | None = None) -> None:
-    """Wait for one of the node's callbacks and run it.
-
-    Args:
-        node: The node.
-        executor: What runs it; default: the global executor.
-        timeout_sec: How long to wait, [s]; None or negative: without limit; 0: not at all.
-    """
+    """Run one callback; wait for it at most `timeout_sec` [s], without limit if that is None."""
     executor = executor or get_global_executor()
     try:
         executor.add_node(node)

@@ -27,10 +27,8 @@ class Client(ServiceEnd):
     def call_async(self, request: Any) -> Future[Any]:
         """Send a request; the future is done when the executor has taken the response.
 
-        Without a service that never happens, as in ROS: call `wait_for_service` first.
-
-        Raises:
-            TypeError: If it is no request of this service; without a word, as in rclpy.
+        Without a service that never happens, as in ROS: call `wait_for_service` first. What is no request
+        of this service raises a TypeError without a word, as in rclpy.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError
@@ -41,15 +39,10 @@ class Client(ServiceEnd):
         return future
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
-        """Send a request and wait for the response; another thread has to spin the node meanwhile.
+        """Send a request and wait for the response, which another thread that spins the node has to take.
 
-        Returns:
-            The response; None if it did not come within `timeout_sec` [s].
-
-        Raises:
-            TypeError: If it is no request of this service.
-            DeadlockError: If the response can never be taken, because the caller is a callback that has to
-                end first, or because nobody spins the node; ROS hangs there.
+        Returns None if it did not come within `timeout_sec` [s]. Where it can never be taken (the caller is
+        a callback that has to end first, or nobody spins the node) ROS hangs; here that is a DeadlockError.
         """
         future, executor = self.call_async(request), self.node_handle.executor
         if timeout_sec is None and executor is not None and executor.is_held_up(self):

@@ -39,15 +39,7 @@ class Clock:
         return Time(nanoseconds=current_graph().now_ns, clock_type=self.clock_type)
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Sleep until a time of this kind of clock.
-
-        Returns:
-            True when it was slept through, False when a shutdown or the end of the run came first.
-
-        Raises:
-            NotInitializedException: If the context is not initialised or is shut down.
-            ValueError: If the time is of another kind of clock.
-        """
+        """Sleep until a time of this clock; False when a shutdown or the end of the run came first."""
         context = context or get_default_context()
         if not context.is_valid:
             raise NotInitializedException

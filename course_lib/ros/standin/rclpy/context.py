@@ -48,12 +48,7 @@ class Context(AbstractContextManager["Context"]):
         return self.is_valid and not self.graph.ended
 
     def shutdown(self) -> None:
-        """End.
-
-        Raises:
-            RuntimeError: If it has not begun.
-            RCLError: If it has ended already.
-        """
+        """End; raises a RuntimeError if it has not begun, an RCLError if it has ended already."""
         if not self._initialized:
             raise RuntimeError("Context must be initialized before it can be shutdown")
         if self._shut_down:

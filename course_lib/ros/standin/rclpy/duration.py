@@ -11,15 +11,7 @@ _LIMIT = 2**63  # [ns] what ROS stores
 
 @total_ordering
 class Duration:
-    """A span of time, exact to the nanosecond; may be negative.
-
-    Args:
-        seconds: Seconds, also with a fraction.
-        nanoseconds: Nanoseconds on top of them.
-
-    Raises:
-        OverflowError: If it does not fit into 64 bits.
-    """
+    """A span of time, exact to the nanosecond; may be negative, and has to fit into 64 bits."""
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
         total = int(seconds * S_TO_NS) + int(nanoseconds)

@@ -28,12 +28,7 @@ class UnsupportedEventTypeError(Exception):
 
 
 class _EventCallbacks:
-    """The callbacks for one side.
-
-    Args:
-        incompatible_qos: Called when a partner's quality of service does not fit.
-        use_default_callbacks: Whether a warning is logged where no callback is given.
-    """
+    """The callbacks for one side; where none is given, a warning is logged if `use_default_callbacks`."""
 
     _warning: str
 

@@ -32,9 +32,7 @@ class SingleThreadedExecutor(Executor):
 class MultiThreadedExecutor(Executor):
     """Runs each callback in a thread of its own: one that waits does not hold up the others.
 
-    Args:
-        num_threads: How many callbacks may be under way at the same time; default: the number of processors.
-        context: The context whose shutdown ends it.
+    At most `num_threads` are under way at the same time; default: the number of processors.
     """
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:

@@ -9,17 +9,7 @@ from rcl_interfaces.msg import ParameterValue
 
 
 class Parameter:
-    """A name, a type and a value.
-
-    Args:
-        name: The parameter's name.
-        type_: Its type; found from the value if not given.
-        value: Its value.
-
-    Raises:
-        TypeError: If parameters cannot hold such a value.
-        ValueError: If type and value do not agree.
-    """
+    """A name, a type and a value; the type is found from the value, or has to agree with it."""
 
     class Type(Enum):
         """The types that a parameter can have, numbered as in rcl_interfaces/msg/ParameterType."""

@@ -30,13 +30,9 @@ class Publisher(Generic[MsgT]):
         return self._handle.require().topic_name
 
     def publish(self, msg: MsgT | bytes) -> None:
-        """Publish a message as it is now; changing it afterwards changes nothing for its receivers.
+        """Publish a message, or the bytes of one, as it is now.
 
-        Args:
-            msg: The message, or bytes that hold one in serialised form.
-
-        Raises:
-            TypeError: If it is of another type than the publisher.
+        Changing it afterwards changes nothing for its receivers. One of another type raises a TypeError.
         """
         handle = self._handle.require()
         if not isinstance(msg, (self.msg_type, bytes)):

@@ -88,12 +88,7 @@ _DEFAULTS: dict[str, Any] = {
 class QoSProfile:
     """The quality of service of one publisher or subscription.
 
-    Args:
-        kwargs: `depth` or `history` is required; the rest defaults to reliable and volatile.
-
-    Raises:
-        InvalidQoSProfileException: If neither is given, or KEEP_LAST without a depth.
-        AssertionError: If an argument is unknown or has the wrong type.
+    `depth` or `history` is required; the rest defaults to reliable and volatile.
     """
 
     history: HistoryPolicy

@@ -14,16 +14,9 @@ _LIMIT = 2**63  # [ns] what ROS stores
 
 @total_ordering
 class Time:
-    """A point in time of one kind of clock; `Time()` is zero, which means "the latest" to tf2.
+    """A point in time of one kind of clock; times of different kinds do not mix.
 
-    Args:
-        seconds: Seconds since the clock's epoch, also with a fraction.
-        nanoseconds: Nanoseconds on top of them.
-        clock_type: The kind of clock; times of different kinds do not mix.
-
-    Raises:
-        ValueError: If it is negative.
-        OverflowError: If it does not fit into 64 bits.
+    `Time()` is zero, which means "the latest" to tf2.
     """
 
     def __init__(

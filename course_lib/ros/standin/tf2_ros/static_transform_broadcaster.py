@@ -8,14 +8,10 @@ from tf2_ros.transform_broadcaster import Transforms, as_list
 
 
 class StaticTransformBroadcaster:
-    """Sends transforms on /tf_static, each time all that it was ever given.
+    """Sends transforms on /tf_static, each time all that it was ever given; by default TRANSIENT_LOCAL.
 
     As in ROS 2 Jazzy it keeps the first object that it was given for a child frame: another one for the same
     child changes nothing, the same one with new numbers does.
-
-    Args:
-        node: The node that sends.
-        qos: Its quality of service, or only its depth; default depth 1, TRANSIENT_LOCAL.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:

@@ -11,12 +11,7 @@ Transforms = TransformStamped | Iterable[TransformStamped]
 
 
 class TransformBroadcaster:
-    """Sends transforms on /tf.
-
-    Args:
-        node: The node that sends.
-        qos: Its quality of service, or only its depth; default depth 100.
-    """
+    """Sends transforms on /tf; `qos` may also be only a depth."""
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
         self.pub_tf = node.create_publisher(TFMessage, "/tf", QoSProfile(depth=100) if qos is None else qos)

@@ -15,14 +15,9 @@ _AUTHORITY = "default_authority"
 
 
 class TransformListener:
-    """Puts transforms into a buffer while its node spins.
+    """Puts transforms into a buffer while its node spins; with `spin_thread` in a thread of its own.
 
-    Args:
-        buffer: What is filled.
-        node: The node that listens.
-        spin_thread: Whether the node spins in a thread of its own.
-        qos: For /tf; default depth 100.
-        static_qos: For /tf_static; default depth 100, TRANSIENT_LOCAL.
+    By default it keeps 100 messages of /tf and of /tf_static, whose publishers are to be TRANSIENT_LOCAL.
     """
 
     def __init__(

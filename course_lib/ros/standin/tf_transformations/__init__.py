@@ -10,14 +10,11 @@ import numpy as np
 import numpy.typing as npt
 from transforms3d import affines, axangles, euler, quaternions
 
+from course_lib.ros.tf2_transform import slerp
+
 Array = npt.NDArray[np.float64]
 Numbers = Sequence[float] | Array
 _NO_SHIFT, _NO_TURN, _NO_ZOOM = np.zeros(3), np.eye(3), np.ones(3)
-
-
-def identity_matrix() -> Array:
-    """Return the transform that changes nothing, shape (4, 4)."""
-    return np.eye(4)
 
 
 def translation_matrix(direction: Numbers) -> Array:
@@ -33,24 +30,6 @@ def translation_from_matrix(matrix: Array) -> Array:
 def rotation_matrix(angle: float, direction: Numbers, point: Numbers | None = None) -> Array:
     """Return a turn about an axis through a point, shape (4, 4)."""
     return np.asarray(axangles.axangle2aff(direction, angle, point=point))
-
-
-def rotation_from_matrix(matrix: Array) -> tuple[float, Array, Array]:
-    """Return the angle, the axis and a point on it of a turn."""
-    direction, angle, point = axangles.aff2axangle(matrix)
-    return angle, direction, point
-
-
-def compose_matrix(
-    scale: Numbers | None = None,
-    shear: Numbers | None = None,
-    angles: tuple[float, float, float] | None = None,
-    translate: Numbers | None = None,
-) -> Array:
-    """Return the transform that scales, shears, turns by roll, pitch, yaw, then shifts, shape (4, 4)."""
-    turn = _NO_TURN if angles is None else euler.euler2mat(*angles)
-    zoom = _NO_ZOOM if scale is None else scale
-    return np.asarray(affines.compose(_NO_SHIFT if translate is None else translate, turn, zoom, shear))
 
 
 def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
@@ -108,14 +87,9 @@ def quaternion_inverse(quaternion: Numbers) -> Array:
 
 def quaternion_slerp(quat0: Numbers, quat1: Numbers, fraction: float) -> Array:
     """Return the quaternion (x, y, z, w) at a fraction of the shorter way from one to another."""
-    start, end = unit_vector(quat0), unit_vector(quat1)
-    cosine = float(np.dot(start, end))
-    angle = np.arccos(min(abs(cosine), 1.0))
-    if fraction in (0.0, 1.0) or angle < 1e-8:
-        return end if fraction == 1.0 else start
-    end = end if cosine >= 0 else -end
-    along: Array = (np.sin((1 - fraction) * angle) * start + np.sin(fraction * angle) * end) / np.sin(angle)
-    return along
+    x, y, z, w = unit_vector(quat0)
+    bx, by, bz, bw = unit_vector(quat1)
+    return np.array(slerp((x, y, z, w), (bx, by, bz, bw), fraction))
 
 
 def unit_vector(data: Numbers) -> Array:
@@ -139,12 +113,6 @@ def concatenate_matrices(*matrices: Array) -> Array:
     for matrix in matrices:
         product = product @ matrix
     return product
-
-
-def is_same_transform(matrix0: Array, matrix1: Array) -> bool:
-    """Say whether two transforms are the same, up to rounding."""
-    scaled = (np.asarray(matrix, float) / matrix[3][3] for matrix in (matrix0, matrix1))
-    return bool(np.allclose(*scaled))
 
 
 def _affine(turn: Array, shift: Numbers = _NO_SHIFT) -> Array:

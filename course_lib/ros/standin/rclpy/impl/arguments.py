@@ -69,12 +69,7 @@ class Arguments:
 
 
 def parse(args: Sequence[str]) -> Arguments:
-    """Read a command line.
-
-    Raises:
-        RCLInvalidROSArgsError: If an argument for ROS is wrong.
-        UnknownROSArgsError: If ROS does not know one.
-    """
+    """Read a command line; raises RCLInvalidROSArgsError or UnknownROSArgsError, with rcl's texts."""
     parsed, unknown, words = Arguments(), list[str](), _for_ros(args)
     for word in words:
         flag = _FLAGS.get(word, word)

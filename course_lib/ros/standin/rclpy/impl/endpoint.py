@@ -16,13 +16,7 @@ _told: WeakKeyDictionary[Graph, dict[int, Callable[[str], None]]] = WeakKeyDicti
 
 
 class Endpoint:
-    """What a publisher or a subscription is in the graph.
-
-    Args:
-        node: Its node.
-        endpoint: Its id in the graph.
-        topic_name: The fully resolved topic.
-    """
+    """What a publisher or a subscription is in the graph: its node, its id there and its full topic."""
 
     def __init__(self, node: NodeHandle, endpoint: int, topic_name: str) -> None:
         self.node = node
@@ -70,12 +64,7 @@ class Endpoint:
 
 
 def require_type(given: Any, kind: Literal["message", "service"]) -> None:
-    """Raise what rclpy raises for a class that is no message type, or no service type.
-
-    Raises:
-        AttributeError: If it is nothing of ROS's.
-        RuntimeError: If it is the other kind.
-    """
+    """Raise what rclpy raises for a class that is no message type, or no service type."""
     if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
         raise AttributeError(
             f"type object '{type(given).__name__}' has no attribute '_TYPE_SUPPORT'"

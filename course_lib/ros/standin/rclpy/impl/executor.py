@@ -95,14 +95,7 @@ class Executor(AbstractContextManager["Executor"]):
                 self.spin_once()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Wait for a callback and run it, only this one.
-
-        Args:
-            timeout_sec: How long to wait, [s]; None or negative: without limit; 0: not at all.
-
-        Raises:
-            ExternalShutdownException: If the context was shut down meanwhile.
-        """
+        """Run one callback; wait for it at most so long [s], without limit if that is None or negative."""
         if timeout_sec == 0:
             baton.poll()
         self._spin_once(timeout_sec_to_nsec(timeout_sec), lambda: False)

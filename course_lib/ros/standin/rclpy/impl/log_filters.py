@@ -18,12 +18,7 @@ _CLOCK = Clock()
 
 
 def asked(severity: LoggingSeverity, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Say what a call asks for, by the words in which rclpy complains if it changes.
-
-    Raises:
-        TypeError: If an option is unknown or a required one is missing.
-        ValueError: If the clock to throttle by is none.
-    """
+    """Say what a call asks for, by the words in which rclpy complains if it changes."""
     filters = [each for each, options in FILTERS.items() if any(given.get(option) for option in options)]
     for each in filters:
         if FILTERS[each][0] not in given:

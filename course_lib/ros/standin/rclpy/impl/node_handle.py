@@ -18,14 +18,7 @@ _order = itertools.count()  # in which entities become ready
 
 
 class NodeHandle:
-    """A node of the graph: its names, the order of its entities, and those that wait for an executor.
-
-    Args:
-        context: The context that it lives in.
-        name: Its name, valid.
-        namespace: Its absolute namespace, valid.
-        arguments: What the command line asks for.
-    """
+    """A node of the graph: its names, the order of its entities, and those that wait for an executor."""
 
     def __init__(self, context: "Context", name: str, namespace: str, arguments: "Arguments") -> None:
         self.context = context

@@ -3,12 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from rcl_interfaces.msg import (
-    ListParametersResult,
-    ParameterDescriptor,
-    ParameterValue,
-)
-from rcl_interfaces.msg import Parameter as ParameterMsg
+from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor
 
 from rclpy.exceptions import (
     InvalidParameterTypeException,
@@ -18,8 +13,7 @@ from rclpy.exceptions import (
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
-from rclpy.impl.parameter_declaration import checked
-from rclpy.impl.parameter_rules import refusal
+from rclpy.impl.parameter_declaration import declaration
 from rclpy.impl.parameter_setting import ParameterSetting
 from rclpy.parameter import Parameter
 
@@ -34,22 +28,13 @@ class NodeParameters(ParameterSetting):
         descriptor: ParameterDescriptor | None = None,
         ignore_override: bool = False,
     ) -> Parameter:
-        """Declare a parameter.
+        """Declare a parameter; returns it with the value that it has now.
 
         Args:
             name: Its name.
             value: Its default value, or its `Parameter.Type` if it has none.
             descriptor: What else is known about it; `dynamic_typing` allows values of any type.
             ignore_override: Whether values from outside the program do not count.
-
-        Returns:
-            The parameter with the value that it has now.
-
-        Raises:
-            InvalidParameterException: If the name is empty.
-            ParameterAlreadyDeclaredException: If it was declared before.
-            InvalidParameterTypeException: If a value from outside the program has another type.
-            InvalidParameterValueException: If its range or a callback refuses the value.
         """
         more = () if value is None and descriptor is None else (value, descriptor or ParameterDescriptor())
         return self.declare_parameters("", [(name, *more)], ignore_override)[0]
@@ -60,8 +45,8 @@ class NodeParameters(ParameterSetting):
         """Declare several: (name), (name, value) or (name, value, descriptor) each, put into a namespace."""
         declared: list[Parameter] = []
         descriptors: dict[str, ParameterDescriptor] = {}
-        for index, given in enumerate(parameters):
-            name, value, descriptor = checked(index, given, namespace)
+        for given in parameters:
+            name, value, descriptor = declaration(*given, namespace=namespace)
             if not ignore_override and name in self._parameter_overrides:
                 value = self._parameter_overrides[name].value
             declared.append(Parameter(name, value=value))
@@ -74,12 +59,7 @@ class NodeParameters(ParameterSetting):
         return [self._parameters[parameter.name] for parameter in declared]
 
     def undeclare_parameter(self, name: str) -> None:
-        """Forget a parameter.
-
-        Raises:
-            ParameterNotDeclaredException: If it is not declared.
-            ParameterImmutableException: If it is read-only.
-        """
+        """Forget a parameter; raises if it is not declared or is read-only."""
         if name not in self._parameters:
             raise ParameterNotDeclaredException(name)
         if self._descriptors[name].read_only:
@@ -91,12 +71,7 @@ class NodeParameters(ParameterSetting):
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
-        """Return a parameter.
-
-        Raises:
-            ParameterNotDeclaredException: If it is not declared.
-            ParameterUninitializedException: If it was declared with a type only and has no value.
-        """
+        """Return a parameter; raises if it is not declared, or has got no value yet."""
         parameter = self._parameters.get(name)
         if parameter is None:
             if self._allow_undeclared_parameters:
@@ -108,7 +83,7 @@ class NodeParameters(ParameterSetting):
 
     def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
         """Return several parameters; raises as `get_parameter` does."""
-        return [self.get_parameter(name) for name in _strings(names)]
+        return [self.get_parameter(name) for name in names]
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
         """Return the parameters whose names begin with `prefix.`, by the rest of their names."""
@@ -124,7 +99,7 @@ class NodeParameters(ParameterSetting):
 
     def get_parameter_types(self, names: Sequence[str]) -> list[int]:
         """Return the numbers of several parameters' types."""
-        return [self.get_parameter_type(name) for name in _strings(names)]
+        return [self.get_parameter_type(name) for name in names]
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
         """Return what is known about a parameter; raises ParameterNotDeclaredException."""
@@ -136,41 +111,8 @@ class NodeParameters(ParameterSetting):
         """Return what is known about several parameters."""
         return [self.describe_parameter(name) for name in names]
 
-    def set_descriptor(
-        self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
-    ) -> ParameterValue:
-        """Replace a parameter's descriptor; the alternative is its value if the present one does not fit.
-
-        Raises:
-            ParameterNotDeclaredException: If it is not declared.
-            ParameterImmutableException: If it is read-only.
-            InvalidParameterValueException: If neither value fits.
-        """
-        if self.describe_parameter(name).read_only:
-            raise ParameterImmutableException(name)
-        parameter = self.get_parameter(name)
-        if name not in self._parameters:
-            return parameter.get_parameter_value()
-        reason = refusal(parameter, descriptor, is_declared=True, new_descriptor=True)
-        if reason:
-            if alternative_value is not None:
-                parameter = Parameter.from_parameter_msg(ParameterMsg(name=name, value=alternative_value))
-                reason = refusal(parameter, descriptor, is_declared=True, new_descriptor=True)
-            if reason:
-                raise InvalidParameterValueException(name, parameter.value, reason)
-        self._parameters[name], self._descriptors[name] = parameter, descriptor
-        return parameter.get_parameter_value()
-
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
         """List names below prefixes, at most `depth` parts deep (0: without limit), and their prefixes."""
-        if not isinstance(prefixes, list):
-            raise TypeError("The prefixes argument must be a list")
-        if not all(isinstance(prefix, str) for prefix in prefixes):
-            raise TypeError("All prefixes must be instances of type str")
-        if not isinstance(depth, int):
-            raise TypeError("The depth must be instance of type int")
-        if depth < 0:
-            raise ValueError("The depth must be greater than or equal to zero")
 
         def shown(name: str) -> bool:
             rests = [name[len(p) + 1 :] for p in prefixes if name.startswith(f"{p}.")] if prefixes else [name]
@@ -187,9 +129,3 @@ class NodeParameters(ParameterSetting):
         if result.reason.startswith("Wrong parameter type"):
             raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
         raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
-
-
-def _strings(names: Sequence[str]) -> Sequence[str]:
-    if not all(isinstance(name, str) for name in names):
-        raise TypeError("All names must be instances of type str")
-    return names

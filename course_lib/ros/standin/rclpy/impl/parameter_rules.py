@@ -14,11 +14,7 @@ def refusal(
 ) -> str:
     """Say why a parameter may not have its value; "" if it may. A descriptor is told its name and type.
 
-    Args:
-        parameter: The parameter as it is to be.
-        descriptor: What is known about it.
-        is_declared: Whether it is there already.
-        new_descriptor: Whether the descriptor comes with the value: then `read_only` does not count yet.
+    While a descriptor is new, `read_only` does not count yet.
     """
     descriptor.name = parameter.name
     kind = parameter.type_

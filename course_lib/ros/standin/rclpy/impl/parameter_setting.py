@@ -29,14 +29,7 @@ class ParameterSetting:
         events: Publisher[ParameterEvent],
         clock: Clock,
     ) -> None:
-        """Begin without parameters.
-
-        Args:
-            overrides: Values from outside the program; they count more than the defaults.
-            allow_undeclared: Whether parameters may be used that were not declared.
-            events: Publishes what changes.
-            clock: Stamps it.
-        """
+        """Begin without parameters; the overrides are values from outside the program."""
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, ParameterDescriptor] = {}
         self._parameter_overrides = overrides

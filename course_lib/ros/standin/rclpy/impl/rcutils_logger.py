@@ -44,12 +44,8 @@ class RcutilsLogger:
         """Log a message; returns whether it was.
 
         `once=True`, `skip_first=True`, `throttle_duration_sec=...` (with a clock as
-        `throttle_time_source_type`) choose among the calls from this place in the code; `name` stands in
-        for the logger's.
-
-        Raises:
-            TypeError: If the message is not a str, or an option is unknown.
-            ValueError: If this place asked for something else before.
+        `throttle_time_source_type`) choose among the calls from this place in the code, which may not ask for
+        something else later; `name` stands in for the logger's.
         """
         if not self.is_enabled_for(severity):
             return False

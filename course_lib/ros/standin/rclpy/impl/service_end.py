@@ -18,17 +18,7 @@ _HEADER = struct.Struct("<qq")  # before the CDR bytes: the client's endpoint, a
 
 
 class ServiceEnd(Entity):
-    """A service or a client.
-
-    Args:
-        node: Its node.
-        group: The group of its callback.
-        srv_type: The class of the service.
-        srv_name: Its name, as it was given.
-        full_name: Its fully resolved name.
-        qos_profile: The quality of service of both topics.
-        asks: Whether it is a client.
-    """
+    """A service or, if it `asks`, a client; `qos_profile` holds for both topics."""
 
     def __init__(
         self,
