@@ -9,6 +9,7 @@ from course_lib.grading.check import table_of
 from course_lib.grading.exercise_run import run_exercise
 from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.submission import NO_EXERCISE, unpack
+from course_lib.grading.working_files import working_files
 
 
 def check_file(path: Path) -> bool:
@@ -23,7 +24,9 @@ def check_file(path: Path) -> bool:
         raise CourseError(f"{path} {NO_EXERCISE}")
     own = current_identity()
     student = notebook.student or own
-    run = run_exercise(notebook.cells, tasks, catalog, student, hidden=False)
+    run = run_exercise(
+        notebook.cells, tasks, catalog, student, hidden=False, files=working_files(path, notebook.cells)
+    )
     said = [*run.cell_errors, *(table_of(*pair, student) for pair in zip(tasks, run.results, strict=True))]
     if own and student != own:
         said.append(

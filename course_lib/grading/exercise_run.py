@@ -1,6 +1,6 @@
 """Runs and judges all tasks of one notebook: `course check` and `course grade` alike."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -40,21 +40,33 @@ class ExerciseRun:
 
 
 def run_exercise(
-    cells: Sequence[str], tasks: Sequence[Task], catalog: Catalog, student: str | None, *, hidden: bool
+    cells: Sequence[str],
+    tasks: Sequence[Task],
+    catalog: Catalog,
+    student: str | None,
+    *,
+    hidden: bool,
+    files: Mapping[str, str] | None = None,
 ) -> ExerciseRun:
     """Run every scenario of every task, public first, and judge what came out."""
-    return judge_exercise(run_scenarios(cells, tasks, catalog, student, hidden=hidden), catalog)
+    return judge_exercise(run_scenarios(cells, tasks, catalog, student, hidden=hidden, files=files), catalog)
 
 
 def run_scenarios(
-    cells: Sequence[str], tasks: Sequence[Task], catalog: Catalog, student: str | None, *, hidden: bool
+    cells: Sequence[str],
+    tasks: Sequence[Task],
+    catalog: Catalog,
+    student: str | None,
+    *,
+    hidden: bool,
+    files: Mapping[str, str] | None = None,
 ) -> ExerciseRun:
     """Run every scenario of every task, public first; nothing is judged yet."""
     plan = [(task, scenario, False) for task in tasks for scenario in task.scenarios]
     if hidden:
         plan += [(task, scenario, True) for task in tasks for scenario in catalog.hidden.get(task.id, ())]
     personal = {task.id: personal_values(task, student) for task in tasks}
-    with closing(Session(cells, personal, catalog.course.limits)) as session:
+    with closing(Session(cells, personal, catalog.course.limits, files=files)) as session:
         runs = [Run(scenario, session.run(task, scenario), is_hidden) for task, scenario, is_hidden in plan]
     return ExerciseRun(tuple(tasks), tuple(runs), session.log, session.isolation)
 

@@ -66,7 +66,8 @@ def _graded(submission: Submission, course: Course, out: Path) -> Result:
         problem = submission.problem or f"the course has no {submission.exercise}"
         return Result(submission, "rejected", "wrong exercise", problem)
     shared_template().isolation.demand(course.sandbox)
-    run = run_scenarios(submission.notebook.cells, tasks, catalog, submission.claimed, hidden=True)
+    cells, files = submission.notebook.cells, submission.files
+    run = run_scenarios(cells, tasks, catalog, submission.claimed, hidden=True, files=files)
     path = out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
     write_whole(path, evidence_bytes(run.runs))
     run = judge_exercise(run, catalog)

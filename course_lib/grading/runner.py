@@ -55,6 +55,7 @@ class Session:
         personal: The student's own values, by task.
         limits: What it may use.
         template: What its workers are forks of; default: that of this process.
+        files: Texts in the folder that the cells run in, by their paths from there.
     """
 
     def __init__(
@@ -63,11 +64,13 @@ class Session:
         personal: Mapping[str, Mapping[str, Any]],
         limits: Limits,
         template: TemplateProcess | None = None,
+        files: Mapping[str, str] | None = None,
     ) -> None:
         self.log = CellLog()
         self._template = template or shared_template()
         self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
+        self._files = dict(files or {})
         self._deadline = wall.monotonic() + limits.total_seconds
         self._worker: WorkerProcess | None = None
         self._room = Room()  # for all scenarios
@@ -117,6 +120,7 @@ class Session:
         values = {task: dict(values) for task, values in self._personal.items()}
         current, limit, log = -1, self._limits.cell_seconds, self.log
         try:
+            worker.channel.send(["files", self._files])
             worker.channel.send(["cells", self._cells, values, sorted(log.stopped)])
             while True:
                 worker.allow(min(limit, self._left()))

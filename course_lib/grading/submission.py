@@ -5,13 +5,14 @@ import json
 import os
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.received import Received, received
+from course_lib.grading.working_files import working_files
 
 RECEIPT = "receipt.json"
 SUFFIXES = (".ipynb", ".zip")
@@ -28,8 +29,9 @@ class Submission:
         path: The file.
         received: When, and how that is known.
         notebook: Its cells and claims; None if it can't be read.
+        files: Texts that came with it, by their paths from its folder.
         claimed: The ID that the file itself names; personal values derive from it.
-        sha256: Of the notebook.
+        sha256: Of the notebook, and of its files if it has any.
         problem: Why it can't be graded, or "".
     """
 
@@ -38,6 +40,7 @@ class Submission:
     path: Path
     received: Received
     notebook: Notebook | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
     claimed: str | None = None
     sha256: str = ""
     problem: str = ""
@@ -75,19 +78,28 @@ def read_submission(path: Path, top: Path) -> Submission:
     """Read one file; what is wrong with it is in its `problem`."""
     receipt: Mapping[str, Any] = {}
     notebook, claimed, sha256, problem = None, None, "", ""
+    files: Mapping[str, str] = {}
     exercise = exercise_named(path.name)
     try:
         data, receipt = unpack(path)
         notebook = parse_notebook(data, str(receipt.get("exercise", path.name)))
         exercise, claimed = notebook.exercise, notebook.student or claimed_id(receipt)
-        sha256 = hashlib.sha256(data).hexdigest()
+        files = working_files(path, notebook.cells) if path.parent != top or path.suffix == ".zip" else {}
+        sha256 = content_hash(data, files)
         problem = "" if exercise else f"{path.name} {NO_EXERCISE}"
     except CourseError as error:
         problem = str(error)
     folders = path.relative_to(top).parts[:-1]
     student = claimed_id({"student": folders[0]}) or folders[0] if folders else claimed or path.stem
     when = received(path, top, receipt)
-    return Submission(student, exercise or path.name, path, when, notebook, claimed, sha256, problem)
+    about = (notebook, files, claimed, sha256, problem)
+    return Submission(student, exercise or path.name, path, when, *about)
+
+
+def content_hash(data: bytes, files: Mapping[str, str]) -> str:
+    """The SHA-256 of a notebook, with its files if it has any."""
+    more = json.dumps(sorted(files.items())).encode() if files else b""
+    return hashlib.sha256(data + more).hexdigest()
 
 
 def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:

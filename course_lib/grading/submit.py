@@ -1,6 +1,5 @@
 """`course submit`: one file to hand in, with a receipt."""
 
-import hashlib
 import json
 import zipfile
 from collections.abc import Mapping
@@ -12,7 +11,8 @@ from typing import Any
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.submission import NO_EXERCISE, RECEIPT, unpack
+from course_lib.grading.submission import NO_EXERCISE, RECEIPT, content_hash, unpack
+from course_lib.grading.working_files import FOLDER, working_files
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,14 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
     if notebook.exercise is None:
         raise CourseError(f"{path} {NO_EXERCISE}")
     student = notebook.student or current_identity()
+    files = working_files(path, notebook.cells)
     receipt = {
         "exercise": notebook.exercise,
         "student": student,
         "file": path.name,
         "code cells": len(notebook.cells),
-        "sha256": hashlib.sha256(data).hexdigest(),
+        "files": ", ".join(files),
+        "sha256": content_hash(data, files),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     out = out or path.with_name(f"{notebook.exercise}_{student or 'no_id'}.zip")
@@ -55,6 +57,8 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(f"{notebook.exercise}.ipynb", data)
             archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
+            for name, text in files.items():
+                archive.writestr(FOLDER + name, text)
     except OSError as error:
         raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out FILE") from error
     return Receipt(out, receipt)

@@ -9,6 +9,8 @@ import os
 import sys
 import timeit  # noqa: F401  before robot time is there: %timeit measures, also when graded
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
@@ -52,7 +54,11 @@ class Worker:
 
     def serve(self) -> None:
         """Do what the grader asks until it is gone."""
-        handlers: dict[str, Callable[..., None]] = {"cells": self.run_cells, "scenario": self.run_scenario}
+        handlers: dict[str, Callable[..., None]] = {
+            "files": write_files,
+            "cells": self.run_cells,
+            "scenario": self.run_scenario,
+        }
         while True:
             try:
                 name, *arguments = self._channel.receive()
@@ -110,6 +116,14 @@ class Worker:
         if name not in self._shell.user_ns:
             raise CourseError(f"{name} is not in the notebook: no cell that ran to its end makes it")
         return self._shell.user_ns[name]
+
+
+def write_files(files: dict[str, str]) -> None:
+    """Write what came with the notebook; where the folder does not take one, the cells will miss it."""
+    for name, text in files.items():
+        with suppress(OSError):
+            Path(name).parent.mkdir(parents=True, exist_ok=True)
+            Path(name).write_text(text, encoding="utf-8")
 
 
 def _flush() -> None:

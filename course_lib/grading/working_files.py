@@ -1,0 +1,56 @@
+"""Files that a notebook names and that lie beside it: layouts, parameters, launch files."""
+
+import re
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path, PurePosixPath
+
+from course_lib.errors import CourseError
+
+SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
+FOLDER = "files/"  # in what `course submit` writes
+MAX_BYTES = 1_000_000  # of each
+MAX_FILES = 20
+_QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
+
+
+def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
+    """The texts of a handed-in notebook's files, by their paths from the notebook's folder.
+
+    Raises:
+        CourseError: They can't be read.
+    """
+    found = _packed(path) if path.suffix == ".zip" else _beside(path.parent, cells)
+    files: dict[str, str] = {}
+    try:
+        for name, data in found:
+            if len(files) < MAX_FILES and len(data) <= MAX_BYTES:
+                files[name] = data.decode("utf-8", "replace")
+    except Exception as error:  # a broken or locked archive raises a dozen kinds
+        raise CourseError(f"{path.name}: the files with the notebook can't be read: {error}") from error
+    return files
+
+
+def _beside(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+    """What the cells name between quotes, if it lies in the folder."""
+    home = folder.resolve()
+    for name in dict.fromkeys(name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name)):
+        place = home / name
+        if place.is_file() and place.resolve() == place:  # no link leads elsewhere
+            with place.open("rb") as file:
+                yield name, file.read(MAX_BYTES + 1)
+
+
+def _packed(path: Path) -> Iterator[tuple[str, bytes]]:
+    with zipfile.ZipFile(path) as archive:
+        for info in archive.infolist()[: 2 * MAX_FILES]:
+            name = info.filename.removeprefix(FOLDER)
+            if name != info.filename and _is_fine(name):
+                with archive.open(info) as member:
+                    yield name, member.read(MAX_BYTES + 1)
+
+
+def _is_fine(name: str) -> bool:
+    path = PurePosixPath(name)
+    inside = not path.is_absolute() and ".." not in path.parts and "\\" not in name and name.isprintable()
+    return inside and path.suffix.lower() in SUFFIXES

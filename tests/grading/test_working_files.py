@@ -1,0 +1,81 @@
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.submission import find_submissions
+from course_lib.grading.submit import submit
+from course_lib.grading.working_files import working_files
+
+WriteNotebook = Callable[..., Path]
+CODE = """
+layout = "layouts/mine.rviz"
+others = ["../secret.yaml", "/etc/a.yaml", "link.yaml", "none.yaml", "photo.png", "C:\\\\a.yaml", "fine.yaml"]
+"""
+
+
+@pytest.fixture
+def exercise(tmp_path: Path, write_notebook: WriteNotebook) -> Path:
+    """A notebook that names files: two that lie in its folder, others that must not be touched."""
+    path = write_notebook(tmp_path / "work/week01_exercise.ipynb", CODE, student="ada")
+    (tmp_path / "work/layouts").mkdir()
+    (tmp_path / "work/layouts/mine.rviz").write_text("Panels: é")
+    (tmp_path / "work/fine.yaml").write_text("a: 1")
+    (tmp_path / "work/photo.png").write_text("not a kind of file that tasks have")
+    (tmp_path / "secret.yaml").write_text("b: 2")
+    (tmp_path / "work/link.yaml").symlink_to(tmp_path / "secret.yaml")
+    return path
+
+
+def test_submit_packs_the_files_that_the_notebook_names_and_says_so(exercise: Path, tmp_path: Path) -> None:
+    receipt = submit(exercise, tmp_path / "handed_in.zip")
+    assert receipt.content["files"] == "layouts/mine.rviz, fine.yaml"
+    (tmp_path / "in").mkdir()
+    (tmp_path / "handed_in.zip").rename(tmp_path / "in/handed_in.zip")
+    (found,) = find_submissions(tmp_path / "in")
+    assert found.files == {"layouts/mine.rviz": "Panels: é", "fine.yaml": "a: 1"}
+    assert found.sha256 == receipt.content["sha256"]
+
+
+def test_beside_a_notebook_only_its_own_folder_is_looked_into(exercise: Path) -> None:
+    assert list(working_files(exercise, (CODE,))) == ["layouts/mine.rviz", "fine.yaml"]
+
+
+def test_notebooks_of_several_students_in_one_folder_get_no_file_of_each_other(exercise: Path) -> None:
+    found = [found for found in find_submissions(exercise.parent) if found.claimed == "ada"]
+    assert found[0].files == {}
+
+
+def test_unsafe_names_in_an_archive_are_left_out(exercise: Path, tmp_path: Path) -> None:
+    packed = submit(exercise, tmp_path / "handed_in.zip").file
+    with zipfile.ZipFile(packed, "a") as archive:
+        for name in ("files/../../evil.yaml", "files//etc/evil.yaml", "files/large.yaml"):
+            archive.writestr(name, "x" * 2_000_000)
+    assert list(working_files(packed, ())) == ["layouts/mine.rviz", "fine.yaml"]
+
+
+def test_a_file_task_is_graded_on_the_file_that_was_handed_in(
+    course: Course, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    checks = course.exercises / "checks/week01.py"
+    text = checks.read_text()
+    checks.write_text(
+        text.replace(
+            '"week01.answer", "Your number", "value", "answer", HINTS, personal={"n": (10, 20, 30)}',
+            '"week01.answer", "Your layout", "file", "layout", HINTS',
+        ).replace('expect_value(my("n", times=2))', 'expect_text("Panels")')
+    )
+    for student, content in (("ada", "Panels: 1"), ("bob", "nothing")):
+        write_notebook(tmp_path / "in" / student / "week01_exercise.ipynb", 'layout = "layouts/mine.rviz"')
+        (tmp_path / "in" / student / "layouts").mkdir()
+        (tmp_path / "in" / student / "layouts/mine.rviz").write_text(content)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    scores = {}
+    for path in (tmp_path / "out/results").glob("*/*.json"):
+        tasks = json.loads(path.read_text())["tasks"]
+        scores[path.parent.name] = next(task["score"] for task in tasks if task["task"] == "week01.answer")
+    assert scores == {"ada": 10, "bob": 0}
