@@ -220,11 +220,6 @@ def test_shutting_down_several_threads_waits_for_their_callbacks(node: Node) -> 
     assert ended == [4.0]
 
 
-def test_a_single_thread_in_an_executor_of_many_is_warned_of(begun: Graph) -> None:
-    with pytest.warns(UserWarning, match="MultiThreadedExecutor is used with a single thread"):
-        MultiThreadedExecutor(1)
-
-
 def test_ten_thousand_messages_take_seconds_at_most(node: Node) -> None:
     got: list[int] = []
     node.create_subscription(Int32, "x", lambda m: got.append(m.data), QoSProfile(depth=10_000))

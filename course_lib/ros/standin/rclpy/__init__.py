@@ -1,5 +1,7 @@
 """The ROS client library for Python: the kit's stand-in, in one process, by robot time."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -10,8 +12,6 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from rclpy.task import Future
 from rclpy.utilities import get_default_context, ok
-from rclpy.utilities import shutdown as _shutdown
-from rclpy.utilities import try_shutdown as _try_shutdown
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -84,13 +84,13 @@ def init(
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
     """End; raises if it was not begun or has ended already (`try_shutdown` does not)."""
-    _shutdown(context=context)
+    (context or get_default_context(shutting_down=True)).shutdown()
     _uninstall(context, uninstall_handlers)
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
     """End, if that is to be done."""
-    _try_shutdown(context=context)
+    (context or get_default_context(shutting_down=True)).try_shutdown()
     _uninstall(context, uninstall_handlers)
 
 
@@ -114,37 +114,34 @@ def get_global_executor() -> "Executor":
 
 def spin(node: "Node", executor: "Executor | None" = None) -> None:
     """Run the node's callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
-        executor.spin()
-    finally:
-        executor.remove_node(node)
+    with _with_node(executor, node) as chosen:
+        chosen.spin()
 
 
 def spin_once(node: "Node", *, executor: "Executor | None" = None, timeout_sec: float | None = None) -> None:
     """Run one callback; wait for it at most `timeout_sec` [s], without limit if that is None."""
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
-        with driving.beside_live(executor):
-            executor.spin_once(timeout_sec=timeout_sec)
-    finally:
-        executor.remove_node(node)
+    with _with_node(executor, node) as chosen, driving.beside_live(chosen):
+        chosen.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
     node: "Node", future: Future[Any], executor: "Executor | None" = None, timeout_sec: float | None = None
 ) -> None:
     """Run the node's callbacks until a future is done, or `timeout_sec` [s] are over."""
-    executor = executor or get_global_executor()
-    added = executor.add_node(node)
+    with _with_node(executor, node, keep=True) as chosen, driving.beside_live(chosen):
+        chosen.spin_until_future_complete(future, timeout_sec)
+
+
+@contextmanager
+def _with_node(executor: "Executor | None", node: "Node", *, keep: bool = False) -> "Iterator[Executor]":
+    """Let a node be in an executor for a while; `keep` it there if it was before."""
+    chosen = executor or get_global_executor()
+    added = chosen.add_node(node)
     try:
-        with driving.beside_live(executor):
-            executor.spin_until_future_complete(future, timeout_sec)
+        yield chosen
     finally:
-        if added:
-            executor.remove_node(node)
+        if added or not keep:
+            chosen.remove_node(node)
 
 
 def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None:

@@ -1,22 +1,10 @@
 """Which callbacks of a node may run at the same time."""
 
-import weakref
 from typing import Any
 
 
 class CallbackGroup:
     """The base of callback groups; one of your own may answer the three questions below otherwise."""
-
-    def __init__(self) -> None:
-        self.entities: set[weakref.ref[Any]] = set()
-
-    def add_entity(self, entity: Any) -> None:
-        """Let a timer, a subscription, … belong to the group."""
-        self.entities.add(weakref.ref(entity))
-
-    def has_entity(self, entity: Any) -> bool:
-        """Say whether something belongs to the group."""
-        return weakref.ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
         """Say whether the entity's callback may be run now."""
@@ -38,7 +26,6 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
     """Only one of its callbacks runs at a time; a coroutine that awaits something is still running."""
 
     def __init__(self) -> None:
-        super().__init__()
         self._active: Any = None
 
     def can_execute(self, entity: Any) -> bool:

@@ -20,7 +20,6 @@ class Context(AbstractContextManager["Context"]):
         self.arguments = Arguments()  # of the command line, for all nodes
         self._initialized = False
         self._shut_down = False
-        self._domain_id = 0
         self._callbacks: list[Callable[[], object]] = []
 
     def init(
@@ -35,7 +34,6 @@ class Context(AbstractContextManager["Context"]):
         current_run().log_levels |= self.arguments.log_levels
         self._initialized = True
         current_run().contexts.append(self)
-        self._domain_id = domain_id or 0
 
     @property
     def is_valid(self) -> bool:
@@ -69,18 +67,10 @@ class Context(AbstractContextManager["Context"]):
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
         """Have `callback()` called at the shutdown; at once if that has been."""
-        if not callable(callback):
-            raise TypeError("callback should be a callable, got {}", type(callback))
         if self._shut_down:
             callback()
         else:
             self._callbacks.append(callback)
-
-    def get_domain_id(self) -> int:
-        """Return the domain; all domains of one run share one graph."""
-        if not self._initialized:
-            raise RuntimeError("Context must be initialized before it can have a domain id")
-        return self._domain_id
 
     def __enter__(self) -> "Context":
         self.init()

@@ -23,10 +23,6 @@ QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 IncompatibleQosCallback = Callable[[QoSRequestedIncompatibleQoSInfo], object]
 
 
-class UnsupportedEventTypeError(Exception):
-    """An event was asked for that the middleware does not know."""
-
-
 class _EventCallbacks:
     """The callbacks for one side; where none is given, a warning is logged if `use_default_callbacks`."""
 

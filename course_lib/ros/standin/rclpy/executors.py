@@ -2,7 +2,6 @@
 
 import os
 import threading
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -38,12 +37,6 @@ class MultiThreadedExecutor(Executor):
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)
         self._num_threads = num_threads or os.cpu_count() or 2
-        if self._num_threads == 1:
-            warnings.warn(
-                "MultiThreadedExecutor is used with a single thread.\n"
-                "Use the SingleThreadedExecutor instead.",
-                stacklevel=2,
-            )
         self._running = 0
         self._failed: list[BaseException] = []
 

@@ -32,11 +32,6 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
             _before[number] = signal.signal(number, _handle)
 
 
-def get_current_signal_handlers_options() -> SignalHandlerOptions:
-    """Say which signals are handled."""
-    return SignalHandlerOptions(sum(SignalHandlerOptions[signal.Signals(number).name] for number in _before))
-
-
 def uninstall_signal_handlers() -> None:
     """Put the former handlers back."""
     if threading.current_thread() is threading.main_thread():

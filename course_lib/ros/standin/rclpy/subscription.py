@@ -3,7 +3,7 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
-from enum import Enum
+from contextlib import suppress
 from functools import partial
 from typing import Any, Generic, TypedDict, TypeVar
 
@@ -28,12 +28,6 @@ class MessageInfo(TypedDict):
 
 class Subscription(Entity, Generic[MsgT]):
     """Receives the messages of a topic; made by `Node.create_subscription`."""
-
-    class CallbackType(Enum):
-        """What the callback takes."""
-
-        MessageOnly = 0
-        WithMessageInfo = 1
 
     def __init__(
         self,
@@ -71,7 +65,7 @@ class Subscription(Entity, Generic[MsgT]):
     @callback.setter
     def callback(self, value: Callable[..., object]) -> None:
         self._callback = value
-        self._callback_type = _callback_type(value)
+        self._takes_info = _takes_info(value)
 
     def join(self, type_name: str, topic_name: str, qos: Qos) -> None:
         """Enter the graph; from now on messages come in."""
@@ -88,7 +82,7 @@ class Subscription(Entity, Generic[MsgT]):
             return None
         cdr, source_ns, received_ns = self._queue.popleft()
         message: Any = cdr if self.raw else deserialize(cdr, self.msg_type)
-        if self._callback_type is Subscription.CallbackType.MessageOnly:
+        if not self._takes_info:
             return partial(self._callback, message)
         info = MessageInfo(
             source_timestamp=source_ns,
@@ -117,16 +111,12 @@ class Subscription(Entity, Generic[MsgT]):
             self.node_handle.mark_ready(self)
 
 
-def _callback_type(callback: Callable[..., object]) -> Subscription.CallbackType:
-    for kind, arguments in (
-        (Subscription.CallbackType.MessageOnly, 1),
-        (Subscription.CallbackType.WithMessageInfo, 2),
-    ):
-        try:
-            inspect.signature(callback).bind(*[None] * arguments)
-        except TypeError:
-            continue
-        return kind
+def _takes_info(callback: Callable[..., object]) -> bool:
+    """Say whether a callback wants the MessageInfo, too."""
+    for count in (1, 2):
+        with suppress(TypeError):
+            inspect.signature(callback).bind(*[None] * count)
+            return count == 2
     raise RuntimeError(
         "Subscription.__init__(): callback should be either be callable with one argument"
         "(to get only the message) or two (to get message and message info)"

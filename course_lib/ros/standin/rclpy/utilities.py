@@ -21,16 +21,6 @@ def ok(*, context: Context | None = None) -> bool:
     return (context or get_default_context()).ok()
 
 
-def shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down; raises if it was not initialised or is shut down already."""
-    (context or get_default_context(shutting_down=True)).shutdown()
-
-
-def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down if that is to be done."""
-    (context or get_default_context(shutting_down=True)).try_shutdown()
-
-
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the arguments without those between `--ros-args` and `--`; `sys.argv` if none are given."""
     kept: list[str] = []

@@ -23,10 +23,6 @@ class NodeGraph:
         """The node as the graph knows it."""
         return self.__handle
 
-    @handle.setter
-    def handle(self, value: object) -> None:
-        raise AttributeError("handle cannot be modified after node creation")
-
     def get_node_names(self) -> list[str]:
         """List the names of all nodes."""
         return [name for name, _ in self.get_node_names_and_namespaces()]

@@ -83,7 +83,6 @@ class Entity:
         self.node_handle = node
         self.callback_group = callback_group
         self.entity = node.next_entity()
-        callback_group.add_entity(self)
 
     def take(self) -> Callable[[], object] | None:
         """Take what made it ready; returns the call to make, None if there is nothing any more."""
