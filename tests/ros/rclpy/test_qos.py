@@ -6,7 +6,6 @@ from rclpy.qos import (
     HistoryPolicy,
     InvalidQoSProfileException,
     LivelinessPolicy,
-    QoSCompatibility,
     QoSDurabilityPolicy,
     QoSHistoryPolicy,
     QoSLivelinessPolicy,
@@ -14,12 +13,11 @@ from rclpy.qos import (
     QoSProfile,
     QoSReliabilityPolicy,
     ReliabilityPolicy,
-    qos_check_compatible,
     qos_profile_sensor_data,
     qos_profile_system_default,
 )
 
-from course_lib.ros.qos import Qos
+from course_lib.ros.qos import Qos, incompatible
 
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -116,15 +114,7 @@ def test_presets_are_those_of_ros(name: str, depth: int, reliability: str, durab
 def test_incompatible_profiles_are_named(
     publisher: QoSProfile, subscription: QoSProfile, policy: str
 ) -> None:
-    reason = f"ERROR: incompatible {policy};"
-    assert qos_check_compatible(publisher, subscription) == (QoSCompatibility.ERROR, reason)
-
-
-def test_what_is_left_to_the_system_is_a_warning() -> None:
-    sure = QoSProfile(depth=1, liveliness=LivelinessPolicy.AUTOMATIC)
-    assert qos_check_compatible(sure, sure) == (QoSCompatibility.OK, "")
-    found, reason = qos_check_compatible(qos_profile_system_default, sure)
-    assert (found, reason) == (QoSCompatibility.WARNING, "WARNING: reliability is left to the system;")
+    assert incompatible(to_qos(publisher, "pub"), to_qos(subscription, "sub")) == policy
 
 
 def test_a_profile_becomes_what_the_graph_works_with_and_back() -> None:

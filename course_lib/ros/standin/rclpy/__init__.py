@@ -6,33 +6,18 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Unpack
 
 from course_lib.ros import driving
-from rclpy.context import Context
+from rclpy.context import Context as Context
 from rclpy.impl.run import current_run
-from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
-from rclpy.task import Future
-from rclpy.utilities import get_default_context, ok
+from rclpy.parameter import Parameter as Parameter
+from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions
+from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
+from rclpy.task import Future as Future
+from rclpy.utilities import get_default_context as get_default_context
+from rclpy.utilities import ok as ok
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
     from rclpy.node import Node, NodeOptions
-
-__all__ = [
-    "Context",
-    "Future",
-    "Parameter",
-    "SignalHandlerOptions",
-    "create_node",
-    "get_default_context",
-    "get_global_executor",
-    "init",
-    "ok",
-    "shutdown",
-    "spin",
-    "spin_once",
-    "spin_until_future_complete",
-    "try_shutdown",
-]
 
 
 class InitContextManager:

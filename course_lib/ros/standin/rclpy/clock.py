@@ -2,14 +2,12 @@
 
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
-from rclpy.clock_type import ClockType
+from rclpy.clock_type import ClockType as ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time
 from rclpy.utilities import get_default_context
-
-__all__ = ["Clock", "ClockType", "ROSClock"]
 
 
 class Clock:

@@ -7,21 +7,11 @@ from contextlib import suppress
 
 from course_lib.ros.baton import baton
 from rclpy.context import Context
-from rclpy.impl.executor import (
-    Executor,
-    ExternalShutdownException,
-    await_or_execute,
-)
+from rclpy.impl.executor import Executor as Executor
+from rclpy.impl.executor import ExternalShutdownException as ExternalShutdownException
+from rclpy.impl.executor import await_or_execute as await_or_execute
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
-
-__all__ = [
-    "Executor",
-    "ExternalShutdownException",
-    "MultiThreadedExecutor",
-    "SingleThreadedExecutor",
-    "await_or_execute",
-]
 
 
 class SingleThreadedExecutor(Executor):

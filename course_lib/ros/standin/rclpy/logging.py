@@ -1,9 +1,7 @@
 """Loggers without a node, and the levels of all loggers."""
 
-from rclpy.impl.logging_severity import LoggingSeverity
+from rclpy.impl.logging_severity import LoggingSeverity as LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
-
-__all__ = ["LoggingSeverity", "get_logger", "get_logger_effective_level", "set_logger_level"]
 
 
 def get_logger(name: str) -> RcutilsLogger:

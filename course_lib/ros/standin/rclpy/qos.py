@@ -6,7 +6,6 @@ import warnings
 from enum import Enum, IntEnum
 from typing import Any
 
-from course_lib.ros.qos import incompatible
 from rclpy.duration import Duration
 
 
@@ -160,35 +159,3 @@ class QoSPresetProfiles(Enum):
     PARAMETERS = qos_profile_parameters
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
-
-
-class QoSCompatibility(IntEnum):
-    """What `qos_check_compatible` found."""
-
-    OK = 0
-    WARNING = 1
-    ERROR = 2
-
-
-# What a publisher offers that is too weak for a subscription that requests the other.
-_WEAK_AND_STRICT: dict[str, tuple[IntEnum, IntEnum]] = {
-    "reliability": (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE),
-    "durability": (DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL),
-    "liveliness": (LivelinessPolicy.AUTOMATIC, LivelinessPolicy.MANUAL_BY_TOPIC),
-}
-
-
-def qos_check_compatible(
-    publisher_qos: QoSProfile, subscription_qos: QoSProfile
-) -> tuple[QoSCompatibility, str]:
-    """Say whether samples would flow from such a publisher to such a subscription, and if not, why."""
-    from rclpy.impl.qos_conversion import to_qos
-
-    policy = incompatible(to_qos(publisher_qos, "pub"), to_qos(subscription_qos, "sub"))
-    if policy:
-        return QoSCompatibility.ERROR, f"ERROR: incompatible {policy};"
-    for name, (weak, strict) in _WEAK_AND_STRICT.items():
-        offered, requested = getattr(publisher_qos, name), getattr(subscription_qos, name)
-        if offered in (0, weak) and requested in (0, strict):  # 0: the system may make it weak or strict
-            return QoSCompatibility.WARNING, f"WARNING: {name} is left to the system;"
-    return QoSCompatibility.OK, ""

@@ -1,17 +1,1 @@
-from course_lib.ros.tf2_errors import (
-    ConnectivityException,
-    ExtrapolationException,
-    InvalidArgumentException,
-    LookupException,
-    TimeoutException,
-    TransformException,
-)
-
-__all__ = [
-    "ConnectivityException",
-    "ExtrapolationException",
-    "InvalidArgumentException",
-    "LookupException",
-    "TimeoutException",
-    "TransformException",
-]
+from course_lib.ros.tf2_errors import *  # noqa: F403  # all of them
