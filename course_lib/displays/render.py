@@ -48,7 +48,9 @@ def film_of(
 ) -> tuple[Film, Session]:
     """Film a recording from its beginning to a time, in frames a second as RViz shows it; see `scene_of`."""
     session = session_for(recording, rviz_path)
-    film = Film(session.context.scene, lambda: session.context.now_ns / NS, seconds=inf, megabytes=200)
+    thinned = {"interval": 1 / frame_rate} if frame_rate else {}
+    context = session.context
+    film = Film(context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned)
     playback, end_ns = Playback(session, recording), _end_ns(recording, at)
     for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.frame_rate)):
         playback.go_to(now_ns)

@@ -14,6 +14,7 @@ from course_lib.course.identity import normalise
 from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.arrivals import Arrival, arrivals
+from course_lib.grading.gradebook import harmless
 from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.received import LIST, TIMESTAMP
 from course_lib.grading.table import printable
@@ -124,7 +125,8 @@ def _keep(arrival: Arrival, sender: Sender, out: Path, zone: ZoneInfo, done: Col
     os.utime(path, (time, time))
     if sender.row:
         file = path.relative_to(out).as_posix()
-        done.rows[file] = {"file": file, "handed_in_as": "/".join(arrival.parts), **sender.row}
+        known = {"handed_in_as": "/".join(arrival.parts), **sender.row}
+        done.rows[file] = {"file": file, **{key: harmless(value) for key, value in known.items()}}
     done.count += not is_stamp
     done.students.add(sender.student)
 

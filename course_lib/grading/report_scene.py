@@ -15,7 +15,8 @@ from course_lib.recording import Recording
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-SPEEDS = ((None, 3000), (5, 20_000), (1, 50_000))  # frames/s, None: as RViz; messages that it may hold
+SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))  # frames/s, None: as RViz; bytes of what may be filmed with it
+MESSAGE = 500  # [B] that a message counts as, however small it is
 
 
 @dataclass(frozen=True)
@@ -71,13 +72,12 @@ def _fitting(caption: str, recording: Recording, room: int) -> Figure:
     from course_lib.displays.render import film_of, scene_of
     from course_lib.viewer.html import scene_fragment
 
-    for rate, messages in SPEEDS:
-        if len(recording.samples) <= messages:
+    size = sum(len(sample.cdr) + MESSAGE for sample in recording.samples)
+    for rate, most in SPEEDS:
+        if size <= most:
             view = scene_fragment(film_of(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
             if len(view) <= room:
-                return Figure(
-                    caption, Markup(view), f"Shortened to {rate} pictures a second." if rate else ""
-                )
+                return Figure(caption, Markup(view), f"Thinned to {rate} a second, to fit." if rate else "")
     view = scene_fragment(scene_of(recording), label=f"{caption}: 3D view")
     if len(view) > room:
         raise CourseError(f"it has {len(view) // 1000} kB, and a report has room for {room // 1000} kB")

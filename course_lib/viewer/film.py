@@ -9,7 +9,7 @@ import numpy as np
 from course_lib.viewer import encoding
 from course_lib.viewer.scene import Scene, What
 
-INTERVAL = 1 / 40  # [s] changes within it are one frame, as in a stream's batches
+INTERVAL = 1 / 40  # [s] as between a stream's batches
 _CHANGE = 500  # bytes that Python keeps for a small change, about
 _OF_ALL = ("background", "camera", "animation")  # what belongs to the scene, not to one node
 
@@ -25,14 +25,20 @@ class Film:
         now: Says the time, [s]; the film starts anew when it runs backwards.
         seconds: How much time is kept, [s].
         megabytes: How much memory may be used.
+        interval: Changes within so many [s] are one frame.
     """
 
     def __init__(
-        self, scene: Scene, now: Callable[[], float], seconds: float = 120.0, megabytes: float = 50.0
+        self,
+        scene: Scene,
+        now: Callable[[], float],
+        seconds: float = 120.0,
+        megabytes: float = 50.0,
+        interval: float = INTERVAL,
     ) -> None:
         self.scene = scene
         self._now = now
-        self._limits = (seconds, megabytes * 1e6)
+        self._limits, self._interval = (seconds, megabytes * 1e6), interval
         self._start = now()
         self._first = _copied(scene)
         self._frames: deque[_Frame] = deque()
@@ -74,7 +80,7 @@ class Film:
         now = self._now()
         if now < (self._frames[-1].time if self._frames else self._start):
             self._forget(len(self._frames), now)
-        if not self._frames or now - self._frames[-1].time >= INTERVAL:
+        if not self._frames or now - self._frames[-1].time >= self._interval:
             self._frames.append(_Frame(now))
         self._size += self._frames[-1].add(what, path, _value(self.scene, what, path))
         seconds, size = self._limits

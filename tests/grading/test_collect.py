@@ -86,6 +86,11 @@ def test_canvas_names_with_a_late_one_and_a_second_try(sort: Sort, tmp_path: Pat
     assert find_submissions(tmp_path / "out")[0].received.source == "file time"  # Canvas tells no times
 
 
+def test_a_name_that_a_spreadsheet_would_run_is_made_harmless(sort: Sort, tmp_path: Path) -> None:
+    sort({f"=cmd|A1_12345_assignsubmission_file_/{NAME}": notebook()})
+    assert ",'=cmd|A1," in (tmp_path / "out/received.csv").read_text()
+
+
 def test_the_platforms_csv_gives_numbers_their_ids(sort: Sort, tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")

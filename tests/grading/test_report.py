@@ -2,6 +2,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
 from course_lib.grading.jail.launch import shared_template
@@ -75,3 +77,50 @@ def test_a_report_says_how_it_was_isolated(
 ) -> None:
     page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right))
     assert f"Ran with isolation: {shared_template().isolation}." in page
+
+
+def test_the_late_arithmetic_is_told_in_the_courses_time(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    notebook = write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right)
+    (tmp_path / "in/received.csv").write_text(
+        "file,received\nada/week01_exercise.ipynb,2026-10-12T22:10:00Z\n"
+    )
+    page = " ".join(report(course, tmp_path, notebook).split())
+    assert "Received 2026-10-13 00:10+02:00 (Europe/Paris; by received.csv)" in page
+    assert "deadline 2026-10-11 23:59+02:00: 2 started days late." in page
+    assert "2 \u00d7 10 % of 110 are 22 points off: 110 \u2212 22 = <strong>88</strong>." in page
+
+
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [(1, ""), (3000, "Thinned to"), (100_000, "a report has room for")],
+)
+def test_a_report_stays_small_whatever_is_published(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook, points: int, said: str
+) -> None:
+    cloud = "import random\nfrom geometry_msgs.msg import Point\n" + right.replace(
+        "marker.pose.position.z = 0.5",
+        "marker.type = Marker.POINTS\n        "
+        f"marker.points = [Point(x=random.random(), y=random.random()) for _ in range({points})]",
+    ).replace("create_timer(1.0", "create_timer(0.05")
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", cloud))
+    assert len(page) < 1_000_000
+    assert said in page
+
+
+def test_what_failed_comes_first_and_hidden_checks_keep_their_numbers(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    wrong = right.replace("marker.color.r = marker.color.a", "marker.color.b = marker.color.a")
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", wrong))
+    task = page.split("<h2")[1]
+    assert task.index("✗ failed") < task.index("✓ passed")
+
+
+def test_terminal_colours_and_turned_text_are_taken_out(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    code = right + "# next cell\nprint('\\x1b[31mred\\x1b[0m \\u202eleft\\x07')\n"
+    page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", code))
+    assert "red left" in page
