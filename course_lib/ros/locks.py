@@ -3,7 +3,6 @@
 import _thread
 import queue
 import threading
-from types import TracebackType
 from typing import Any
 
 from course_lib.ros import wall
@@ -67,9 +66,7 @@ class ProgramLock:
     def __enter__(self) -> bool:
         return self.acquire()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.release()
 
 

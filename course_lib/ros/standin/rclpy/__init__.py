@@ -1,8 +1,7 @@
 """The ROS client library for Python: the kit's stand-in, in one process, by robot time."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from types import TracebackType
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, Unpack
 
 from course_lib.ros import driving
@@ -20,19 +19,13 @@ if TYPE_CHECKING:
     from rclpy.node import Node, NodeOptions
 
 
-class InitContextManager:
+class InitContextManager(ExitStack):
     """What `init` returns: in a `with` statement it shuts down at the end; otherwise it may be ignored."""
 
     def __init__(self, context: Context) -> None:
+        super().__init__()
         self.context = context
-
-    def __enter__(self) -> "InitContextManager":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
-        try_shutdown(context=None if self.context is get_default_context() else self.context)
+        self.callback(try_shutdown, context=None if context is get_default_context() else context)
 
     def _ipython_display_(self) -> None:
         """Show nothing where it is a cell's last value: in Jazzy `init` returns None."""

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from types import TracebackType
 
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
@@ -76,7 +75,5 @@ class Context(AbstractContextManager["Context"]):
         self.init()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.try_shutdown()

@@ -43,6 +43,7 @@ class Subscription(Entity, Generic[MsgT]):
         self.msg_type = msg_type
         self.topic = topic
         self.callback = callback
+        self._takes_info = _takes_info(callback)
         self.qos_profile = qos_profile
         self.raw = raw
         self._queue: deque[tuple[bytes, int, int]] = deque()
@@ -56,16 +57,6 @@ class Subscription(Entity, Generic[MsgT]):
     def topic_name(self) -> str:
         """The fully resolved topic."""
         return self._handle.require().topic_name
-
-    @property
-    def callback(self) -> Callable[..., object]:
-        """What is called with each message, or with each message and its MessageInfo."""
-        return self._callback
-
-    @callback.setter
-    def callback(self, value: Callable[..., object]) -> None:
-        self._callback = value
-        self._takes_info = _takes_info(value)
 
     def join(self, type_name: str, topic_name: str, qos: Qos) -> None:
         """Enter the graph; from now on messages come in."""
@@ -83,14 +74,14 @@ class Subscription(Entity, Generic[MsgT]):
         cdr, source_ns, received_ns = self._queue.popleft()
         message: Any = cdr if self.raw else deserialize(cdr, self.msg_type)
         if not self._takes_info:
-            return partial(self._callback, message)
+            return partial(self.callback, message)
         info = MessageInfo(
             source_timestamp=source_ns,
             received_timestamp=received_ns,
             publication_sequence_number=None,
             reception_sequence_number=None,
         )
-        return partial(self._callback, message, info)
+        return partial(self.callback, message, info)
 
     def get_publisher_count(self) -> int:
         """Count the publishers that it hears."""
