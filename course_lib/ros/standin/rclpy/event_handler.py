@@ -23,7 +23,7 @@ QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 IncompatibleQosCallback = Callable[[QoSRequestedIncompatibleQoSInfo], object]
 
 
-class _EventCallbacks:
+class EventCallbacks:
     """The callbacks for one side; where none is given, a warning is logged if `use_default_callbacks`."""
 
     _warning: str
@@ -50,7 +50,7 @@ class _EventCallbacks:
         return warn
 
 
-class SubscriptionEventCallbacks(_EventCallbacks):
+class SubscriptionEventCallbacks(EventCallbacks):
     """What a subscription wants to be told."""
 
     _warning = (
@@ -59,7 +59,7 @@ class SubscriptionEventCallbacks(_EventCallbacks):
     )
 
 
-class PublisherEventCallbacks(_EventCallbacks):
+class PublisherEventCallbacks(EventCallbacks):
     """What a publisher wants to be told."""
 
     _warning = (

@@ -5,16 +5,14 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, Generic, TypedDict, TypeVar
+from typing import Any, TypedDict
 
-from course_lib.ros.messages import Message, deserialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.messages import deserialize, type_name
 from rclpy.callback_groups import CallbackGroup
-from rclpy.impl.endpoint import Endpoint
+from rclpy.impl.endpoint import Endpoint, MsgT, TopicEnd
 from rclpy.impl.node_handle import Entity, NodeHandle
+from rclpy.impl.qos_conversion import to_qos
 from rclpy.qos import QoSProfile
-
-MsgT = TypeVar("MsgT", bound=Message)
 
 
 class MessageInfo(TypedDict):
@@ -26,7 +24,7 @@ class MessageInfo(TypedDict):
     reception_sequence_number: int | None
 
 
-class Subscription(Entity, Generic[MsgT]):
+class Subscription(Entity, TopicEnd[MsgT]):
     """Receives the messages of a topic; made by `Node.create_subscription`."""
 
     def __init__(
@@ -34,38 +32,23 @@ class Subscription(Entity, Generic[MsgT]):
         node: NodeHandle,
         msg_type: type[MsgT],
         topic: str,
+        full_topic: str,
         callback: Callable[..., object],
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
         raw: bool,
     ) -> None:
-        super().__init__(node, callback_group)
-        self.msg_type = msg_type
-        self.topic = topic
+        Entity.__init__(self, node, callback_group)
         self.callback = callback
-        self._takes_info = _takes_info(callback)
-        self.qos_profile = qos_profile
         self.raw = raw
+        self._takes_info = _takes_info(callback)
         self._queue: deque[tuple[bytes, int, int]] = deque()
-
-    @property
-    def handle(self) -> Endpoint:
-        """The subscription as the graph knows it."""
-        return self._handle
-
-    @property
-    def topic_name(self) -> str:
-        """The fully resolved topic."""
-        return self._handle.require().topic_name
-
-    def join(self, type_name: str, topic_name: str, qos: Qos) -> None:
-        """Enter the graph; from now on messages come in."""
+        qos = to_qos(qos_profile, "sub")
         self._capacity = qos.depth if qos.history == "keep_last" else None
-        node = self.node_handle
-        endpoint = node.graph.add_subscription(
-            node.id, self.entity, topic_name, type_name, qos, self._receive
+        added = node.graph.add_subscription(
+            node.id, self.entity, full_topic, type_name(msg_type), qos, self._receive
         )
-        self._handle = Endpoint(node, endpoint, topic_name)
+        TopicEnd.__init__(self, Endpoint(node, added, full_topic), msg_type, topic, qos_profile)
 
     def take(self) -> Callable[[], object] | None:
         """Take the oldest message; each receiver makes its own copy from the bytes."""
@@ -85,11 +68,11 @@ class Subscription(Entity, Generic[MsgT]):
 
     def get_publisher_count(self) -> int:
         """Count the publishers that it hears."""
-        return self._handle.require().partner_count()
+        return self.partner_count()
 
     def destroy(self) -> None:
-        """Leave the topic and forget what came in; call `Node.destroy_subscription` instead."""
-        self._handle.destroy()
+        """Leave the topic and forget what came in."""
+        super().destroy()
         self._queue.clear()
 
     def _receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:

@@ -1,7 +1,7 @@
 """A publisher or a subscription as the graph knows it."""
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
@@ -10,6 +10,9 @@ from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
+from rclpy.qos import QoSProfile
+
+MsgT = TypeVar("MsgT", bound=Message)
 
 # Who is told of incompatible partners, by endpoint; of all programs that share a graph.
 _told: WeakKeyDictionary[Graph, dict[int, Callable[[str], None]]] = WeakKeyDictionary()
@@ -61,6 +64,29 @@ class Endpoint:
             return []
         others = [info for info in on_topic if info.kind != me.kind]
         return [(me, other) if me.kind == "pub" else (other, me) for other in others]
+
+
+class TopicEnd(Generic[MsgT]):
+    """What a publisher and a subscription share: its messages, its topic as given, its place in the graph."""
+
+    def __init__(self, handle: Endpoint, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile) -> None:
+        self.handle = handle
+        self.msg_type = msg_type
+        self.topic = topic
+        self.qos_profile = qos_profile
+
+    @property
+    def topic_name(self) -> str:
+        """The fully resolved topic."""
+        return self.handle.require().topic_name
+
+    def partner_count(self) -> int:
+        """Count the endpoints that it exchanges messages with."""
+        return self.handle.require().partner_count()
+
+    def destroy(self) -> None:
+        """Leave the topic; call the node's `destroy_publisher` or `destroy_subscription` instead."""
+        self.handle.destroy()
 
 
 def require_type(given: Any, kind: Literal["message", "service"]) -> None:

@@ -8,8 +8,8 @@ from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup,
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.impl.endpoint import Endpoint, require_type
+from rclpy.event_handler import EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
 from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.qos_conversion import to_qos
@@ -64,14 +64,9 @@ class NodeEntities(NodeGraph):
         """
         node, profile, full_topic = self.handle, _to_profile(qos_profile), self.resolve_topic_name(topic)
         require_type(msg_type, "message")
-        qos = to_qos(profile, "pub")
-        endpoint_id = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), qos)
-        endpoint = Endpoint(node, endpoint_id, full_topic)
-        publisher = Publisher(endpoint, msg_type, topic, profile)
-        self._created.append(publisher)
-        events = event_callbacks or PublisherEventCallbacks()
-        group = callback_group or self.default_callback_group
-        endpoint.on_incompatible(events.incompatible_handler(node, topic, group))
+        added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
+        publisher = Publisher(Endpoint(node, added, full_topic), msg_type, topic, profile)
+        self._keep(publisher, event_callbacks or PublisherEventCallbacks(), callback_group)
         return publisher
 
     def create_subscription(
@@ -99,12 +94,8 @@ class NodeEntities(NodeGraph):
         profile, full_topic = _to_profile(qos_profile), self.resolve_topic_name(topic)
         require_type(msg_type, "message")
         group = callback_group or self.default_callback_group
-        subscription = Subscription(self.handle, msg_type, topic, callback, group, profile, raw)
-        qos = to_qos(profile, "sub")
-        subscription.join(type_name(msg_type), full_topic, qos)
-        self._created.append(subscription)
-        events = event_callbacks or SubscriptionEventCallbacks()
-        subscription.handle.on_incompatible(events.incompatible_handler(self.handle, topic, group))
+        subscription = Subscription(self.handle, msg_type, topic, full_topic, callback, group, profile, raw)
+        self._keep(subscription, event_callbacks or SubscriptionEventCallbacks(), group)
         return subscription
 
     def create_client(
@@ -173,6 +164,11 @@ class NodeEntities(NodeGraph):
         """End a rate; who sleeps in it wakes up."""
         rate.destroy()
         return self.destroy_timer(rate.timer)
+
+    def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup | None) -> None:
+        self._created.append(end)
+        handler = events.incompatible_handler(self.handle, end.topic, group or self.default_callback_group)
+        end.handle.on_incompatible(handler)
 
     def _all(self, kind: type) -> Iterator[Any]:
         return (created for created in self._created if isinstance(created, kind))
