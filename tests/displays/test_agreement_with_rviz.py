@@ -4,6 +4,7 @@ import io
 import json
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from PIL import Image
@@ -11,7 +12,7 @@ from PIL import Image
 from course_lib.displays.render import scene_of
 from course_lib.recording import read_bag
 from course_lib.viewer.browser import find_browser
-from course_lib.viewer.picture import Renderer, screenshot
+from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
 from tests.displays.likeness import COLOUR, SHAPE, likeness
 
@@ -31,7 +32,7 @@ def test_all_scenes_are_here() -> None:
 
 @pytest.mark.parametrize("renderer", ["chromium", "numpy"])
 @pytest.mark.parametrize("name", SCENES)
-def test_what_we_draw_looks_as_in_rviz(name: str, renderer: Renderer) -> None:
+def test_what_we_draw_looks_as_in_rviz(name: str, renderer: Literal["chromium", "numpy"]) -> None:
     if renderer == "chromium" and find_browser() is None:
         pytest.skip("no Chromium or Chrome here")
     scene = replayed(name)

@@ -10,6 +10,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 from std_msgs.msg import Int64
 
 
@@ -43,11 +44,17 @@ class Asker(Node):
             self.sums.publish(Int64(data=self.adds.call(AddTwoInts.Request(a=self.count)).sum))
         else:
             future = self.adds.call_async(AddTwoInts.Request(b=self.count))
-            future.add_done_callback(lambda done: self.sums.publish(Int64(data=done.result().sum)))
+            future.add_done_callback(self.tell)
+
+    def tell(self, done: Future[AddTwoInts.Response]) -> None:
+        response = done.result()
+        assert response is not None
+        self.sums.publish(Int64(data=response.sum))
 
     async def change(self) -> None:
         more = Parameter("more", value=self.count).to_parameter_msg()
         response = await self.sets.call_async(SetParameters.Request(parameters=[more]))
+        assert response is not None
         self.get_logger().info(f"changed: {response.results[0].successful}")
 
 
