@@ -1,13 +1,11 @@
 """The Axes display, and the three axes that other displays show too."""
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.displays.display import Display
-from course_lib.displays.grid import FIXED_FRAME
-from course_lib.displays.properties import Property, frame, number
+from course_lib.displays.properties import Property, number
+from course_lib.displays.reference_display import ReferenceDisplay
+from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Solids
 
 AXIS_COLORS = np.column_stack([np.eye(3), np.ones(3)])  # x red, y green, z blue
@@ -30,43 +28,20 @@ def axes(length: float, diameter: float, colors: npt.ArrayLike = AXIS_COLORS) ->
     return Solids("cylinder", placements, colors)
 
 
-class AxesDisplay(Display):
+class AxesDisplay(ReferenceDisplay):
     """The axes of a frame."""
 
     class_name = "rviz_default_plugins/Axes"
     properties = (
-        *Display.properties,
-        Property("Reference Frame", FIXED_FRAME, frame),
+        *ReferenceDisplay.properties,
         Property("Length", 1.0, number(0.0001)),  # [m]
         Property("Radius", 0.1, number(0.0001)),  # [m]; RViz's word, but it is the diameter
     )
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*args)
-        self._drawn = False
+    def drawing(self) -> Solids:
+        """Return the three cylinders."""
+        return axes(self["Length"], self["Radius"])
 
-    def changed(self, label: str) -> None:
-        """Draw the axes anew in the next frame."""
-        super().changed(label)
-        self._drawn = False
-
-    def reset(self) -> None:
-        """Draw the axes anew in the next frame."""
-        super().reset()
-        self._drawn = False
-
-    def update(self) -> None:
-        """Draw the axes, and keep them at their frame."""
-        frames, scene, node = self.context.frames, self.context.scene, f"{self.path}/axes"
-        name = self["Reference Frame"]
-        reference = frames.fixed_frame if name == FIXED_FRAME else name
-        transform = frames.transform(reference)
-        if not self._drawn:
-            scene.set_object(node, axes(self["Length"], self["Radius"]))
-            self._drawn = True
-        scene.set_visible(node, transform is not None)
-        if transform is None:
-            self.statuses.set("error", "Transform", frames.problem(reference) or "")
-        else:
-            self.statuses.set("ok", "Transform", "Transform OK")
-            scene.set_transform(node, transform)
+    def said(self, reference: str, is_known: bool) -> tuple[Level, str]:
+        """Say why the frame is not known, or that it is."""
+        return ("ok", "Transform OK") if is_known else ("error", self.context.frames.problem(reference) or "")

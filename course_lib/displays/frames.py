@@ -16,6 +16,7 @@ from course_lib.ros.tf2_transform import Transform
 
 Matrix = npt.NDArray[np.float64]
 NS = 1_000_000_000  # [ns] in a second
+FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is
 
 
 class Frames:

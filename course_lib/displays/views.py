@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.displays.frames import Frames, Matrix
-from course_lib.displays.grid import FIXED_FRAME
+from course_lib.displays.frames import FIXED_FRAME, Frames, Matrix
 from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number, vector
 from course_lib.viewer.camera import Camera
 

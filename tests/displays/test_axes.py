@@ -8,7 +8,7 @@ from course_lib.viewer.drawables import Solids
 from course_lib.viewer.scene import Scene
 
 AXES = "rviz_default_plugins/Axes"
-NODE = "displays/Axes/axes"
+NODE = "displays/Axes/drawing"
 
 
 def test_each_axis_reaches_from_the_origin_along_its_direction_in_its_color() -> None:

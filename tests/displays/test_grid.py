@@ -9,7 +9,7 @@ from course_lib.displays.display import Display
 from course_lib.viewer.drawables import Lines
 from tests.displays.bench import Bench
 
-NODE = "displays/Grid/grid"
+NODE = "displays/Grid/drawing"
 
 
 def grid(bench: Bench, **properties: Any) -> Display:

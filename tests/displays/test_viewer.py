@@ -87,9 +87,9 @@ def test_markers_expire_as_robot_time_goes_by(graph: Graph) -> None:
 def test_properties_go_by_rviz_labels_or_python_names_and_show_at_once(graph: Graph) -> None:
     viewer = Viewer()
     grid = viewer["Grid"]
-    before = viewer.scene.objects()["displays/Grid/grid"]
+    before = viewer.scene.objects()["displays/Grid/drawing"]
     grid["Cell Size"] = 0.5
-    assert viewer.scene.objects()["displays/Grid/grid"] is not before
+    assert viewer.scene.objects()["displays/Grid/drawing"] is not before
     labels: dict[str, Any] = {"Plane Cell Count": 4}
     viewer.add("Grid", name="Big", cell_size=2, **labels)
     assert (viewer["Big"]["Cell Size"], viewer["Big"]["Plane Cell Count"]) == (2.0, 4)
