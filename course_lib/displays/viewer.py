@@ -105,6 +105,11 @@ class Viewer:
         """The displays, in the order of RViz's tree."""
         return list(self.session.displays)
 
+    def __repr__(self) -> str:
+        return (
+            f"<Viewer of {self.fixed_frame} with {', '.join(d.name for d in self.displays) or 'no display'}>"
+        )
+
     def __getitem__(self, name: str) -> Display:
         """Return the first display with a name."""
         by_name = {display.name: display for display in reversed(self.displays)}

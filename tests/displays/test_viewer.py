@@ -286,3 +286,7 @@ def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
         assert response.status == 200
     viewer.close()
     assert viewer.session.after_frame == []
+
+
+def test_it_prints_alike_in_every_run(graph: Graph) -> None:
+    assert repr(Viewer()) == "<Viewer of map with Grid>"
