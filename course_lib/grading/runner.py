@@ -25,6 +25,11 @@ from course_lib.ros.graph_server import GraphServer, RecordingLimitError, Room
 
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
 
+
+class CrowdedError(ChannelError):
+    """A cell has used up the processes that a submission may have, and the scenarios need one."""
+
+
 LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
     "MemoryError": "memory",
     "RuntimeError: can't start new thread": "processes",
@@ -133,14 +138,21 @@ class Session:
                             log.output, log.errors, log.complete = output, _sentences(errors), True
                             log.limit = log.limit or limit_met(log.errors)
                         return True
+                    case ["crowded"]:
+                        raise CrowdedError("no further process could be started")
                     case _:
                         raise ChannelError("what came is not the next cell")
         except ChannelError as error:
             if current < 0:
                 raise WorkerError(f"a worker does not begin: {worker.take_output() or error}") from error
-            timed_out = isinstance(error, ChannelTimeoutError)
-            log.limit = log.limit or "time" * timed_out
-            why = f"was stopped after {limit:g} s" if timed_out else f"ended the process ({error})"
+            match error:
+                case ChannelTimeoutError():
+                    met, why = "time", f"was stopped after {limit:g} s"
+                case CrowdedError():
+                    met, why = "processes", f"was stopped: it left so many processes that {error}"
+                case _:
+                    met, why = "", f"ended the process ({error})"
+            log.limit = log.limit or met
             log.stopped[current] = f"cell {current + 1} {why}"
             return False
 

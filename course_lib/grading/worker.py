@@ -4,6 +4,7 @@ It is a fork of `jail.template`. It holds no check, no expected value and no hid
 evidence, judged elsewhere and not believed.
 """
 
+import _thread
 import importlib
 import os
 import sys
@@ -75,12 +76,20 @@ class Worker:
                 if index not in skip:
                     self._channel.send(["cell", index])
                     errors += self._run_cell(index, cell)
+                    if self._is_crowded():
+                        self._channel.send(["crowded"])
+                        return
         _flush()
         self._channel.send(["ran", errors])
 
     def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario in a fork, so that it leaves nothing behind for the next."""
-        child = os.fork()
+        try:
+            child = os.fork()
+        except BlockingIOError as error:  # what an earlier cell left running has multiplied
+            self._channel.send(["result", [], [describe(error)]])
+            self._channel.send(["exit", 1])
+            return
         if child == 0:
             self._run_in_child(task, name, Part(kind, seed, calls), end_ns)
         self._channel.send(["exit", os.waitpid(child, 0)[1]])
@@ -95,6 +104,24 @@ class Worker:
         if os.getpid() != self._pid:
             os._exit(0)  # a fork that the cell made: the next cells are its parent's
         return [describe(error)] if error is not None else []
+
+    def _is_crowded(self) -> bool:
+        """Whether a cell has left so many processes and threads behind that no further one can start."""
+        if not hasattr(os, "waitid"):
+            return False  # macOS, where processes are not bounded
+        try:
+            os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:
+            if _thread._count() == 0:
+                return False  # the usual case, at once
+        try:
+            probe = os.fork()
+        except BlockingIOError:
+            return True
+        if probe == 0:
+            os._exit(0)
+        os.waitpid(probe, 0)
+        return False
 
     def _run_in_child(self, task: str, name: str, part: Part, end_ns: int) -> None:
         outcome, status = Outcome(), 1

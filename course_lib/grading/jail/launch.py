@@ -21,7 +21,7 @@ from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.isolation import Isolation
 
 START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
-STOP_SECONDS = 10.0  # [s] for a submission's end
+STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands
 PIPE_HOLDS = 2**20  # [B] of a submission's output
 NOBODY = 65534  # the user without files
 SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/etc/fonts")
