@@ -203,6 +203,10 @@ def grade(
     jobs: Annotated[int | None, typer.Option(min=1, help="Submissions at a time.")] = None,
     only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
     resume: Annotated[bool, typer.Option("--resume", help="Leave out what is graded already.")] = False,
+    rejudge: Annotated[
+        bool, typer.Option("--rejudge", help="Judge stored evidence again, without running anything.")
+    ] = False,
+    dask: Annotated[str | None, typer.Option(help="Run on the workers of this Dask scheduler.")] = None,
     require_sandbox: Annotated[
         bool, typer.Option("--require-sandbox", help="Refuse to run submissions in less than a full sandbox.")
     ] = False,
@@ -215,24 +219,43 @@ def grade(
     from course_lib.grading.jail.isolation import Need
 
     need: Need = "full" if require_sandbox else "any" if trust else "partial"
-    passed = grade_all(submissions, out, jobs=jobs, only=only, resume=resume, need=need)
+    passed = grade_all(
+        submissions, out, jobs=jobs, dask=dask, only=only, resume=resume, rejudge=rejudge, need=need
+    )
     raise typer.Exit(0 if passed else NOT_PASSED)
 
 
 @app.command()
 def mark(
     out: Annotated[Path, typer.Argument(help="Where `course grade` put gradebook.csv.")],
-    lms: Annotated[Path, typer.Option(help="The CSV that Canvas, Moodle or another platform exported.")],
-    exercise: Annotated[str, typer.Option(help="Whose marks: week01_exercise.")],
-    column: Annotated[str, typer.Option(help="The heading of the column to fill.")],
-    id_column: Annotated[str, typer.Option(help="The heading of the students' IDs.")],
-    to: Annotated[Path, typer.Option(help="Write it here, otherwise unchanged, to be imported.")],
+    given: Annotated[
+        list[str] | None, typer.Argument(metavar="[STUDENT EXERCISE TASK POINTS]", help="By hand.")
+    ] = None,
+    row: Annotated[str, typer.Option(help="Of the rubric: its number, or how it begins.")] = "",
+    comment: Annotated[str, typer.Option(help="For the student's report.")] = "",
+    lms: Annotated[
+        Path | None, typer.Option(help="The CSV that Canvas, Moodle or another platform exported, to fill.")
+    ] = None,
+    exercise: Annotated[str, typer.Option(help="With --lms: whose marks, week01_exercise.")] = "",
+    column: Annotated[str, typer.Option(help="With --lms: the heading of the column to fill.")] = "",
+    id_column: Annotated[str, typer.Option(help="With --lms: the heading of the students' IDs.")] = "",
+    to: Annotated[Path | None, typer.Option(help="With --lms: write it here, otherwise unchanged.")] = None,
     raw: Annotated[bool, typer.Option("--raw", help="The scores before the late policy.")] = False,
 ) -> None:
-    """Fill one column of a learning platform's CSV; whoever is on one side only is listed."""
+    """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
     from course_lib.grading.lms import fill_lms
+    from course_lib.grading.mark_by_hand import mark_by_hand
 
-    for line in fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw):
+    if lms is not None and to is not None and exercise and column and id_column and not given:
+        lines = fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw)
+    elif lms is None and len(given or ()) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
+        lines = [mark_by_hand(out, *given or (), row=row, comment=comment)]
+    else:
+        raise CourseError(
+            "write: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] [--comment TEXT]; "
+            "or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
+        )
+    for line in lines:
         typer.echo(line)
 
 

@@ -1,5 +1,6 @@
 """`course release OUT`: the students' copy, an installable project without answers."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -17,6 +18,8 @@ RELEASED = (
     "LICENSE",
     "CHANGELOG.md",
 )
+# Who got more time concerns nobody else: a table of its own in course.toml, up to the next one.
+EXTENSIONS = re.compile(r"^\[weeks\.\w+\.extensions\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
 
 
@@ -38,7 +41,10 @@ def release(out: Path) -> list[Path]:
             f"made anew from the solutions, please look and commit, then release again: {names}"
         )
     try:
-        return [_copy(root / name, out / name) for name in RELEASED if (root / name).exists()]
+        copies = [_copy(root / name, out / name) for name in RELEASED if (root / name).exists()]
+        settings = out / "exercises" / "course.toml"
+        settings.write_text(EXTENSIONS.sub("", settings.read_text(encoding="utf-8")), encoding="utf-8")
+        return copies
     except OSError as error:
         raise CourseError(f"can't write the release to {out}: {error.strerror}") from error
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, is_dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 from zoneinfo import ZoneInfo, available_timezones
 
 from course_lib.errors import CourseError
 
 POINTS_PER_WEEK = 100
+Counts = Literal["last", "best"]
 
 
 @dataclass(frozen=True)
@@ -37,12 +38,21 @@ class Limits:
 
 @dataclass(frozen=True)
 class Week:
-    """One week: deadline in the course's local time, points by the task's short name."""
+    """One week: deadlines in the course's local time, points by the task's short name.
+
+    Args:
+        title: Its name.
+        deadline: Of all students.
+        points: By task; they sum to 100.
+        bonus: By task, on top.
+        extensions: Later deadlines, by the ID as it stands in the gradebook.
+    """
 
     title: str
     deadline: datetime | None = None
     points: Mapping[str, float] = field(default_factory=dict)
     bonus: Mapping[str, float] = field(default_factory=dict)
+    extensions: Mapping[str, datetime] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         total = sum(self.points.values())
@@ -61,10 +71,11 @@ class CourseFile:
     weeks: Mapping[str, Week]
     late: Late = Late()
     limits: Limits = Limits()
+    counts: Counts = "last"  # of several submissions
 
-    def deadline(self, week: str) -> datetime | None:
-        """A week's deadline, with the course's time zone."""
-        local = self.weeks[week].deadline
+    def deadline(self, week: str, student: str) -> datetime | None:
+        """A week's deadline for one student, with the course's time zone."""
+        local = self.weeks[week].extensions.get(student, self.weeks[week].deadline)
         return local and local.replace(tzinfo=self.time_zone)
 
 
@@ -86,16 +97,18 @@ def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and 0 <= value < math.inf
 
 
+def _is_local(value: Any) -> bool:
+    return isinstance(value, datetime) and value.tzinfo is None
+
+
 # By the annotation of a field: whether a value is right, what would be, and what is made of it.
 KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     str: (lambda v: isinstance(v, str) and v != "", "a text", str),
     float: (_is_number, "a number of at least 0", float),
     ZoneInfo: (lambda v: v in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
-    datetime | None: (
-        lambda v: isinstance(v, datetime) and v.tzinfo is None,
-        "local time, 2026-10-11T23:59:00",
-        lambda v: v,
-    ),
+    Counts: (lambda v: v in get_args(Counts), '"last" or "best"', str),
+    datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
+    datetime | None: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
 }
 
 

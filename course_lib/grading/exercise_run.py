@@ -7,6 +7,7 @@ from typing import Any
 
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.job import Job, plan
 from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.runner import CellLog, Session
@@ -32,7 +33,10 @@ class ExerciseRun:
         """What a result file says of it."""
         digests = {f"{r.evidence.task}/{r.scenario.name}": r.evidence.recording.digest() for r in self.runs}
         return {
-            "tasks": [{**asdict(task), "score": task.score} for task in self.results],
+            "tasks": [
+                {**asdict(result), "score": result.score, "rubric": [asdict(row) for row in task.rubric]}
+                for task, result in zip(self.tasks, self.results, strict=True)
+            ],
             "cell_errors": self.cell_errors,
             "output": self.log.output,
             "digests": digests,
@@ -49,36 +53,27 @@ def run_exercise(
     files: Mapping[str, str] | None = None,
 ) -> ExerciseRun:
     """Run every scenario of every task, public first, and judge what came out."""
-    return judge_exercise(run_scenarios(cells, tasks, catalog, student, hidden=hidden, files=files), catalog)
+    steps = plan(tasks, catalog, hidden=hidden)
+    job = Job(tuple(cells), student, steps, catalog.course.limits, files or {})
+    return judge_exercise(run_scenarios(job), tasks, catalog)
 
 
-def run_scenarios(
-    cells: Sequence[str],
-    tasks: Sequence[Task],
-    catalog: Catalog,
-    student: str | None,
-    *,
-    hidden: bool,
-    files: Mapping[str, str] | None = None,
-) -> ExerciseRun:
-    """Run every scenario of every task, public first; nothing is judged yet."""
-    plan = [(task, scenario, False) for task in tasks for scenario in task.scenarios]
-    if hidden:
-        plan += [(task, scenario, True) for task in tasks for scenario in catalog.hidden.get(task.id, ())]
-    personal = {task.id: personal_values(task, student) for task in tasks}
-    with closing(Session(cells, personal, catalog.course.limits, files=files)) as session:
-        runs = [Run(scenario, session.run(task, scenario), is_hidden) for task, scenario, is_hidden in plan]
-    return ExerciseRun(tuple(tasks), tuple(runs), session.log, session.isolation)
+def run_scenarios(job: Job) -> ExerciseRun:
+    """Run all scenarios; nothing is judged yet."""
+    personal = {step.task.id: personal_values(step.task, job.student) for step in job.steps}
+    with closing(Session(job.cells, personal, job.limits, files=job.files)) as session:
+        runs = [Run(s.scenario, session.run(s.task, s.scenario), s.hidden) for s in job.steps]
+    return ExerciseRun((), tuple(runs), session.log, session.isolation)
 
 
-def judge_exercise(run: ExerciseRun, catalog: Catalog) -> ExerciseRun:
-    """The same run with the results of its tasks.
+def judge_exercise(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> ExerciseRun:
+    """The same run with its tasks and their results.
 
     Raises:
         BrokenCheckError: A check raised an exception.
     """
     results = [
         judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
-        for task in run.tasks
+        for task in tasks
     ]
-    return replace(run, results=tuple(results))
+    return replace(run, tasks=tuple(tasks), results=tuple(results))

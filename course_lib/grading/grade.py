@@ -1,29 +1,47 @@
-"""`course grade`: a folder of submissions into results, gradebook and reports."""
+"""`course grade`: a folder of submissions into evidence, results, gradebook and reports."""
 
 import fnmatch
-import multiprocessing
 import os
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import replace
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.grade_one import Course, catalog_of, grade_one, our_fault, stored
-from course_lib.grading.gradebook import write_gradebook
+from course_lib.grading.executors import executors, flow
+from course_lib.grading.grade_one import (
+    Course,
+    catalog_of,
+    demand,
+    evidence_path,
+    identity,
+    judge_one,
+    keep_evidence,
+    prepared,
+    run_job,
+)
+from course_lib.grading.grade_progress import Row, counts, say, task_lines, watched
+from course_lib.grading.gradebook import results_in, write_gradebook
 from course_lib.grading.jail.isolation import Need
-from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.job import Job
+from course_lib.grading.out_folder import OutError, sole_use, writing
 from course_lib.grading.report_index import write_index
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
-from course_lib.grading.table import printable
 
-Row = dict[str, Any]  # of the gradebook
 GRADED = ("graded", "needs_marking", "limit")
+
+
+@dataclass
+class Batch:
+    """One student's attempts at one exercise, and what is still missing before they can be judged."""
+
+    attempts: list[Submission]
+    missing: set[str] = field(default_factory=set)  # keys of evidence
+    fault: str = ""
 
 
 def grade(
@@ -31,8 +49,10 @@ def grade(
     out: Path,
     *,
     jobs: int | None = None,
+    dask: str | None = None,
     only: str = "*",
     resume: bool = False,
+    rejudge: bool = False,
     need: Need = "partial",
     course: Course | None = None,
 ) -> bool:
@@ -42,8 +62,10 @@ def grade(
         submissions: One folder per student, or files that `course submit` wrote.
         out: Where results, evidence, reports and gradebook.csv go.
         jobs: Submissions at a time; default: the number of processors.
+        dask: Address of a scheduler, on whose workers submissions are run then.
         only: Pattern of STUDENT/EXERCISE, to grade some.
         resume: Leave out what has been graded already.
+        rejudge: Judge stored evidence again, run nothing.
         need: The sandbox without which nothing is run.
         course: Where tasks and hidden checks are; default: this checkout.
 
@@ -51,77 +73,134 @@ def grade(
         Whether every submission could be graded.
 
     Raises:
-        CourseError: Too little of a sandbox, no submissions, broken check files, or `out` can't be written.
+        OutError: `out` can't be written.
+        CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
     """
     course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
-    catalog_of(course)  # a broken check file is named before the first submission
-    isolation = shared_template().isolation
-    isolation.demand(course.sandbox)
-    found = find_submissions(submissions)
-    chosen = [s for s in found if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
-    if not chosen:
-        raise CourseError(f"--only {only} fits no submission; one is {found[0].student}/{found[0].exercise}")
-    _check_writable(out)
-    todo = [s for s in chosen if not (resume and _is_done(s, out))]
-    rows = _grade_all(todo, course, out, jobs or os.cpu_count() or 1)
-    for submission in todo:
-        for note in submission.notes:
-            _say(f"{submission.student}  {submission.exercise}  note: {note}")
-    _say_summary(rows)
-    _say(f"Isolation: {isolation}.")
-    index = write_index(out, catalog_of(course).course.time_zone)
-    _say(f"Wrote {write_gradebook(out)} and {index}")
+    chosen = _chosen(find_submissions(submissions, catalog_of(course).course.counts), only)
+    with sole_use(out):
+        batches, work = _plan(chosen, course)
+        if resume:
+            batches = [batch for batch in batches if not _is_done(batch, out)]
+        _look_for_evidence(batches, out, wanted=resume or rejudge)
+        if rejudge:
+            batches = _with_evidence(batches)
+        graded = _graded(batches, work, course, out, jobs or os.cpu_count() or 1, dask)
+        rows = list(watched(graded, len(batches)))
+        _finish(rows, batches, out, course)
     return all(row["status"] in GRADED for row in rows)
 
 
-def _check_writable(out: Path) -> None:
-    try:
-        write_whole(out / "results" / ".writable", b"")
-        (out / "results" / ".writable").unlink()
-    except OSError as error:
-        raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out DIR") from error
+def _chosen(found: Sequence[Submission], only: str) -> list[Submission]:
+    chosen = [one for one in found if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
+    if not chosen:
+        raise CourseError(f"--only {only} fits no submission; one is {found[0].student}/{found[0].exercise}")
+    return chosen
 
 
-def _is_done(submission: Submission, out: Path) -> bool:
+def _plan(chosen: Sequence[Submission], course: Course) -> tuple[list[Batch], dict[str, Job]]:
+    """What to judge, and by the key of its evidence, what to run for it: identical files once."""
+    work: dict[str, Job] = {}
+    owners = defaultdict[str, set[str]](set)
+    attempts = []
+    for submission in chosen:
+        attempt, job = prepared(submission, course)
+        attempts.append(attempt)
+        owners[attempt.sha256].add(attempt.student)
+        if job is not None:
+            work[attempt.key] = job
+    batches = []
+    for _, group in groupby(attempts, lambda one: (one.student, one.exercise)):
+        batches.append(Batch([replace(a, twins=_twins(a, owners[a.sha256])) for a in group]))
+    return batches, work
+
+
+def _twins(attempt: Submission, owners: set[str]) -> tuple[str, ...]:
+    return tuple(sorted(owners - {attempt.student})) if attempt.sha256 else ()
+
+
+def _is_done(batch: Batch, out: Path) -> bool:
+    last = batch.attempts[-1]
     try:
-        kept = read_result(result_path(out, submission))
+        kept = read_result(result_path(out, last.student, last.exercise))
     except CourseError:  # not there, or written by something else
         return False
-    same = (kept.get("sha256"), kept.get("received")) == (
-        submission.sha256,
-        submission.received.time.isoformat(),
-    )
-    return same and kept["row"]["status"] in GRADED
+    known = [{name: attempt[name] for name in ("key", "received")} for attempt in kept["attempts"]]
+    return known == [identity(attempt) for attempt in batch.attempts] and kept["row"]["status"] in GRADED
 
 
-def _grade_all(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> list[Row]:
-    from rich.progress import track
-
-    if min(jobs, len(chosen)) <= 1:
-        graded: Iterator[Row] = (grade_one(submission, course, out) for submission in chosen)
-    else:
-        graded = _in_parallel(chosen, course, out, min(jobs, len(chosen)))
-    return list(track(graded, "Grading", total=len(chosen)))
+def _look_for_evidence(batches: Iterable[Batch], out: Path, *, wanted: bool) -> None:
+    for batch in batches:
+        keys = {attempt.key for attempt in batch.attempts if attempt.key}
+        batch.missing = {key for key in keys if not (wanted and evidence_path(out, key).is_file())}
 
 
-def _in_parallel(chosen: Sequence[Submission], course: Course, out: Path, jobs: int) -> Iterator[Row]:
-    context = multiprocessing.get_context("spawn")  # no threads and no locks of this process in it
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        futures = {pool.submit(grade_one, submission, course, out): submission for submission in chosen}
-        for future in as_completed(futures):
+def _with_evidence(batches: Iterable[Batch]) -> list[Batch]:
+    """Those that can be judged again; the others keep the result that they have."""
+    complete = []
+    for batch in batches:
+        if batch.missing:
+            last = batch.attempts[-1]
+            say(f"{last.student}  {last.exercise}  no evidence of today's inputs: grade it without --rejudge")
+        else:
+            complete.append(batch)
+    return complete
+
+
+def _graded(
+    batches: Sequence[Batch], work: dict[str, Job], course: Course, out: Path, jobs: int, dask: str | None
+) -> Iterator[Row]:
+    """Run what has to be run, judge as soon as the evidence is there; yields lines of the gradebook."""
+    needed = {key: work[key] for batch in batches for key in sorted(batch.missing)}
+    if not needed:
+        dask = None
+    jobs = min(jobs, max(len(batches), 1))
+    with executors(jobs, dask) as (run, judge, window):
+        if needed:
+            run.submit(demand, course.sandbox).result()
+        ready = _ready(batches, flow(run, run_job, ((k, [job]) for k, job in needed.items()), window), out)
+        calls = ((batch, (batch.attempts, course, out, batch.fault)) for batch in ready)
+        for batch, future in flow(judge, judge_one, calls, window):
             try:
                 yield future.result()
-            except Exception as error:  # the grading process itself died: that submission's is our fault
-                yield stored(our_fault(futures[future], error), course, out)
+            except OutError:
+                raise
+            except Exception as error:  # the judging process died of it
+                yield judge_one(batch.attempts, course, out, f"{type(error).__name__}: {error}")
 
 
-def _say_summary(rows: Sequence[Row]) -> None:
-    for row in sorted(rows, key=lambda row: (row["student"], row["exercise"])):
-        if row["status"] != "graded":
-            _say("  ".join(str(row[name]) for name in ("student", "exercise", "status", "reason", "message")))
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(Counter(r["status"] for r in rows).items()))
-    _say(f"{len(rows)} submissions: {counts or 'nothing to do'}.")
+def _ready(batches: Sequence[Batch], runs: Iterable[tuple[str, Any]], out: Path) -> Iterator[Batch]:
+    """Batches as soon as all their evidence is stored."""
+    waiting = defaultdict[str, list[Batch]](list)
+    for batch in batches:
+        for key in batch.missing:
+            waiting[key].append(batch)
+    yield from [batch for batch in batches if not batch.missing]
+    for key, future in runs:
+        fault = ""
+        try:
+            keep_evidence(out, key, future.result())
+        except OutError:
+            raise
+        except Exception as error:  # it could not be run: our fault, and the class goes on
+            fault = f"{type(error).__name__}: {error}"
+        for batch in waiting[key]:
+            batch.missing.remove(key)
+            batch.fault = batch.fault or fault
+            if not batch.missing:
+                yield batch
 
 
-def _say(line: str) -> None:
-    print(printable(line))  # noqa: T201  the terminal is its page
+def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Course) -> None:
+    for last in (batch.attempts[-1] for batch in batches):
+        for note in last.notes:
+            say(f"{last.student}  {last.exercise}  note: {note}")
+    with writing(out):
+        files = [str(write_gradebook(out)), str(write_index(out, catalog_of(course).course.time_zone))]
+    for line in task_lines(results_in(out)):
+        say(line)
+    isolations = Counter(result["isolation"] for result in results_in(out))
+    say(f"{len(rows)} submissions: {counts(rows) or 'nothing to do'}.")
+    for isolation, number in isolations.most_common():
+        say(f"Isolation of {number}: {isolation}.")
+    say(f"Wrote {' and '.join(files)}")

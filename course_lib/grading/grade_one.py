@@ -1,5 +1,8 @@
-"""Grades one submission: run, keep the evidence, judge, mark, report, store."""
+"""Runs one submission into stored evidence, and judges it from there: mark, report, result."""
 
+import math
+import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -8,18 +11,24 @@ from typing import Any
 from course_lib.course.whole_file import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.exercise_run import ExerciseRun, judge_exercise, run_scenarios
+from course_lib.grading.hand_marks import marks_path, read_marks
 from course_lib.grading.jail.isolation import Need
-from course_lib.grading.jail.launch import shared_template
-from course_lib.grading.marks import count_days_late, mark
+from course_lib.grading.jail.launch import WorkerError, shared_template
+from course_lib.grading.job import Job, plan
+from course_lib.grading.marks import count_days_late
+from course_lib.grading.out_folder import writing
 from course_lib.grading.report import write_report
-from course_lib.grading.result import Result, Status
-from course_lib.grading.store import evidence_bytes
+from course_lib.grading.result import Result, Status, row_of
+from course_lib.grading.store import pack, unpack
 from course_lib.grading.submission import Submission
+
+TRIES = 2
+_one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
 
 
 @dataclass(frozen=True)
 class Course:
-    """Where tasks and hidden checks are; every grading process reads them for itself."""
+    """Where tasks and hidden checks are; every judging process reads them for itself."""
 
     exercises: Path
     solutions: Path
@@ -32,55 +41,152 @@ def catalog_of(course: Course) -> Catalog:
     return load_catalog(course.exercises, course.solutions)
 
 
-def grade_one(submission: Submission, course: Course, out: Path) -> dict[str, Any]:
-    """Grade a submission and write evidence, report and result; returns its line of the gradebook."""
-    try:
-        result = _graded(submission, course, out)
-    except Exception as error:  # any fault of the kit must end as `grader_error`, and the class goes on
-        result = our_fault(submission, error)
-    return stored(result, course, out)
+def evidence_path(out: Path, key: str) -> Path:
+    """Where evidence is kept."""
+    return out / "evidence" / f"{key}.msgpack.gz"
 
 
-def our_fault(submission: Submission, error: Exception) -> Result:
-    """What becomes of a submission that could not be graded: no mark, and never a zero."""
-    return Result(submission, "grader_error", type(error).__name__, str(error))
-
-
-def stored(result: Result, course: Course, out: Path) -> dict[str, Any]:
-    """Write report and result; returns its line of the gradebook."""
-    try:
-        write_report(result, out, catalog_of(course).course)
-    except Exception as error:  # the marks are right without a report, and must not be lost with it
-        result = replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
-    result.write(out)
-    return result.row()
-
-
-def _graded(submission: Submission, course: Course, out: Path) -> Result:
+def prepared(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
+    """A submission with the key of its evidence, and the job that makes it; none for what can't be graded."""
     catalog = catalog_of(course)
-    week = submission.exercise.split("_")[0]
-    tasks = catalog.of_week(week)
-    if submission.notebook is None:
-        return Result(submission, "rejected", "unreadable", submission.problem)
+    tasks = catalog.of_week(submission.exercise.split("_")[0])
+    notebook, bare = submission.notebook, replace(submission, notebook=None, files={})
+    if notebook is None:
+        return bare, None
     if not tasks:
-        problem = submission.problem or f"the course has no {submission.exercise}"
-        return Result(submission, "rejected", "wrong exercise", problem)
-    shared_template().isolation.demand(course.sandbox)
-    cells, files = submission.notebook.cells, submission.files
-    run = run_scenarios(cells, tasks, catalog, submission.claimed, hidden=True, files=files)
-    path = out / "evidence" / submission.student / f"{submission.exercise}.msgpack"
-    write_whole(path, evidence_bytes(run.runs))
-    run = judge_exercise(run, catalog)
-    late = catalog.course.late
-    days = count_days_late(submission.received.time, catalog.course.deadline(week), late)
+        return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
+    steps = tuple(step.unjudged() for step in plan(tasks, catalog, hidden=True))
+    limits = catalog.course.limits
+    job = Job(notebook.cells, submission.claimed, steps, limits, dict(submission.files), course.sandbox)
+    return replace(bare, key=job.key), job
+
+
+def demand(need: Need) -> None:
+    """Refuse to run anything in less than is needed.
+
+    Raises:
+        CourseError: Says what is missing here and what to type.
+    """
+    shared_template().isolation.demand(need)
+
+
+def run_job(job: Job) -> bytes:
+    """Run a submission; returns its evidence, which is judged elsewhere.
+
+    Raises:
+        CourseError: Too little of a sandbox.
+        WorkerError: It can't be run here: the kit's or the machine's fault.
+    """
+    with _one_at_a_time:
+        for _ in range(TRIES):
+            demand(job.need)
+            template = shared_template()
+            try:
+                run = run_scenarios(job)
+            except (OSError, WorkerError):  # it may have been killed before
+                template.close()
+            else:
+                if template.is_sound:
+                    return pack(run)
+                template.close()  # it was killed, and the submission with it: what came out means nothing
+    raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times")
+
+
+def judge_one(attempts: Sequence[Submission], course: Course, out: Path, fault: str = "") -> dict[str, Any]:
+    """Judge stored evidence, write report and result.
+
+    Args:
+        attempts: Of one student at one exercise: the one with the best mark counts.
+        course: Where the checks are.
+        out: The folder of results.
+        fault: Why there is no evidence, if that is our fault.
+
+    Returns:
+        Its line of the gradebook.
+
+    Raises:
+        OutError: The result can't be written.
+    """
+    results = [_result(attempt, course, out, fault) for attempt in attempts]
+    best = max(results, key=_rank)
+    return _stored(replace(best, attempts=tuple(map(_attempt, results))), course, out)
+
+
+def identity(submission: Submission) -> dict[str, str]:
+    """By what a submission is known again: what is in it, and when it came."""
+    return {"key": submission.key, "received": submission.received.time.isoformat()}
+
+
+def _attempt(result: Result) -> dict[str, Any]:
+    return {**identity(result.submission), "final": result.mark.final if result.mark else None}
+
+
+def _rank(result: Result) -> float:
+    """The mark; a fault of ours goes before, as the mark may be there, and what has no mark comes last."""
+    if result.status == "grader_error":
+        return math.inf
+    return result.mark.final if result.mark else -1.0
+
+
+def _result(submission: Submission, course: Course, out: Path, fault: str) -> Result:
+    """A submission's result; any fault of the kit becomes `grader_error`, and the class goes on."""
+    if fault:
+        kind, _, text = fault.partition(": ")
+        return Result(submission, "grader_error", kind, text)
+    if not submission.key:
+        reason = "wrong exercise" if submission.sha256 else "unreadable"
+        return Result(submission, "rejected", reason, submission.problem)
+    try:
+        return _judged(submission, course, out)
+    except Exception as error:  # whatever it is, it is no fault of the student
+        return Result(submission, "grader_error", type(error).__name__, str(error))
+
+
+def _judged(submission: Submission, course: Course, out: Path) -> Result:
+    catalog = catalog_of(course)
+    week, late = submission.exercise.split("_")[0], catalog.course.late
+    tasks = catalog.of_week(week)
+    stored = evidence_path(out, submission.key).read_bytes()
+    run = judge_exercise(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
+    days = count_days_late(submission.received.time, catalog.course.deadline(week, submission.student), late)
     message = f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks"
-    return Result(submission, *_status(run), message, mark(run.results, days, late), run)
+    reason = _limit(run)
+    status: Status = "limit" if reason else "graded"
+    return Result(submission, status, reason, message, run, days, late.percent_per_day)
 
 
-def _status(run: ExerciseRun) -> tuple[Status, str]:
-    """Whether a person has to look, a limit was met, or all is done; with the limit's name."""
-    stopped = [task.stopped for task in run.results if task.stopped]
-    reason = stopped[0] if stopped else run.log.limit
-    if any(task.kind == "written" for task in run.tasks):
-        return "needs_marking", reason
-    return ("limit", reason) if reason else ("graded", "")
+def _limit(run: ExerciseRun) -> str:
+    """Which limit was met, if one was."""
+    return next((task.stopped for task in run.results if task.stopped), run.log.limit)
+
+
+def _stored(result: Result, course: Course, out: Path) -> dict[str, Any]:
+    submission = result.submission
+    marks = read_marks(marks_path(out, submission.student, submission.exercise))
+    with writing(out):
+        try:
+            write_report(result.with_marks(marks), out, catalog_of(course).course)
+        except OSError:
+            raise
+        except Exception as error:  # the marks are right without a report, and must not be lost with it
+            result = replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
+        result.write(out)
+    return row_of(result.content(), marks)
+
+
+def renew_report(submission: Submission, course: Course, out: Path) -> None:
+    """Write the report again, from stored evidence, with what persons gave since."""
+    marks = read_marks(marks_path(out, submission.student, submission.exercise))
+    result = _result(submission, course, out, "")
+    if result.run is not None:  # else the old one says more
+        write_report(result.with_marks(marks), out, catalog_of(course).course)
+
+
+def keep_evidence(out: Path, key: str, evidence: bytes) -> None:
+    """Write evidence, whole or not at all.
+
+    Raises:
+        OutError: It can't be written.
+    """
+    with writing(out):
+        write_whole(evidence_path(out, key), evidence)

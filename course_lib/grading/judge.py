@@ -1,7 +1,7 @@
 """From evidence to marks: pure functions, so that the same evidence always gets the same mark."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence
@@ -44,7 +44,19 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class TaskResult:
-    """The mark of one task and its reasons."""
+    """The mark of one task and its reasons.
+
+    Args:
+        task: Its id.
+        title: In tables.
+        points: The most that it can give.
+        bonus: Whether they come on top.
+        checks: What was looked at.
+        errors: What the code raised.
+        stopped: Which limit ended it, or "".
+        manual: Points that a person gave; they count instead of the checks'.
+        comments: What that person says.
+    """
 
     task: str
     title: str
@@ -53,6 +65,8 @@ class TaskResult:
     checks: tuple[CheckResult, ...]
     errors: tuple[str, ...] = ()
     stopped: str = ""
+    manual: float | None = None
+    comments: tuple[str, ...] = ()
 
     @property
     def fraction(self) -> float:
@@ -63,7 +77,7 @@ class TaskResult:
     @property
     def score(self) -> float:
         """In points."""
-        return round(self.points * self.fraction, 2)
+        return round(self.points * self.fraction, 2) if self.manual is None else self.manual
 
     @property
     def untouched(self) -> bool:
@@ -83,6 +97,8 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
         BrokenCheckError: A check raised an exception.
     """
     checks = tuple(_judge(check, run) for run in runs for check in run.scenario.checks)
+    if task.rubric:  # a person marks it: the checks only tell
+        checks = tuple(replace(check, weight=0.0) for check in checks)
     errors = dict.fromkeys(error for run in runs if not run.hidden for error in run.evidence.errors)
     if any(
         set(run.evidence.errors) - errors.keys() for run in runs if run.hidden and not run.evidence.stopped

@@ -1,14 +1,16 @@
 """One page per student and exercise: the mark, the reasons, and their scenes to play and turn around."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from course_lib.course.whole_file import write_whole
 from course_lib.grading.course_file import CourseFile
-from course_lib.grading.judge import TaskResult
+from course_lib.grading.judge import Run, TaskResult
 from course_lib.grading.report_scene import Figure, figures, shared_script
 from course_lib.grading.result import Result
 from course_lib.grading.table import fill, rows
+from course_lib.grading.task import Task
 
 MAX_OUTPUT = 20_000  # characters
 MAX_SCENES = 800_000  # characters of all scenes: a report stays under 1 MB
@@ -19,17 +21,19 @@ def write_report(result: Result, out: Path, course: CourseFile) -> None:
     submission, run = result.submission, result.run
     pairs = list(zip(run.tasks, run.results, strict=True)) if run else []
     room = MAX_SCENES // (2 * max(len(pairs), 1))
-    tasks = [_shown(marks, figures(task, run.runs, room)) for task, marks in pairs] if run else []
+    runs = run.runs if run else ()
+    tasks = [_shown(marks, figures(task, runs, room), _by_hand(task, marks, runs)) for task, marks in pairs]
     week = submission.exercise.split("_")[0]
     zone = course.time_zone
     page = fill(
         "report.html",
         **vars(result),
+        mark=result.mark,
         **{name: getattr(submission, name) for name in ("student", "exercise", "received")},
         received_at=submission.received.time.astimezone(zone).isoformat(" ", "minutes"),
-        deadline=course.deadline(week) if week in course.weeks else None,
+        deadline=course.deadline(week, submission.student) if week in course.weeks else None,
         zone=zone.key,
-        percent=course.late.percent_per_day,
+        percent=result.percent_per_day,
         isolation=result.isolation,
         tasks=tasks,
         cell_errors=run.cell_errors if run else (),
@@ -41,7 +45,16 @@ def write_report(result: Result, out: Path, course: CourseFile) -> None:
     write_whole(path, page.encode("utf-8", "replace"))
 
 
-def _shown(marks: TaskResult, scenes: list[Figure]) -> dict[str, Any]:
+def _by_hand(task: Task, marks: TaskResult, runs: Iterable[Run]) -> list[str]:
+    """What a person reads of a task, and says of it."""
+    if not task.rubric:
+        return list(marks.comments)
+    answers = [str(text) for run in runs if run.evidence.task == task.id for text in run.evidence.returns]
+    waits = ["A person reads and marks this task."] if marks.manual is None else []
+    return [*answers, *marks.comments, *waits]
+
+
+def _shown(marks: TaskResult, scenes: list[Figure], end: list[str]) -> dict[str, Any]:
     bonus = ", on top" if marks.bonus else ""
     return {
         "id": marks.task,
@@ -50,7 +63,7 @@ def _shown(marks: TaskResult, scenes: list[Figure]) -> dict[str, Any]:
         "errors": marks.errors,
         "rows": _worst_first(marks),
         "has_hidden": any(check.hidden for check in marks.checks),
-        "end": [] if marks.checks else ["A person reads and marks this task."],
+        "end": end,
         "figures": scenes,
     }
 

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
 from course_lib.course.whole_file import write_whole
-from course_lib.grading.result import read_result
+from course_lib.grading.gradebook import results_in
 from course_lib.grading.table import fill
 
 # Key in the result's row, heading; numbers are sorted as such.
@@ -22,7 +22,7 @@ COLUMNS = (
 
 def write_index(out: Path, zone: ZoneInfo) -> Path:
     """Write OUT/reports/index.html from all that OUT/results holds, times in a zone."""
-    results = [read_result(path) for path in sorted((out / "results").glob("*/*.json"))]
+    results = list(results_in(out))
     failures = _failures(results)
     page = fill(
         "index.html",

@@ -1,19 +1,24 @@
 """What is known of one graded submission: the file in OUT/results."""
 
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
+from course_lib.grading.course_file import Late
 from course_lib.grading.exercise_run import ExerciseRun
-from course_lib.grading.marks import Mark
+from course_lib.grading.hand_marks import HandMark, apply_marks, marks_path, read_marks
+from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.marks import Mark, mark
 from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")
-COLUMNS = ("student", "exercise", *MARK_COLUMNS, "status", "reason", "message")
+TEXT_COLUMNS = ("student", "exercise", "status", "reason", "message")
+COLUMNS = (*TEXT_COLUMNS[:2], *MARK_COLUMNS, *TEXT_COLUMNS[2:])
 
 
 @dataclass(frozen=True)
@@ -25,59 +30,90 @@ class Result:
         status: `rejected` and `grader_error` have no mark.
         reason: A word: which limit, which kind of rejection.
         message: A sentence.
-        mark: The arithmetic, if there is a mark.
         run: What each task got, and why.
+        days_late: Started days.
+        percent_per_day: What each of them costs.
         notes: For staff.
+        attempts: What was handed in, all of it if the best counts, with the mark of each.
     """
 
     submission: Submission
     status: Status
     reason: str = ""
     message: str = ""
-    mark: Mark | None = None
     run: ExerciseRun | None = None
+    days_late: int = 0
+    percent_per_day: float = 0.0
     notes: tuple[str, ...] = ()
+    attempts: tuple[dict[str, Any], ...] = ()
 
     @property
     def isolation(self) -> str:
         """How well it was kept apart from the machine that it ran on."""
         return str(self.run.isolation) if self.run else "not run"
 
-    def row(self) -> dict[str, Any]:
-        """Its line of the gradebook."""
-        known = vars(self.submission) | vars(self) | (asdict(self.mark) if self.mark else {})
-        return {name: known.get(name, "") for name in COLUMNS}
+    @property
+    def mark(self) -> Mark | None:
+        """The arithmetic, if there is a mark."""
+        return mark(self.run.results, self.days_late, Late(self.percent_per_day)) if self.run else None
+
+    def with_marks(self, marks: Sequence[HandMark]) -> "Result":
+        """The same with what persons gave, for the report."""
+        if self.run is None:
+            return self
+        pairs = zip(self.run.tasks, self.run.results, strict=True)
+        results = [apply_marks(one, [asdict(row) for row in task.rubric], marks) for task, one in pairs]
+        status = row_of(self.content(), marks)["status"]
+        return replace(self, run=replace(self.run, results=tuple(results)), status=status)
+
+    def content(self) -> dict[str, Any]:
+        """What its file holds: nothing that a person gave is in it."""
+        own = ("status", "reason", "message", "days_late", "percent_per_day", "isolation", "attempts")
+        return {
+            **self.submission.as_plain(),
+            **{name: getattr(self, name) for name in own},
+            "notes": [*self.submission.notes, *self.notes],
+            **(self.run.as_plain() if self.run else {}),
+        }
 
     def write(self, out: Path) -> None:
         """Write it to OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
-        submission = self.submission
-        content = {
-            "row": self.row(),
-            "file": str(submission.path),
-            "sha256": submission.sha256,
-            "received": submission.received.time.isoformat(),
-            "received_from": submission.received.source,
-            "isolation": self.isolation,
-            "notes": [*submission.notes, *self.notes],
-            **(self.run.as_plain() if self.run else {}),
-        }
-        text = json.dumps(content, indent=1, ensure_ascii=False)
-        write_whole(result_path(out, submission), text.encode("utf-8", "replace"))
+        text = json.dumps(self.content(), indent=1, ensure_ascii=False)
+        path = result_path(out, self.submission.student, self.submission.exercise)
+        write_whole(path, text.encode("utf-8", "replace"))
 
 
-def result_path(out: Path, submission: Submission) -> Path:
+def result_path(out: Path, student: str, exercise: str) -> Path:
     """Where the result of a submission is kept."""
-    return out / "results" / submission.student / f"{submission.exercise}.json"
+    return out / "results" / student / f"{exercise}.json"
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """The content of a result file.
+    """The content of a result file, and its `row` of the gradebook with what persons gave.
 
     Raises:
-        CourseError: It can't be read; names it.
+        CourseError: It, or the file of marks, can't be read; names it.
     """
+    marks = read_marks(marks_path(path.parents[2], path.parent.name, path.stem))
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        return {**content, "row": {name: content["row"][name] for name in COLUMNS}}
-    except (OSError, ValueError, TypeError, KeyError) as error:
+        return {**content, "row": row_of(content, marks)}
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
+
+
+def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:
+    """The line of the gradebook that a result and what persons gave come to."""
+    row = dict.fromkeys(MARK_COLUMNS, "") | {name: content[name] for name in TEXT_COLUMNS}
+    tasks = content.get("tasks", ())
+    results = [apply_marks(_task(task), task["rubric"], marks) for task in tasks]
+    if results:
+        row |= asdict(mark(results, content["days_late"], Late(content["percent_per_day"])))
+    if any(task["rubric"] and one.manual is None for task, one in zip(tasks, results, strict=True)):
+        row["status"] = "needs_marking"
+    return {name: row[name] for name in COLUMNS}
+
+
+def _task(task: Mapping[str, Any]) -> TaskResult:
+    known = {field.name: task[field.name] for field in fields(TaskResult)}
+    return TaskResult(**{**known, "checks": tuple(CheckResult(**check) for check in task["checks"])})

@@ -6,10 +6,12 @@ import os
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.grading.course_file import Counts
 from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.received import Received, received
 from course_lib.grading.working_files import working_files
@@ -33,6 +35,8 @@ class Submission:
         claimed: The ID that the file itself names; personal values derive from it.
         sha256: Of the notebook, and of its files if it has any.
         problem: Why it can't be graded, or "".
+        key: Of its evidence, if it can be graded.
+        twins: Others who handed in the same file.
     """
 
     student: str
@@ -44,34 +48,53 @@ class Submission:
     claimed: str | None = None
     sha256: str = ""
     problem: str = ""
+    key: str = ""
+    twins: tuple[str, ...] = ()
 
     @property
     def notes(self) -> list[str]:
         """What staff should know."""
-        if self.notebook is None or self.claimed == self.student:
-            return []
+        notes = [f"the same file as that of {', '.join(self.twins)}"] if self.twins else []
+        if not self.sha256 or self.claimed == self.student:
+            return notes
         if self.claimed is None:
-            return ["the file names no student: personal values are those of a guest"]
-        return [f"the file names {self.claimed}, but {self.student} handed it in"]
+            return [*notes, "the file names no student: personal values are those of a guest"]
+        return [*notes, f"the file names {self.claimed}, but {self.student} handed it in"]
+
+    def as_plain(self) -> dict[str, Any]:
+        """What a result file says of it."""
+        same = ("student", "exercise", "claimed", "sha256", "problem", "key", "twins")
+        return {
+            **{name: getattr(self, name) for name in same},
+            "file": str(self.path),
+            "received": self.received.time.isoformat(),
+            "received_from": self.received.source,
+        }
+
+    @classmethod
+    def from_plain(cls, content: Mapping[str, Any]) -> "Submission":
+        """The one of a result file, without its notebook; its evidence is stored."""
+        when = Received(datetime.fromisoformat(content["received"]), content["received_from"])
+        same = {
+            name: content[name] for name in ("student", "exercise", "claimed", "sha256", "problem", "key")
+        }
+        return cls(path=Path(content["file"]), received=when, twins=tuple(content["twins"]), **same)
 
 
-def find_submissions(top: Path) -> list[Submission]:
-    """The newest submission of each student and exercise, by student and exercise.
+def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:
+    """The newest submission of each student and exercise; all of them, the oldest first, if the best counts.
 
     Raises:
         CourseError: `top` is no folder, or holds no submission.
     """
     if not top.is_dir():
         raise CourseError(f"{top} is no folder. Name the one with a folder per student: course grade FOLDER")
-    newest: dict[tuple[str, str], Submission] = {}
-    for path in _files(top):
-        found = read_submission(path, top)
-        key = found.student, found.exercise
-        if key not in newest or newest[key].received.time <= found.received.time:
-            newest[key] = found
-    if not newest:
+    found = [read_submission(path, top) for path in _files(top)]
+    if not found:
         raise CourseError(f"{top} holds no submission: expected STUDENT/week01_exercise.ipynb in it")
-    return [newest[key] for key in sorted(newest)]
+    found.sort(key=lambda one: (one.student, one.exercise, one.received.time))
+    newest = {(one.student, one.exercise): one for one in found}
+    return found if counts == "best" else list(newest.values())
 
 
 def read_submission(path: Path, top: Path) -> Submission:

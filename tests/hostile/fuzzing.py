@@ -8,11 +8,14 @@ import msgpack
 from hypothesis import strategies as st
 
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.exercise_run import ExerciseRun
+from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.job import Step
 from course_lib.grading.judge import Run, judge_task
 from course_lib.grading.perform import Outcome
-from course_lib.grading.runner import _drive
+from course_lib.grading.runner import CellLog, _drive
 from course_lib.grading.scenario import Stage
-from course_lib.grading.store import evidence_bytes
+from course_lib.grading.store import pack, unpack
 from course_lib.grading.task import Call, Scenario, Task
 from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_value
 from course_lib.ros import wall
@@ -83,6 +86,7 @@ def swallow(stream: bytes) -> None:
 def judged(evidence: Evidence) -> None:
     """Keep and judge any evidence; its mark is a number from 0 to the points."""
     run = Run(SCENARIO, evidence)
-    assert evidence_bytes([run]) == evidence_bytes([run])
+    stored = ExerciseRun((), (run,), CellLog(), Isolation())
+    assert unpack(pack(stored), [Step(TASK, SCENARIO)]).runs == (run,)
     evidence.recording.digest()
     assert 0.0 <= judge_task(TASK, 100.0, False, [run]).score <= 100.0

@@ -91,6 +91,11 @@ class TemplateProcess:
         os.close(writer)
         return ours, reader
 
+    @property
+    def is_sound(self) -> bool:
+        """Whether nobody has killed it."""
+        return self._process.poll() in (None, 0)
+
     def stop(self) -> None:
         """End the submission with all that it has started."""
         try:

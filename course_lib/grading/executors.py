@@ -1,0 +1,144 @@
+"""Where submissions are run and judged: in this process, in some of its own, or on a Dask cluster."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, TypeVar
+
+from course_lib.errors import CourseError
+
+Tag = TypeVar("Tag")
+TRIES = 2
+CONNECT_SECONDS = 10  # [s]
+
+
+class Here(Executor):
+    """Calls at once, in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Call, and return what is done already."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # whoever asks for the result gets it
+            future.set_exception(error)
+        return future
+
+
+class Processes(ThreadPoolExecutor):
+    """Some processes, each looked after by a thread: one that dies is replaced, and its call tried again.
+
+    A ProcessPoolExecutor of several would lose all that is under way when one of them dies.
+    """
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self._own = threading.local()
+        self._all: list[ProcessPoolExecutor] = []
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Call in one of the processes."""
+        return super().submit(self._call, partial(fn, *args, **kwargs))
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End all processes."""
+        super().shutdown(wait, cancel_futures=cancel_futures)
+        for process in self._all:
+            process.shutdown(wait)
+
+    def _call(self, call: Callable[[], Any]) -> Any:
+        for _ in range(TRIES):
+            try:
+                return self._process().submit(call).result()
+            except BrokenExecutor:
+                self._own.process = None
+        raise CourseError(f"the process that graded it died, {TRIES} times: killed, or out of memory")
+
+    def _process(self) -> ProcessPoolExecutor:
+        if getattr(self._own, "process", None) is None:
+            context = multiprocessing.get_context("spawn")  # no threads and no locks of this process in it
+            self._own.process = ProcessPoolExecutor(1, mp_context=context, initializer=_end_with_parent)
+            self._all.append(self._own.process)
+        process: ProcessPoolExecutor = self._own.process
+        return process
+
+
+def _end_with_parent() -> None:
+    """Let this process die at Ctrl+C without a word, and at once when its parent is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+@contextmanager
+def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
+    """Where to run and where to judge, and how many submissions may be under way.
+
+    Args:
+        jobs: Processes of this machine.
+        dask: Address of a scheduler on whose workers submissions are run; judging stays here.
+
+    Raises:
+        CourseError: There is no scheduler.
+    """
+    local: Executor = Here() if jobs == 1 else Processes(jobs)
+    try:
+        if dask is None:
+            yield local, local, 1 if jobs == 1 else 2 * jobs
+        else:
+            with _client(dask) as client:
+                threads = sum(client.nthreads().values())
+                yield client.get_executor(pure=False), local, 2 * max(threads, 1)
+    finally:
+        local.shutdown(wait=False, cancel_futures=True)
+
+
+def _client(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise CourseError("--dask needs a package more: pip install 'course-lib[dask]'") from error
+    try:
+        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]  # its own
+    except (OSError, ValueError) as error:
+        raise CourseError(
+            f"--dask {address}: no scheduler answers ({error}). Start one with `dask scheduler`, "
+            "and give its address, like tcp://127.0.0.1:8786"
+        ) from error
+
+
+def flow(
+    executor: Executor, function: Callable[..., Any], calls: Iterable[tuple[Tag, Sequence[Any]]], window: int
+) -> Iterator[tuple[Tag, "Future[Any]"]]:
+    """Call for each (tag, arguments), `window` at a time; yields (tag, its future) as they end."""
+    pending: dict[Future[Any], Tag] = {}
+    for tag, arguments in calls:
+        pending[executor.submit(function, *arguments)] = tag
+        if len(pending) >= window:
+            yield from _ended(pending)
+    while pending:
+        yield from _ended(pending)
+
+
+def _ended(pending: dict["Future[Any]", Tag]) -> Iterator[tuple[Tag, "Future[Any]"]]:
+    for future in wait(pending, return_when=FIRST_COMPLETED).done:
+        yield pending.pop(future), future

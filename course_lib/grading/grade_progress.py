@@ -1,0 +1,51 @@
+"""What the terminal shows while a class is graded: a bar, a line per problem, a summary."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from course_lib.grading.table import printable
+
+Row = Mapping[str, Any]  # of the gradebook
+
+
+def watched(rows: Iterable[Row], total: int) -> Iterator[Row]:
+    """The same rows, while a bar with rate and time left tells how far it is; problems go above it."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    rate, columns = TextColumn("{task.fields[rate]}"), (BarColumn(), MofNCompleteColumn())
+    with Progress(TextColumn("Grading"), *columns, rate, TimeRemainingColumn()) as progress:
+        bar = progress.add_task("", total=total, rate="")
+        for row in rows:
+            if row["status"] != "graded":
+                words = (str(row[name]) for name in ("student", "exercise", "status", "reason", "message"))
+                line = printable("  ".join(words))
+                progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
+            progress.advance(bar)
+            progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
+            yield row
+
+
+def say(line: str) -> None:
+    """Print a line."""
+    print(printable(line))  # noqa: T201  the terminal is its page
+
+
+def counts(rows: Iterable[Row]) -> str:
+    """How many there are of each status."""
+    return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row["status"] for row in rows).items()))
+
+
+def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
+    """A line per task, of all that result files say: how many, the mean, how many have full marks."""
+    scores: dict[str, list[float]] = {}
+    points: dict[str, float] = {}
+    for result in results:
+        for task in result.get("tasks", ()):
+            scores.setdefault(task["task"], []).append(task["score"])
+            points[task["task"]] = task["points"]
+    return [
+        f"{task:30} {len(got):5} graded  mean {sum(got) / len(got):5.1f} of {points[task]:g}  "
+        f"{sum(score >= points[task] for score in got)} with full marks"
+        for task, got in sorted(scores.items())
+    ]

@@ -1,0 +1,70 @@
+"""What running a submission needs: plain data, that may go to another process or machine."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import msgpack
+
+from course_lib.grading.catalog import Catalog
+from course_lib.grading.course_file import Limits
+from course_lib.grading.jail.isolation import Need
+from course_lib.grading.task import Scenario, Task
+
+ANSWER = (Scenario("answer"),)  # a task that a person marks may have no scenario, and yet its text is needed
+
+
+@dataclass(frozen=True)
+class Step:
+    """One scenario of a task, and whether it is hidden."""
+
+    task: Task
+    scenario: Scenario
+    hidden: bool = False
+
+    def unjudged(self) -> "Step":
+        """The same without what only the judge needs: checks and what is expected."""
+        task = replace(self.task, scenarios=(), ghost=())
+        return Step(task, replace(self.scenario, checks=()), self.hidden)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A submission to run.
+
+    Args:
+        cells: Its code.
+        student: The ID that it claims; personal values derive from it.
+        steps: The scenarios in order.
+        limits: What it may use.
+        files: What was handed in beside it, by path.
+        need: The sandbox without which it is not run.
+    """
+
+    cells: tuple[str, ...]
+    student: str | None
+    steps: tuple[Step, ...]
+    limits: Limits
+    files: Mapping[str, str] = field(default_factory=dict)
+    need: Need = "any"
+
+    @property
+    def key(self) -> str:
+        """The same for what has the same evidence: identical files, of the same inputs."""
+        steps = [step.unjudged() for step in self.steps]
+        content = [self.cells, self.student, sorted(self.files.items()), steps]
+        return hashlib.sha256(msgpack.packb(content, default=_by_field)).hexdigest()[:32]
+
+
+def plan(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> tuple[Step, ...]:
+    """Every scenario of every task, public first."""
+    public = [(task, task.scenarios or ANSWER * (task.kind == "written")) for task in tasks]
+    steps = [Step(task, scenario) for task, scenarios in public for scenario in scenarios]
+    if hidden:
+        steps += [Step(task, one, hidden=True) for task in tasks for one in catalog.hidden.get(task.id, ())]
+    return tuple(steps)
+
+
+def _by_field(data: Any) -> Any:
+    return vars(data) if hasattr(data, "__dict__") else repr(data)
