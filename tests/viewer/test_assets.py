@@ -17,15 +17,6 @@ def test_every_module_is_in_the_bundle_and_none_of_its_imports() -> None:
     assert key in assets.widget_module()
 
 
-def test_no_two_modules_use_one_name_as_all_are_joined() -> None:
-    names = []
-    for path in FOLDER.glob("*.js"):
-        names += re.findall(
-            r"^(?:export )?(?:async )?(?:const|let|class|function) (\w+)", path.read_text(), re.M
-        )
-    assert sorted(names) == sorted(set(names))
-
-
 def test_modules_import_only_what_comes_before_them() -> None:
     for position, name in enumerate(assets._MODULES):
         module = FOLDER / f"{name}.js"

@@ -1,4 +1,5 @@
 /* global THREE */
+import { icon } from "./icons.js";
 import { Orbit } from "./orbit.js";
 import { draw, views } from "./renderer.js";
 
@@ -40,7 +41,8 @@ export class View {
     this.words.style.cssText = `${CORNER};left:0;bottom:0;pointer-events:none`;
     this.words.hidden = true;
     this.full = document.createElement("button");
-    Object.assign(this.full, { type: "button", textContent: "⛶", title: "Full screen (F)", ariaLabel: "Full screen" });
+    Object.assign(this.full, { type: "button", title: "Full screen (F)", ariaLabel: "Full screen" });
+    this.full.append(icon("full"));
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
     this.full.onclick = () => this.toggleFull();
     host.style.position = "relative";

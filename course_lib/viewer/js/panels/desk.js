@@ -1,10 +1,10 @@
 /* global DESK_STYLE */
+import { icon } from "../icons.js";
 import { Gestures } from "./gestures.js";
 import { ask, button, choicesOf, part } from "./parts.js";
 import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
-const SIGNS = { Interact: "☝", "Move Camera": "✥", Select: "▭", "Focus Camera": "◎", Measure: "↔", "2D Goal Pose": "➤", "Publish Point": "●" };
 
 /** What Python says of all panels, and the desks of a page that show it. */
 export class DeskState {
@@ -129,8 +129,7 @@ export class Desk {
   }
 
   toolButton([label, key, gesture], index) {
-    const sign = SIGNS[label] ?? "➚";
-    const made = button(sign, `${label} (${key})`, () => this.choose(index));
+    const made = button(icon(label), `${label} (${key})`, () => this.choose(index));
     made.append(part("span", {}, label));
     made.dataset.gesture = gesture;
     return made;

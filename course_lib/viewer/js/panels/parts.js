@@ -15,10 +15,10 @@ export function part(tag, fields = {}, ...children) {
 
 /**
  * Make a button with a name for those who do not see it.
- * @param {string} sign @param {string} name @param {() => void} onclick
+ * @param {string | Node} sign @param {string} name @param {() => void} onclick
  */
 export const button = (sign, name, onclick) =>
-  part("button", { type: "button", textContent: sign, title: name, ariaLabel: name, onclick });
+  part("button", { type: "button", title: name, ariaLabel: name, onclick }, sign);
 
 /**
  * Ask something in a small window; Escape leaves it.

@@ -1,3 +1,5 @@
+import { icon } from "../icons.js";
+
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const TIME_STYLE = `
 .course-time { display: flex; flex-wrap: wrap; gap: 2px 10px; align-items: center; padding: 2px 6px;
@@ -31,7 +33,7 @@ export class TimeBar {
     this.step = this.button("+1", () => act({ step: 1 }), "Step (period)");
     this.scrub = barPart("input", { type: "range", step: "any", ariaLabel: "Time" });
     this.scrub.oninput = () => act({ now: Number(this.scrub.value) });
-    this.loop = this.button("↻", () => act({ loop: !this.time.loop }), "Loop (L)");
+    this.loop = this.button(icon("loop"), () => act({ loop: !this.time.loop }), "Loop (L)");
     this.speed = barPart("select", { ariaLabel: "Speed", title: "Speed" });
     for (const rate of SPEEDS) this.speed.append(new Option(`${rate}×`, String(rate)));
     this.speed.onchange = () => act({ rate: Number(this.speed.value) });
@@ -47,8 +49,10 @@ export class TimeBar {
   update(time) {
     this.time = time;
     const name = time.paused ? "Play (Space)" : "Pause (Space)";
-    if (this.play.title !== name) Object.assign(this.play, { title: name, ariaLabel: name });
-    this.play.textContent = time.paused ? "▶" : "‖";
+    if (this.play.title !== name) {
+      Object.assign(this.play, { title: name, ariaLabel: name });
+      this.play.replaceChildren(icon(time.paused ? "play" : "pause"));
+    }
     const range = time.range ?? [0, 0];
     for (const part of [this.back, this.scrub, this.loop]) part.hidden = !time.range;
     Object.assign(this.scrub, { min: range[0], max: range[1] });
@@ -74,9 +78,11 @@ export class TimeBar {
     event.stopPropagation();
   }
 
-  /** @param {string} sign @param {() => void} onclick @param {string} name */
+  /** @param {string | Element} sign @param {() => void} onclick @param {string} name */
   button(sign, onclick, name = "") {
-    return barPart("button", { type: "button", textContent: sign, title: name, ariaLabel: name, onclick });
+    const made = barPart("button", { type: "button", title: name, ariaLabel: name, onclick });
+    made.append(sign);
+    return made;
   }
 }
 

@@ -57,7 +57,6 @@ export class Tree {
     const { element, label, mark, tick, editor } = it;
     element.ariaLevel = String(depth);
     element.style.paddingInlineStart = `${(depth - 1) * 14 + 2}px`;
-    it.twisty.textContent = isParent ? (this.isOpen(row) ? "▾" : "▸") : "";
     if (isParent) element.ariaExpanded = String(this.isOpen(row));
     label.textContent = row.label;
     label.title = row.title ?? "";
