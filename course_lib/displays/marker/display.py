@@ -12,12 +12,26 @@ MARKER, MARKER_ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/
 _NAMESPACES = Property("Namespaces", {}, booleans)
 
 
+def _namespace(label: str) -> str | None:
+    """Return the namespace that a label like ``Namespaces/labels`` is of, or None."""
+    above, slash, name = label.partition("/")
+    return name if slash and above.lower() == "namespaces" else None
+
+
 class _Markers(TopicDisplay):
     """What both displays do with their markers."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.markers = MarkerStore(self.context, self.path, self.statuses)
+
+    def __getitem__(self, label: str) -> Any:
+        name = _namespace(label)
+        return super().__getitem__(label) if name is None else self.markers.namespaces.get(name, True)
+
+    def __setitem__(self, label: str, value: Any) -> None:
+        name = _namespace(label)
+        super().__setitem__(*((label, value) if name is None else ("Namespaces", {name: value})))
 
     def changed(self, label: str) -> None:
         """Show or hide namespaces; other properties as usual."""

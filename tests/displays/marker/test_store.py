@@ -8,6 +8,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from course_lib.errors import CourseError
 from tests.displays.bench import ARRAY, Bench, marker, ns, points
 
 
@@ -280,6 +281,18 @@ def test_an_unticked_namespace_loses_its_markers_until_they_are_published_again(
     bench.show(marker(ns="a"), at=2.0)
     assert bench.shown() == ["a/0", "b/0"]
     assert bench.array["Namespaces"] == {"a": True, "b": True}
+
+
+def test_a_namespace_has_a_label_of_its_own() -> None:
+    bench = Bench()
+    bench.show(marker(ns="a"), marker(ns="b/c"))
+    assert bench.array["Namespaces/b/c"] is True
+    bench.array["Namespaces/b/c"] = False
+    assert bench.shown() == ["a/0"]
+    assert bench.array["namespaces/b/c"] is False
+    assert bench.array["Namespaces/a"] is True
+    with pytest.raises(CourseError, match="'Namespaces' is .*, expected True or False"):
+        bench.array["Namespaces/a"] = 0
 
 
 def test_markers_that_share_a_name_within_a_moment_are_hinted_at() -> None:
