@@ -163,8 +163,8 @@ IN_BETWEEN = Task(
             "public",
             calls=(Call([0.0, 0.0, 0.0], [1.0, 2.0, 0.4], 0.5), Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.0)),
             checks=(
-                expect_value([0.5, 1.0, 0.2], call=0, name="half way"),
-                expect_value([0.0, 1.0, 3.0], call=1, name="at the beginning"),
+                expect_value([0.5, 1.0, 0.2], call=0, name="the pose half way"),
+                expect_value([0.0, 1.0, 3.0], call=1, name="the pose at the beginning"),
             ),
         ),
     ),

@@ -55,7 +55,8 @@ def expect_marker(
     selected = [marker for marker in markers if fits(marker, None, ns, id)]
     if not selected:
         there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])
-        message = f"no marker with ns {ns!r}, id {id} on {topic}, there is: {there}"
+        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {id}"] * (id is not None)
+        message = f"no marker with {' and '.join(sought)} on {topic}, there is: {there}"
         return [Problem(message, "ns or id of a marker is wrong")]
     wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw}
     wanted |= {"scale": scale, "color": color, "text": text, "points": points, "lifetime": lifetime}
@@ -75,7 +76,8 @@ def expect_marker_count(
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
     there = sum(fits(marker, type, None, None) for marker in shown(evidence, topic))
-    message = f"{topic} shows {there} {type or 'marker'}s at the end, expected {count}"
+    of_type = f" of type {type}" if type else ""
+    message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} at the end, expected {count}"
     return [] if there == count else [Problem(message, "the count is wrong")]
 
 

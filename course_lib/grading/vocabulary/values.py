@@ -51,13 +51,13 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
             yield Problem(message, "a list has the wrong length")
         case list(), list():
             for index, pair in enumerate(zip(value, expected, strict=True)):
-                yield from compare(*pair, tolerance, unit, f"{name}[{index}]")
+                yield from compare(*pair, tolerance, unit, f"[{index}] of {name}")
         case list(), _:
             yield Problem(f"{came}, expected a list of {len(expected)}", WRONG_KIND)
         case dict(), dict():
             for key in expected:
                 if key in value:
-                    yield from compare(value[key], expected[key], tolerance, unit, f"{name}[{key!r}]")
+                    yield from compare(value[key], expected[key], tolerance, unit, f"[{key!r}] of {name}")
                 else:
                     yield Problem(f"{name} has no {key!r}", "a key is missing")
         case dict(), _:
