@@ -76,6 +76,16 @@ class Notebook:
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
         self.page.wait_for_function(all_ran, timeout=PATIENCE)
 
+    def run_one_by_one(self) -> Iterator[tuple[str, Locator]]:
+        """Run the code cells in their order, each after the one before has ended; gives source and cell."""
+        script = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
+            .filter(c => c.type == 'code').map(c => c.sharedModel.getSource())"""
+        for source in self.page.evaluate(script):
+            self.cell(source)
+            self.page.evaluate("() => jupyterapp.commands.execute('notebook:run-cell')")
+            self.wait_idle()
+            yield source, self.cell(source)
+
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""
         cell = self.cell(text)
