@@ -133,7 +133,8 @@ class Stream:
         self._schedule()
 
     def _schedule(self) -> None:
-        self._changed.set()
+        if not self._changed.is_set():  # setting is slow, and transforms are many
+            self._changed.set()
 
     def _send_batches(self) -> None:
         silence = 0.0  # [s]
