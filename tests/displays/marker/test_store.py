@@ -291,7 +291,7 @@ def test_a_namespace_has_a_label_of_its_own() -> None:
     assert bench.shown() == ["a/0"]
     assert bench.array["namespaces/b/c"] is False
     assert bench.array["Namespaces/a"] is True
-    with pytest.raises(CourseError, match="'Namespaces' is .*, expected True or False"):
+    with pytest.raises(CourseError, match=r"'Namespaces' is .*, expected True or False"):
         bench.array["Namespaces/a"] = 0
 
 
