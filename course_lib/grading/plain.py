@@ -1,5 +1,6 @@
 """Values as plain data: the only form in which they leave a student's code."""
 
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def _plain(value: Any, depth: int, room: list[int]) -> Any:
         value = value.tolist() if value.size <= room[0] else None
         return _plain(value, depth, room) if value is not None else {"object": "an array too large"}
     if isinstance(value, (list, tuple)):
-        return [_plain(item, depth - 1, room) for item in value[: max(room[0], 0)]]
+        return [_plain(item, depth - 1, room) for item in islice(value, max(room[0], 0))]
     if isinstance(value, dict):
         return {str(key): _plain(item, depth - 1, room) for key, item in value.items()}
     return _message(value, depth, room)

@@ -1,0 +1,76 @@
+"""`course grade` where the sandbox is less than full: what is refused, with which exit code, what is said."""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from course_lib import cli
+from course_lib.grading.grade_one import Course
+from course_lib.grading.jail.isolation import LAYERS
+from course_lib.grading.jail.launch import TemplateProcess
+
+Grade = Callable[..., int]
+WITHOUT_NAMESPACES = ("bubblewrap", "namespaces")
+
+
+@pytest.fixture
+def with_layers(
+    course: Course,
+    right: str,
+    write_notebook: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[Callable[..., Grade]]:
+    """Makes `course grade OPTIONS` that has all layers but some; it gives the exit code."""
+    write_notebook(tmp_path / "in" / "ada" / "week01_exercise.ipynb", right, student="ada")
+    opened: list[TemplateProcess] = []
+
+    def without(*off: str) -> Grade:
+        template = TemplateProcess(off)
+        opened.append(template)
+        for module in ("grade_one", "runner"):
+            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda: template)
+        monkeypatch.setattr("course_lib.grading.grade.exercises_dir", lambda: course.exercises)
+        monkeypatch.setattr("course_lib.grading.grade.solutions_dir", lambda: course.solutions)
+        return run
+
+    def run(*options: str) -> int:
+        words = ("grade", str(tmp_path / "in"), "--out", str(tmp_path / "out"), "--jobs", "1", *options)
+        monkeypatch.setattr(sys, "argv", ["course", *words])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        code = ended.value.code
+        assert isinstance(code, int)
+        return code
+
+    yield without
+    for template in opened:
+        template.close()
+
+
+@pytest.mark.parametrize(
+    ("off", "options", "code", "says"),
+    [
+        (LAYERS, (), 2, "your rights, no sandbox (lacks namespaces"),
+        (LAYERS, ("--require-sandbox",), 2, "--require-sandbox: what works here is a no sandbox"),
+        (LAYERS, ("--i-trust-these-submissions",), 0, "Isolation of 1: no sandbox (lacks"),
+        (LAYERS, ("--require-sandbox", "--i-trust-these-submissions"), 2, "--require-sandbox"),
+        (WITHOUT_NAMESPACES, ("--require-sandbox",), 2, "--require-sandbox: what works here is a partial"),
+        (WITHOUT_NAMESPACES, (), 0, "Isolation of 1: partial sandbox (has Landlock, seccomp, limits"),
+    ],
+)
+def test_too_little_of_a_sandbox_ends_with_2_before_anything_is_run(
+    with_layers: Callable[..., Grade],
+    off: tuple[str, ...],
+    options: tuple[str, ...],
+    code: int,
+    says: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert with_layers(*off)(*options) == code
+    said = capsys.readouterr()
+    assert says in said.out + said.err
+    assert (tmp_path / "out/results").exists() == (code == 0)
