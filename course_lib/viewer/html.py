@@ -34,6 +34,7 @@ main > div:first-child { flex: 1; min-height: 0; height: auto !important }
 main .course-viewer { display: flex; flex-direction: column }
 main .course-middle, main .course-host { flex: 1; min-height: 0 }
 main .course-view, main .course-host { height: 100% !important }
+main .course-dock { max-height: none }
 </style>
 <main></main>"""
 
