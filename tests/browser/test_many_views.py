@@ -1,0 +1,154 @@
+"""Many views in real JupyterLab: twenty on a page, two tabs, a restart, hands while a node runs live."""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.browser.jupyterlab import Notebook, course_lab
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+MANY, ENOUGH = 20, 50  # views; [px] of the box in each
+CELLS = (
+    """\
+%load_ext course_lib
+import numpy as np
+from course_lib.viewer.drawables import Solids
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.widget import SceneWidget
+def shown(color):
+    scene = Scene()
+    scene.set_object("box", Solids("box", [np.eye(4)], color))
+    return SceneWidget(scene, height=110)
+widgets = [shown((1, 0, 0, 1)) for _ in range(20)]""",
+    "for widget in widgets: display(widget)",
+    """\
+import ipywidgets, rclpy
+from rclpy.node import Node
+from course_lib import run_live
+rclpy.init()
+class Counter(Node):
+    def __init__(self):
+        super().__init__("counter")
+        self.count, self.heard = 0, []
+        self.create_timer(0.02, self.tick)
+    def tick(self):
+        self.count += 1
+node = Counter()
+live = run_live(node)""",
+    """\
+slider = ipywidgets.IntSlider(description="speed")
+slider.observe(lambda change: node.heard.append((change["new"], node.count)), "value")
+widgets[0].link.on_click.append(lambda click: node.heard.append((click.path, node.count)))
+display(slider, widgets[0])""",
+)
+_CONTEXTS = """
+globalThis.lost = 0;
+const getContext = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (...all) {
+  this.addEventListener("webglcontextlost", () => lost++, { once: true });
+  return getContext.apply(this, all);
+};"""
+# In each view, the pixels that have nothing but one of red, green and blue.
+_COUNT = """(views, color) => views.map((view) => {
+    const pixels = view.getContext("2d").getImageData(0, 0, view.width, view.height).data;
+    let count = 0;
+    for (let at = 0; at < pixels.length; at += 4)
+        count += [0, 1, 2].every((i) => i === color ? pixels[at + i] > 90 : pixels[at + i] < 60);
+    return count; })"""
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder = tmp_path_factory.mktemp("student") / "my_course"
+    folder.mkdir()
+    cells: list[dict[str, Any]] = [
+        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
+        for source in CELLS
+    ]
+    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    content = {"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}
+    (folder / "many.ipynb").write_text(json.dumps(content))
+    with course_lab(folder, folder.parent / "home") as address:
+        yield address
+
+
+def new_page(browser: Browser) -> Page:
+    # JupyterLab draws what is in sight only
+    page = browser.new_page(viewport={"width": 1000, "height": 3000})
+    page.set_default_timeout(20_000)
+    page.add_init_script(_CONTEXTS)
+    return page
+
+
+@pytest.fixture(scope="module")
+def notebook(browser: Browser, address: str) -> Iterator[Notebook]:
+    page = new_page(browser)
+    notebook = Notebook(page, address, "many.ipynb")
+    notebook.run_all()
+    yield notebook
+    page.close()
+
+
+def wait_until(page: Page, ready: Callable[[], bool], seconds: float = 20.0) -> None:
+    for _ in range(int(seconds * 5)):
+        if ready():
+            return
+        page.wait_for_timeout(200)
+    pytest.fail("it did not become so")
+
+
+def are_all(notebook: Notebook, color: int) -> bool:
+    """Say whether all views show a box of a colour: 0 red, 1 green, 2 blue."""
+    cell = notebook.cell("for widget in")
+    counts = cell.locator("canvas").evaluate_all(_COUNT, color)
+    return len(counts) == MANY and min(counts) > ENOUGH
+
+
+def test_twenty_views_are_drawn_and_no_context_is_lost(notebook: Notebook) -> None:
+    wait_until(notebook.page, lambda: are_all(notebook, 0))
+    assert notebook.page.evaluate("lost") == 0
+    assert notebook.errors() == []
+
+
+def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook) -> None:
+    cell = notebook.cell("slider =")
+    cell.locator("canvas").first.click()
+    handle = cell.locator(".noUi-handle")
+    handle.focus()
+    for _ in range(3):
+        handle.press("ArrowRight")
+    heard = "print(len(node.heard))"
+    wait_until(notebook.page, lambda: int(notebook.kernel(heard)) == 4)
+    kinds = notebook.kernel("print([what for what, _ in node.heard])")
+    assert kinds.strip() == "['box', 1, 2, 3]"
+    assert notebook.kernel("print(node.heard[0][1] < node.heard[-1][1] < node.count)").strip() == "True"
+
+
+def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(
+    notebook: Notebook, browser: Browser, address: str
+) -> None:
+    notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    notebook.page.wait_for_timeout(1000)
+    page = new_page(browser)
+    second = Notebook(page, address, "many.ipynb")
+    wait_until(page, lambda: are_all(second, 0))
+    paint = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
+    notebook.kernel(paint)
+    for one in (notebook, second):
+        wait_until(page, lambda one=one: are_all(one, 2))  # type: ignore[misc]  # mypy knows no default there
+    notebook.open()
+    wait_until(page, lambda: are_all(notebook, 2))
+    assert page.evaluate("lost") == notebook.page.evaluate("lost") == 0
+    page.close()
+
+
+def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(notebook: Notebook) -> None:
+    notebook.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+    notebook.wait_idle()
+    assert are_all(notebook, 2)
+    notebook.run_all()
+    wait_until(notebook.page, lambda: are_all(notebook, 0))
+    assert notebook.errors() == []
