@@ -80,14 +80,16 @@ def main() -> None:
 def opened(browser: Browser, peer: Any, drawn: bool = True) -> Iterator[Page]:
     """Show a peer's page."""
     page = browser.new_page(viewport={"width": 768, "height": 400})
-    if not drawn:
-        page.add_init_script(NO_DRAWING)
-    page.goto(peer.url)
-    page.wait_for_selector("canvas")
-    page.wait_for_timeout(2000)
-    yield page
-    page.close()
-    peer.close()
+    try:
+        if not drawn:
+            page.add_init_script(NO_DRAWING)
+        page.goto(peer.url)
+        page.wait_for_selector("canvas")
+        page.wait_for_timeout(2000)
+        yield page
+    finally:  # or meshcat's server stays
+        page.close()
+        peer.close()
 
 
 def poses() -> Iterator[Floats]:
@@ -171,6 +173,7 @@ def first_picture(browser: Browser, kind: Any) -> float:
     with subprocess.Popen(
         [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
+        assert process.stdin is not None
         assert process.stdout is not None
         url = next(line.strip() for line in process.stdout if line.startswith("http"))
         page = browser.new_page(viewport={"width": 768, "height": 400})
@@ -178,7 +181,11 @@ def first_picture(browser: Browser, kind: Any) -> float:
         wait_for_red(page)
         took = time.perf_counter() - start
         page.close()
-        process.kill()
+        process.stdin.close()  # it ends by itself: killed, it would leave meshcat's server behind
+        try:
+            process.wait(5)
+        except subprocess.TimeoutExpired:
+            process.kill()
     return took
 
 
