@@ -6,7 +6,9 @@ import json
 import os
 import socket
 import threading
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,11 +19,15 @@ import course_lib
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
 from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, prctl
 from tests.grading.conftest import CHECKS, COURSE, HIDDEN, RIGHT
+from tests.hostile.files import FILES
 from tests.hostile.submissions import ALL
 
 SECRET = "canary-4711"
 HONEST = ("aaa_honest", "mmm_honest", "zzz_honest")
+# Generous to what is only slow on a busy machine: what hangs costs this long.
+LIMITS = "cell_seconds = 4\nscenario_seconds = 4\ntotal_seconds = 40"
 IN_TIME = "2026-10-11 12:00:00 UTC"
 
 
@@ -33,6 +39,7 @@ class Graded:
     rows: dict[str, dict[str, str]]
     connections: list[Any] = field(default_factory=list)
     library_before: str = ""
+    left: set[int] = field(default_factory=set)  # processes
 
     def result(self, student: str) -> Any:
         return json.loads((self.top / "out/results" / student / "week01_exercise.json").read_text())
@@ -46,10 +53,10 @@ def library_hash() -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
 
 
-def notebook(*cells: str, student: str) -> str:
+def notebook(*cells: str, student: str) -> bytes:
     metadata = {"course": {"student": student}}
     rows = [{"cell_type": "code", "source": cell} for cell in cells]
-    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": metadata, "cells": rows})
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": metadata, "cells": rows}).encode()
 
 
 @pytest.fixture(scope="session")
@@ -67,7 +74,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
     }
     prelude = "".join(f"{name} = {str(value)!r}\n" for name, value in places.items())
     for name, text in {
-        "course/exercises/course.toml": COURSE.replace("[limits]", "[limits]\ntotal_seconds = 12"),
+        "course/exercises/course.toml": COURSE.replace("cell_seconds = 2\nscenario_seconds = 2", LIMITS),
         "course/exercises/checks/week01.py": CHECKS,
         "course/solutions/checks/week01.py": f"SECRET = {SECRET!r}\n{HIDDEN}",
     }.items():
@@ -80,10 +87,22 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
         cells = [entry.change(cell) for cell in right]
         is_magic = entry.cell.startswith("%%")
         attack = [entry.cell if is_magic else prelude + entry.cell] if entry.cell else []
-        _hand_in(top, entry.name, notebook(*cells[:1], *attack, *cells[1:], student=entry.name))
+        claimed = entry.claims or entry.name
+        _hand_in(top, entry.name, notebook(*cells[:1], *attack, *cells[1:], student=claimed))
+    for sent in FILES:
+        _hand_in(top, sent.student, sent.data, sent.file)
     made = Graded(top, {}, library_before=library_hash())
     threading.Thread(target=_count, args=(listener, made.connections), daemon=True).start()
-    grade(top / "in", top / "out", jobs=2, course=Course(top / "course/exercises", top / "course/solutions"))
+    shared_template()  # of this process: it stays
+    with orphans_become_ours():
+        before = descendants()
+        grade(
+            top / "in", top / "out", jobs=2, course=Course(top / "course/exercises", top / "course/solutions")
+        )
+        ends = time.monotonic() + 20  # [s] within which a killed process has gone, on any machine
+        while (left := descendants() - before) and time.monotonic() < ends:
+            time.sleep(0.1)
+    made.left = left
     with (top / "out/gradebook.csv").open(newline="") as file:
         made.rows = {row["student"]: row for row in csv.DictReader(file)}
     yield made
@@ -92,10 +111,35 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
     shared_template().stop()
 
 
-def _hand_in(top: Path, student: str, text: str) -> None:
-    path = top / "in" / student / "week01_exercise.ipynb"
+@contextmanager
+def orphans_become_ours() -> Iterator[None]:
+    """What a process leaves running when it ends becomes a child of this one."""
+    prctl(CHILD_SUBREAPER, 1)
+    try:
+        yield
+    finally:
+        prctl(CHILD_SUBREAPER, 0)
+
+
+def descendants() -> set[int]:
+    """All processes below this one that run; Python's own helper for spawned processes may."""
+    parents: dict[int, int] = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has just ended
+            state, parent, *_ = (folder / "stat").read_text().rpartition(")")[2].split()
+            if state != "Z" and b"resource_tracker" not in (folder / "cmdline").read_bytes():
+                parents[int(folder.name)] = int(parent)
+    found, more = set[int](), {os.getpid()}
+    while more:
+        more = {pid for pid, parent in parents.items() if parent in more}
+        found |= more
+    return found
+
+
+def _hand_in(top: Path, student: str, data: bytes, name: str = "week01_exercise.ipynb") -> None:
+    path = top / "in" / student / name
     path.parent.mkdir(parents=True)
-    path.write_text(text)
+    path.write_bytes(data)
     path.with_name("timestamp.txt").write_text(IN_TIME)
 
 

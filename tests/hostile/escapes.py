@@ -1,0 +1,82 @@
+# ruff: noqa: E501  attacks are lines of their own kind
+"""Submissions that reach for what is not theirs."""
+
+from tests.hostile.entry import Entry, tries
+
+ESCAPES = (
+    tries("reads_files",
+          "open(TOP + '/secret.txt').read()", "open(TOP + '/in/aaa_honest/week01_exercise.ipynb').read()",
+          "open(TOP + '/course/solutions/checks/week01.py').read()", "os.listdir(TOP)", "os.listdir('/root')",
+          "open('/etc/passwd').read()", "open('/proc/self/environ').read()", "open('/proc/1/environ').read()",
+          "open(f'/proc/{GRADER}/environ').read()", "open('/proc/self/mem', 'rb')", "os.environ['GRADER_TOKEN']",
+          "os.symlink(TOP + '/secret.txt', 'link'); open('link').read()",
+          "os.link(TOP + '/secret.txt', 'hard'); open('hard').read()", "os.listdir(os.path.expanduser('~root'))",
+          "os.chdir(TOP)", "open('../../secret.txt').read()"),
+    tries("writes_files",
+          "open(TOP + '/out/gradebook.csv', 'a')", "open(TOP + '/new', 'w')", "open(LIB, 'a')", "os.remove(LIB)",
+          "os.rename(LIB, LIB + 'x')", "open('/tmp/x', 'w')", "open('/dev/shm/x', 'w')", "os.mkdir('/tmp/d')",
+          "open(os.__file__, 'a')", "os.chmod(LIB, 0o777)", "os.truncate(LIB, 0)", "os.mkfifo(TOP + '/fifo')"),
+    tries("network",
+          "socket.create_connection(('127.0.0.1', int(PORT)), 1)", "socket.socket(socket.AF_INET, socket.SOCK_DGRAM)",
+          "socket.socket(socket.AF_UNIX)", "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)",
+          "socket.getaddrinfo('example.org', 80)", "call(41, 2, 1, 0)"),
+    tries("signals",
+          "os.kill(int(GRADER), 9)", "os.kill(os.getppid(), 9)", "os.kill(-1, 9)", "os.killpg(0, 9)",
+          "call(62, -1, 9)", "call(234, int(GRADER), int(GRADER), 9)", "signal.pidfd_send_signal(3, 9)"),
+    tries("other_processes",
+          "call(101, 16, int(GRADER), 0, 0)", "call(310, int(GRADER), 0, 0, 0, 0, 0)", "os.pidfd_open(int(GRADER))",
+          "call(302, int(GRADER), 7, 0, 0)", "os.sched_setaffinity(int(GRADER), [0])"),
+    tries("other_programs",
+          "os.execv('/bin/sh', ['sh', '-c', 'echo BROKEN'])", "subprocess.run(['/bin/true'])",
+          "assert os.system('exit 0') == 0", "os.posix_spawn('/bin/true', ['true'], {})"),
+    tries("system_calls",
+          "call(272, 0x10000000)", "call(165, b'tmpfs', b'/', b'tmpfs', 0, 0)", "call(56, 0x10000011, 0, 0, 0, 0)",
+          "call(435, 0, 88)", "call(308, 0, 0)", "call(161, b'.')", "call(425, 8, 0)", "call(321, 0, 0, 0)",
+          "call(440, 0)", "call(500)", "call(166, b'/proc', 2)"),
+    Entry("daemon", """
+import os
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        for fd in range(20):
+            try: os.close(fd)
+            except OSError: pass
+        while True: pass
+    os._exit(0)
+"""),
+    tries("reads_more",
+          "open(f'/proc/{os.getppid()}/mem', 'rb')", "open('/proc/self/maps').read()", "os.listdir('/proc')",
+          "open(os.path.expanduser('~/.ssh/id_rsa')).read()", "open('/root/.ssh/id_rsa').read()",
+          "os.listdir('/home')", "os.listdir('/dev/shm')", "os.open(TOP, os.O_PATH | os.O_DIRECTORY); os.listdir(TOP)",
+          "open('/var/run/docker.sock')", "open('/sys/kernel/notes', 'rb').read()", "os.listdir('/run')",
+          "os.mkfifo('pipe'); os.mknod('block', 0o60600, os.makedev(254, 0)); open('block', 'rb').read(1)"),
+    tries("network_by_libraries",
+          "import urllib.request as r; r.urlopen('http://127.0.0.1:' + PORT, timeout=1)",
+          "import http.client as h; h.HTTPConnection('127.0.0.1', int(PORT), timeout=1).request('GET', '/')",
+          "import asyncio; asyncio.run(asyncio.open_connection('127.0.0.1', int(PORT)))",
+          "import multiprocessing.connection as c; c.Client(('127.0.0.1', int(PORT)))",
+          "import tornado.httpserver as t; t.HTTPServer(print).listen(0)",
+          "import webbrowser; assert webbrowser.open('http://127.0.0.1:' + PORT)"),
+    Entry("late_daemon", """
+import os
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        while True:
+            for name in ("gradebook.csv", "results/late_daemon/week01_exercise.json"):
+                try: open(TOP + "/out/" + name, "w").write("BROKEN")
+                except OSError: pass
+    os._exit(0)
+"""),
+    Entry("poisons_the_next", """
+import os, pathlib
+for name in ("sitecustomize.py", "numpy.py", ".ipython/profile_default/startup/00.py", ".config/matplotlib/matplotlibrc", "course_lib/__init__.py", "__pycache__/x.pyc"):
+    path = pathlib.Path.home() / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("print('BRO' 'KEN')")
+os.environ["PYTHONSTARTUP"] = "sitecustomize.py"
+os.environ["PYTHONHASHSEED"] = "7"
+import numpy, random
+numpy.random.seed(1); random.seed(1)
+"""),
+)  # fmt: skip

@@ -1,0 +1,185 @@
+# ruff: noqa: E501  attacks are lines of their own kind
+"""Submissions that go for their mark."""
+
+from tests.hostile.entry import PUBLISH, SECOND_TICK, Entry, replaced
+
+TAMPERING = (
+    Entry(
+        "patches_everything",
+        """
+import builtins, json, math, struct, sys, unittest
+import numpy as np
+np.allclose = np.isclose = lambda *a, **k: True
+json.dumps = lambda *a, **k: '{"score": 100}'
+math.isclose = lambda *a, **k: True
+sys.excepthook = sys.settrace = lambda *a: None
+""",
+        change=replaced("length / 2", "length"),
+        final=70,
+    ),
+    Entry(
+        "breaks_python",
+        "import builtins\nbuiltins.isinstance = builtins.abs = builtins.len = lambda *a: True",
+        says="ended the process",
+    ),
+    Entry(
+        "patches_judge",
+        """
+import course_lib.grading.judge as judge, course_lib.grading.evidence as evidence
+judge.judge_task = None
+evidence.failed = evidence.passed
+import course_lib.grading.vocabulary.values as values
+for name in list(vars(values)):
+    if name.startswith("expect"): setattr(values, name, None)
+""",
+        change=replaced("length / 2", "length"),
+        final=70,
+    ),
+    Entry(
+        "always_equal",
+        change=replaced(
+            "return length / 2",
+            """
+    class Any(float):
+        __eq__ = __ge__ = __le__ = lambda *a: True
+        __sub__ = __rsub__ = __abs__ = lambda *a: 0.0
+        __reduce__ = lambda self: (print, ("BROKEN",))
+    return Any(7)""",
+        ),
+        final=70,
+    ),
+    Entry("no_number", change=replaced("return length / 2", "return float('nan')"), final=70),
+    Entry("infinity", change=replaced("return length / 2", "return float('inf')"), final=70),
+    Entry("big_integer", change=replaced("return length / 2", "return 10**5000"), final=70),
+    Entry(
+        "array_lies",
+        change=replaced(
+            "return length / 2",
+            """
+    class A:
+        __array__ = lambda *a, **k: 1 / 0
+        __class__ = property(lambda self: float)
+    return A()""",
+        ),
+        final=70,
+    ),
+    Entry(
+        "exits_well",
+        change=replaced(PUBLISH, PUBLISH + SECOND_TICK + "import os; os._exit(0)\n"),
+        final=80,
+        says="the process ended before the program did",
+    ),
+    Entry("system_exit", "raise SystemExit(0)"),
+    Entry(
+        "transformer",
+        """
+ip = get_ipython()
+ip.input_transformers_post.append(lambda lines: [l for l in lines if "length" not in l or "def" in l] + ["    pass"])
+""",
+        final=60,
+    ),
+    Entry(
+        "forged_output",
+        "print('All tests passed', '\\x1b]0;title\\x07\\x1b[2J', '<script>alert(1)</script>')",
+    ),
+    Entry("forged_error", "raise ValueError('<script>alert(2)</script>\\x1b[2J')"),
+    Entry("surrogates", "print('x\\ud800')\nraise ValueError('\\udfff')"),
+    Entry(
+        "searches_memory",
+        """
+import gc
+names = {type(o).__name__ for o in gc.get_objects()}
+if names & {"Catalog", "CourseFile", "Scenario", "Check", "Submission"}: print("BROKEN", names)
+""",
+    ),
+    Entry(
+        "frames",
+        """
+import sys
+frame, seen = sys._getframe(), []
+while frame:
+    seen += [repr(v)[:2000] for v in list(frame.f_locals.values())]
+    frame = frame.f_back
+if "canary-4711" in "".join(seen): print("BROKEN")
+""",
+    ),
+    Entry(
+        "truth_topics",
+        change=replaced(
+            PUBLISH,
+            PUBLISH.replace("publish(marker)", "publish(marker)") + "        marker.header.stamp.sec = 1\n",
+        ),
+    ),
+    Entry(
+        "clock",
+        "import time\ntime.time = time.monotonic = lambda: 0.0\n"
+        "import course_lib.ros.clock as clock\nclock.START_NS = 0",
+    ),
+    Entry("garbage_in_pipe", "import os\nos.write(3, b'\\xff' * 1000)"),
+    Entry(
+        "all_descriptors",
+        """
+import os
+for fd in range(3, 1024):
+    try: os.write(fd, b"\\0\\0\\0\\1\\xc1")
+    except OSError: pass
+""",
+        says="cell 2",
+    ),
+    Entry("closes_pipe", "import os\nos.closerange(0, 1024)", says="cell 2 ended the process"),
+    Entry(
+        "hooks",
+        """
+import atexit, sys, threading
+def spy(name):
+    if any(word in name for word in ("judge", "vocabulary", "checks")): print("BROKEN", name)
+class Finder:
+    find_spec = staticmethod(lambda name, *rest: spy(name))
+sys.meta_path.insert(0, Finder)
+def trace(frame, *rest): spy(frame.f_code.co_filename)
+threading.settrace(trace); sys.settrace(trace); sys.setprofile(trace)
+atexit.register(print, "BROKEN at exit")
+get_ipython().events.register("post_run_cell", lambda result: spy(str(result)))
+""",
+    ),
+    Entry("fixed_answer", change=replaced("length / 2", "2.0"), final=90),
+    Entry(
+        "object_array",
+        change=replaced("return length / 2", "import numpy; return numpy.array([object()])"),
+        final=70,
+    ),
+    Entry(
+        "evil_key",
+        change=replaced(
+            "return length / 2",
+            """
+    class Key:
+        __str__ = lambda self: 1 / 0
+    return {Key(): 2.0}""",
+        ),
+        final=70,
+        says="ZeroDivisionError",
+    ),
+    Entry(
+        "evil_list",
+        change=replaced(
+            "return length / 2",
+            """
+    class List(list):
+        __len__ = lambda self: -1
+        __getitem__ = lambda self, index: self
+        __iter__ = lambda self: iter(int, 1)
+    return List()""",
+        ),
+        final=70,
+    ),
+    Entry("complex_number", change=replaced("return length / 2", "return complex(length / 2, 0)"), final=70),
+    Entry(
+        "back_dated",
+        change=replaced(
+            "self.publisher.publish(marker)", "marker.header.stamp.sec = 4; self.publisher.publish(marker)"
+        ),
+    ),
+    Entry("another_student", claims="aaa_honest"),
+    Entry("no_path_as_name", claims="../aaa_honest"),
+)

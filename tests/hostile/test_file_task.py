@@ -1,0 +1,56 @@
+"""What the name of a file to hand in can lead to: it is read in the jail, as a text."""
+
+from contextlib import closing
+
+import pytest
+
+from course_lib.grading.course_file import Limits
+from course_lib.grading.plain import MAX_TEXT
+from course_lib.grading.runner import Session
+from course_lib.grading.task import Scenario, Task
+
+LAYOUT = Task("week01.layout", "A layout", "file", "layout", ("a", "b", "c"), (Scenario("public"),))
+LAUGHS = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{name}: &{name} [{', '.join([f'*{before}'] * 9)}]\n"
+    for before, name in zip("abcdefghi", "bcdefghij", strict=True)
+)
+ENTITIES = (
+    '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;"><!ENTITY c SYSTEM "/etc/passwd">]><r>&b;&c;</r>'
+)
+
+
+@pytest.mark.parametrize(
+    ("cell", "error", "limit"),
+    [
+        ("layout = '/dev/zero'", "MemoryError|still running", "memory|time"),
+        ("layout = '/etc/passwd'", "PermissionError|FileNotFoundError", ""),
+        ("import os\nos.symlink('/etc/passwd', 'f')\nlayout = 'f'", "PermissionError|FileNotFoundError", ""),
+        ("import os\nos.mkdir('f')\nlayout = 'f'", "IsADirectoryError", ""),
+        ("open('f', 'wb').write(b'\\xff\\x00')\nlayout = 'f'", "UnicodeDecodeError", ""),
+        ("layout = 'x' * 10**6", "OSError", ""),
+        ("layout = 'not_there.rviz'", "FileNotFoundError", ""),
+        ("layout = ['a']", "TypeError", ""),
+        ("class P:\n    __fspath__ = lambda self: 1 / 0\nlayout = P()", "ZeroDivisionError", ""),
+        (
+            "class P:\n    def __fspath__(self):\n        while True: pass\nlayout = P()",
+            "still running",
+            "time",
+        ),
+    ],
+)
+def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
+    with closing(Session([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=4))) as session:
+        came = session.run(LAYOUT, LAYOUT.scenarios[0])
+    assert any(came.errors[0].startswith(kind) for kind in error.split("|"))
+    assert came.returns == ()
+    assert came.stopped in limit.split("|")
+
+
+@pytest.mark.parametrize(
+    "text", [LAUGHS, ENTITIES, "[" * 50_000, "x" * 10**7, "a: !!python/object:os.system x"]
+)
+def test_a_bomb_is_but_a_text(text: str) -> None:
+    files = {"f.yaml": text}
+    with closing(Session(["layout = 'f.yaml'"], {LAYOUT.id: {}}, Limits(), files=files)) as session:
+        came = session.run(LAYOUT, LAYOUT.scenarios[0])
+    assert came.returns == (text[:MAX_TEXT],)
