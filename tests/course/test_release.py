@@ -9,7 +9,7 @@ from course_lib.course import release as release_module
 from course_lib.course.exercise import BEGIN, END
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import checkout_root, solutions_dir
-from course_lib.course.release import release
+from course_lib.course.release import EXTENSIONS, release
 from course_lib.errors import CourseError
 
 
@@ -84,3 +84,11 @@ def test_a_wheel_of_the_release_prepares_a_students_folder(out: Path, tmp_path: 
         said[1].split()
     )
     assert not list((tmp_path / "site").rglob("*solution*"))
+
+
+def test_who_got_more_time_is_not_released() -> None:
+    text = (
+        '[weeks.week01]\ntitle = "A"\n[weeks.week01.extensions]\nada = 2027-01-01T00:00:00\n[weeks.week02]\n'
+    )
+    assert EXTENSIONS.sub("", text) == '[weeks.week01]\ntitle = "A"\n[weeks.week02]\n'
+    assert EXTENSIONS.sub("", text.split("[weeks.week02]")[0]) == '[weeks.week01]\ntitle = "A"\n'

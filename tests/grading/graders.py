@@ -1,0 +1,54 @@
+"""A class of small submissions, and graders in processes of their own that tests disturb."""
+
+import hashlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from course_lib.grading.grade_one import Course
+from tests.grading.conftest import RIGHT
+
+GRADE = """
+import sys
+from pathlib import Path
+from course_lib.errors import CourseError
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+if __name__ == "__main__":
+    top, out, jobs, flags = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
+    course = Course(top / "course/exercises", top / "course/solutions")
+    try:
+        grade(top / "in", out, jobs=jobs, course=course, **dict.fromkeys(flags, True))
+    except CourseError as error:
+        sys.exit(f"error: {error}")
+"""
+
+
+def write_class(top: Path, count: int) -> Path:
+    """Write `count` submissions that differ: right ones, wrong ones, some late."""
+    for number in range(count):
+        student = f"s{number:04}"
+        code = RIGHT.replace("position.z = 0.5", f"position.z = {0.5 + 0.1 * (number % 3)}")
+        cells = [{"cell_type": "code", "source": cell} for cell in code.split("# next cell\n")]
+        content = {"nbformat": 4, "metadata": {"course": {"student": student}}, "cells": cells}
+        folder = top / "in" / student
+        folder.mkdir(parents=True)
+        (folder / "week01_exercise.ipynb").write_text(json.dumps(content))
+        (folder / "timestamp.txt").write_text(f"2026-10-1{number % 4} 12:00:00 UTC")
+    return top / "in"
+
+
+def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> "subprocess.Popen[str]":
+    """A grader of the class beside the course, in a process of its own."""
+    script = out.parent / "grade.py"
+    script.write_text(GRADE)
+    top = str(course.exercises.parents[1])
+    command = [sys.executable, str(script), top, str(out), str(jobs), *flags]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def fingerprint(out: Path) -> dict[str, str]:
+    """All that must not depend on what happened meanwhile: marks, results and evidence, by their hashes."""
+    files = [out / "gradebook.csv", *out.glob("results/*/*.json"), *out.glob("evidence/*")]
+    return {str(file.relative_to(out)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

@@ -1,0 +1,173 @@
+"""A class as a whole: stored evidence, policies, and where submissions run."""
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading import grade_one
+from course_lib.grading.executors import Here, Processes, flow
+from course_lib.grading.exercise_run import ExerciseRun, run_scenarios
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.gradebook import results_in
+from course_lib.grading.job import Job
+from tests.grading.graders import fingerprint, write_class
+
+WriteNotebook = Callable[..., Path]
+NAME = "week01_exercise.ipynb"
+
+
+def change(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    grade_one.catalog_of.cache_clear()
+
+
+def marks(out: Path) -> dict[str, Any]:
+    return {result["row"]["student"]: result["row"]["final"] for result in results_in(out)}
+
+
+def count_runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The keys of what is run from now on."""
+    runs: list[str] = []
+
+    def counted(job: Job) -> ExerciseRun:
+        runs.append(job.key)
+        return run_scenarios(job)
+
+    monkeypatch.setattr(grade_one, "run_scenarios", counted)
+    return runs
+
+
+def test_identical_files_are_run_once_and_staff_are_told(
+    course: Course,
+    right: str,
+    tmp_path: Path,
+    write_notebook: WriteNotebook,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for student in ("ada", "bob"):
+        path = write_notebook(tmp_path / "in" / student / NAME, right, student="ada")
+        path.with_name("timestamp.txt").write_text("2026-10-11 12:00:00 UTC")
+    runs = count_runs(monkeypatch)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert len(runs) == 1
+    assert marks(tmp_path / "out") == {"ada": 110, "bob": 110}
+    said = capsys.readouterr().out
+    assert "ada  week01_exercise  note: the same file as that of bob" in said
+    assert "bob  week01_exercise  note: the file names ada, but bob handed it in" in said
+
+
+def test_new_checks_judge_stored_evidence_without_running_anything(
+    course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_class(tmp_path, 2)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    before = marks(tmp_path / "out")
+    change(course.exercises / "checks/week01.py", "expect_value(2.0", "expect_value(2.5")
+    runs = count_runs(monkeypatch)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
+    after = marks(tmp_path / "out")
+    assert runs == []
+    assert all(after[student] < before[student] for student in before)
+
+
+def test_evidence_of_other_inputs_is_not_judged(
+    course: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_class(tmp_path, 1)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    before = fingerprint(tmp_path / "out")
+    change(course.solutions / "checks/week01.py", "Call(-7.0)", "Call(-8.0)")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
+    assert "s0000  week01_exercise  no evidence of today's inputs" in capsys.readouterr().out
+    assert fingerprint(tmp_path / "out") == before
+
+
+def test_damaged_evidence_is_a_fault_of_ours(course: Course, tmp_path: Path) -> None:
+    write_class(tmp_path, 1)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    (evidence,) = (tmp_path / "out/evidence").iterdir()
+    evidence.write_bytes(evidence.read_bytes()[:100])
+    assert not grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
+    (result,) = results_in(tmp_path / "out")
+    assert (result["status"], result["row"]["final"]) == ("grader_error", "")
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
+def test_the_last_or_the_best_counts_and_an_extension_moves_one_deadline(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    for student in ("ada", "bob"):
+        write_notebook(tmp_path / "in" / student / "1" / NAME, right, student=student)
+        write_notebook(tmp_path / "in" / student / "2" / NAME, right + "\nhalf = None", student=student)
+    times = {"1": "2026-10-13T10:00:00+02:00", "2": "2026-10-13T11:00:00+02:00"}
+    rows = [f"{s}/{n}/{NAME},{time}" for s in ("ada", "bob") for n, time in times.items()]
+    (tmp_path / "in/received.csv").write_text("\n".join(["file,received", *rows]))
+    settings = course.exercises / "course.toml"
+    change(
+        settings,
+        "[weeks.week01.bonus]",
+        "[weeks.week01.extensions]\nbob = 2026-10-12T23:59:00\n[weeks.week01.bonus]",
+    )
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert marks(tmp_path / "out") == {"ada": 56, "bob": 63}  # 70 points, two days late and one
+    change(settings, 'title = "A course"', 'title = "A course"\ncounts = "best"')
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, resume=True, course=course)
+    assert marks(tmp_path / "out") == {"ada": 88, "bob": 99}
+    (ada, _) = results_in(tmp_path / "out")
+    assert [attempt["final"] for attempt in ada["attempts"]] == [88, 56]
+
+
+def test_two_dask_workers_give_the_same_and_are_jailed(course: Course, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    write_class(tmp_path, 4)
+    grade(tmp_path / "in", tmp_path / "here", jobs=1, course=course)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, dask=cluster.scheduler_address, course=course)
+    assert fingerprint(tmp_path / "out") == fingerprint(tmp_path / "here")
+
+
+def test_a_scheduler_that_does_not_answer_is_named(
+    course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("course_lib.grading.executors.CONNECT_SECONDS", 0.2)
+    write_class(tmp_path, 1)
+    with pytest.raises(CourseError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler answers"):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, dask="tcp://127.0.0.1:9", course=course)
+
+
+def die(number: int) -> int:
+    if number == 1:
+        os._exit(9)
+    return number
+
+
+def test_a_process_that_dies_costs_only_its_own_call() -> None:
+    with Processes(2) as processes:
+        calls = ((number, [number]) for number in range(5))
+        ended = {
+            number: future.exception() or future.result() for number, future in flow(processes, die, calls, 4)
+        }
+    assert isinstance(ended.pop(1), CourseError)
+    assert ended == {number: number for number in (0, 2, 3, 4)}
+
+
+def test_no_more_calls_than_the_window_are_under_way() -> None:
+    taken: list[int] = []
+
+    def calls() -> Iterator[tuple[int, list[int]]]:
+        for number in range(2, 11):
+            taken.append(number)
+            yield number, [number]
+
+    for ended, _ in enumerate(flow(Here(), die, calls(), 3)):
+        assert len(taken) <= ended + 3
+    assert len(taken) == 9

@@ -1,0 +1,152 @@
+"""Whatever happens while a class is graded, the gradebook ends as if nothing had."""
+
+import os
+import random
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.out_folder import OutError, sole_use
+from tests.grading.graders import fingerprint, start_grader, write_class
+
+STUDENTS = 12
+SECONDS = 120  # [s] a grader may take on a busy machine
+
+
+@pytest.fixture
+def undisturbed(course: Course, tmp_path: Path) -> dict[str, str]:
+    """What the class gets if nothing happens, on one job in this process."""
+    write_class(tmp_path, STUDENTS)
+    grade(tmp_path / "in", tmp_path / "undisturbed", jobs=1, course=course)
+    return fingerprint(tmp_path / "undisturbed")
+
+
+def test_the_same_class_on_two_jobs_has_equal_evidence_and_marks(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path
+) -> None:
+    grade(tmp_path / "in", tmp_path / "out", jobs=2, course=course)
+    assert fingerprint(tmp_path / "out") == undisturbed
+    assert len(undisturbed) == 2 * STUDENTS + 1
+
+
+def test_a_killed_grader_goes_on_where_it_was(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path
+) -> None:
+    out, chance = tmp_path / "out", random.Random(5)
+    finished: dict[Path, int] = {}
+    for enough in chance.sample(range(STUDENTS), 2):
+        grader = start_grader(course, out, 2, "resume")
+        _wait_for_results(out, enough)
+        time.sleep(chance.random() / 2)
+        os.kill(grader.pid, signal.SIGKILL)
+        grader.communicate()
+        assert {path: path.stat().st_mtime_ns for path in finished} == finished  # nothing was graded twice
+        finished = {path: path.stat().st_mtime_ns for path in out.glob("results/*/*.json")}
+    last = start_grader(course, out, 2, "resume")
+    said = last.communicate(timeout=SECONDS)[0]
+    assert last.returncode == 0, said
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished
+    assert fingerprint(out) == undisturbed
+
+
+def test_processes_that_are_killed_cost_nobody_a_mark(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    grader = start_grader(course, out, 2)
+    for enough, kind in {
+        2: "spawn_main",
+        6: "jail.template",
+    }.items():  # what grades, what submissions are forks of
+        _wait_for_results(out, enough)
+        below = psutil.Process(grader.pid).children(recursive=True)
+        killed = [process for process in below if any(kind in word for word in _command(process))]
+        assert len(killed) >= 2
+        for process in killed:
+            process.kill()
+    said = grader.communicate(timeout=SECONDS)[0]
+    assert grader.returncode == 0, said
+    assert fingerprint(out) == undisturbed
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 160 kB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ("mount", "-t", "tmpfs", "-o", "size=160k", "tmpfs", str(place))
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("no disk can be mounted here")
+    yield place
+    subprocess.run(("umount", "-l", str(place)), check=True)
+
+
+def test_a_full_disk_ends_it_in_one_line_and_it_goes_on_when_there_is_room(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
+) -> None:
+    with pytest.raises(OutError, match=r"No space left.*--resume") as stopped:
+        grade(tmp_path / "in", small_disk / "out", jobs=1, course=course)
+    assert "\n" not in str(stopped.value)
+    subprocess.run(("mount", "-o", "remount,size=9m", str(small_disk)), check=True)
+    grade(tmp_path / "in", small_disk / "out", jobs=1, resume=True, course=course)
+    assert fingerprint(small_disk / "out") == undisturbed
+
+
+def test_a_read_only_disk_is_named_before_anything_runs(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
+) -> None:
+    subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True)
+    with pytest.raises(OutError, match="Read-only file system"):
+        grade(tmp_path / "in", small_disk / "out", jobs=1, course=course)
+    subprocess.run(("mount", "-o", "remount,rw,size=9m", str(small_disk)), check=True)
+    grade(tmp_path / "in", small_disk / "out", jobs=1, resume=True, course=course)
+    assert fingerprint(small_disk / "out") == undisturbed
+
+
+def test_a_clock_that_jumps_changes_no_mark(
+    course: Course, undisturbed: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, chance = time.time, random.Random(7)
+    monkeypatch.setattr(time, "time", lambda: real() + chance.uniform(-1e8, 1e8))
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert fingerprint(tmp_path / "out") == undisturbed
+
+
+def test_a_second_grader_is_refused_until_the_first_ends(course: Course, tmp_path: Path) -> None:
+    write_class(tmp_path, 1)
+    with (
+        sole_use(tmp_path / "out"),
+        pytest.raises(CourseError, match=f"in use by process {os.getpid()} on .*: wait"),
+    ):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
+def test_half_written_files_of_a_killed_grader_are_cleared_away(tmp_path: Path) -> None:
+    draft = tmp_path / "out/results/ada/.week01_exercise.json.4711"
+    draft.parent.mkdir(parents=True)
+    draft.write_text("{")
+    with sole_use(tmp_path / "out"):
+        assert not draft.exists()
+
+
+def _command(process: psutil.Process) -> list[str]:
+    try:
+        return list(process.cmdline())
+    except psutil.NoSuchProcess:
+        return []
+
+
+def _wait_for_results(out: Path, enough: int) -> None:
+    end = time.monotonic() + SECONDS
+    while len(list(out.glob("results/*/*.json"))) < enough:
+        assert time.monotonic() < end
+        time.sleep(0.01)
