@@ -45,7 +45,8 @@ class Processes(ThreadPoolExecutor):
     """
 
     def __init__(self, count: int) -> None:
-        super().__init__(count)
+        # What they start has Ctrl+C blocked, too, until it is ready to die of it without a word.
+        super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
         self._own = threading.local()
         self._all: list[ProcessPoolExecutor] = []
 
@@ -79,6 +80,7 @@ class Processes(ThreadPoolExecutor):
 def _end_with_parent() -> None:
     """Let this process die at Ctrl+C without a word, and at once when its parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    _mask_interrupts(signal.SIG_UNBLOCK)
     parent = multiprocessing.parent_process()
 
     def follow() -> None:
@@ -87,6 +89,10 @@ def _end_with_parent() -> None:
         os._exit(1)
 
     threading.Thread(target=follow, daemon=True).start()
+
+
+def _mask_interrupts(how: int) -> None:
+    signal.pthread_sigmask(how, {signal.SIGINT})
 
 
 @contextmanager
