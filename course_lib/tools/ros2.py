@@ -11,13 +11,13 @@ from course_lib.recording import Recording, read_bag
 from course_lib.tools.param import PARAM_GET, PARAM_LIST, PARAM_SET
 from course_lib.tools.run import recorded
 from course_lib.tools.sources import RecordingSource, Source
-from course_lib.tools.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
-from course_lib.tools.tf2_echo import TF2_ECHO
-from course_lib.tools.tf2_monitor import TF2_MONITOR
-from course_lib.tools.topic_echo import TOPIC_ECHO
-from course_lib.tools.topic_list import TOPIC_LIST
+from course_lib.tools.tf2.echo import TF2_ECHO
+from course_lib.tools.tf2.monitor import TF2_MONITOR
+from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
+from course_lib.tools.tf2.view_frames import VIEW_FRAMES
+from course_lib.tools.topic.echo import TOPIC_ECHO
+from course_lib.tools.topic.list import TOPIC_LIST
 from course_lib.tools.verb import Verb, Write
-from course_lib.tools.view_frames import VIEW_FRAMES
 
 VERBS = (
     TOPIC_ECHO,

@@ -7,7 +7,7 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.tf2_errors import TransformException
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2_heard import Heard, limit
+from course_lib.tools.tf2.heard import Heard, limit
 from course_lib.tools.verb import Verb, Write, value
 
 
