@@ -71,11 +71,18 @@ class Scene:
 
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
         """Place a node in its parent, by the transform from the one to the other, shape (4, 4), in [m]."""
-        transform_node_to_parent = checked(f"The transform of {path!r}", matrix, np.float64, (4, 4))
+        transform_node_to_parent = np.array(matrix, np.float64)
+        if transform_node_to_parent.shape != (
+            4,
+            4,
+        ):  # naming it at each call costs as much as the rest
+            checked(f"The transform of {path!r}", matrix, np.float64, (4, 4))
+        transform_node_to_parent.setflags(write=False)
         with self.lock:
-            node = self._made(path)
+            node = self._nodes.get(path) or self._made(path)
             node.matrix = transform_node_to_parent
-            self._tell("transform", node.path)
+            for listener in self._listeners:
+                listener("transform", node.path)
 
     def set_visible(self, path: str, visible: bool) -> None:
         """Show or hide a node with all below it."""

@@ -90,7 +90,7 @@ class Stream:
         """Send what has changed, now, or as soon as pages have answered what they have."""
         with self._lock:
             if not self.flow.room():
-                return self._schedule()
+                return self._changed.set()
             done = False
             try:
                 self._send_batch()
@@ -98,7 +98,7 @@ class Stream:
             finally:  # whatever came in between, an interrupt too: pages must not miss the batch
                 self._broken |= not done
                 if self._broken:
-                    self._schedule()
+                    self._changed.set()
 
     def close(self) -> None:
         """Forget the scene."""
@@ -126,14 +126,12 @@ class Stream:
             self._stale = True
             return
         if what == "transform":
+            if not self._moved:  # the others go with the first: scheduling is slow, and transforms are many
+                self._changed.set()
             self._moved[path] = None
         else:
             self._changes.pop((what, path), None)  # the order of the last changes counts
             self._changes[what, path] = None
-        self._schedule()
-
-    def _schedule(self) -> None:
-        if not self._changed.is_set():  # setting is slow, and transforms are many
             self._changed.set()
 
     def _send_batches(self) -> None:

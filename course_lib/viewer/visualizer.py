@@ -18,16 +18,17 @@ _IDENTITY = np.eye(4)
 class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no types
     """Draws into a scene, for code written for meshcat: ``MeshcatVisualizer.initViewer(viewer=...)``."""
 
-    __slots__ = ()
+    __slots__ = ("place",)  # the path as the scene writes it
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(window=Window(scene))
+        self.place = "/".join(self.path.entries)
 
     @staticmethod
     def view_into(window: Window, path: Path) -> "Visualizer":
         """Return the part of the tree at a path."""
         part = Visualizer.__new__(Visualizer)
-        part.window, part.path = window, path
+        part.window, part.path, part.place = window, path, "/".join(path.entries)
         return part
 
     def __getitem__(self, path: str) -> "Visualizer":
@@ -35,7 +36,7 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
 
     def set_transform(self, matrix: npt.ArrayLike = _IDENTITY) -> None:
         """Place this part in its parent, by the transform from the one to the other, shape (4, 4), in [m]."""
-        self.window.place("/".join(self.path.entries), matrix)
+        self.window.place(self.place, matrix)
 
     def set_cam_pos(self, value: npt.ArrayLike) -> None:
         """Put the camera's eye at a point (x, y, z) in [m], as meshcat 0.3.3 does."""

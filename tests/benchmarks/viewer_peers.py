@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ class Ours:
         self.url = self.server.url
         self.visualizer: Any = Visualizer(self.scene)
         self.parts: list[Any] = []
+        self.count = 0
 
     def boxes(self, count: int) -> None:
         """Make so many boxes."""
@@ -36,12 +38,27 @@ class Ours:
         """Place all boxes, by ordinary calls."""
         for part, matrix in zip(self.parts, matrices, strict=True):
             part.set_transform(matrix)
-        self.server.link.flush()
+        self.count += len(self.parts)
 
-    def arrived(self, _: Page) -> int:
-        """Count the transforms that the page has answered for."""
-        pages = self.server.link._flow.pages.values()
-        return len(self.parts) * max((page.number for page in pages), default=0)
+    def move_each(self, matrices: Floats) -> None:
+        """Place all boxes, and send that before anything else; only what is sent counts."""
+        self.move(matrices)
+        number = self._number()
+        self.server.link.flush()
+        self.count -= len(self.parts) * (self._number() == number)
+        time.sleep(0.0001)  # the server's thread wants to run too
+
+    def arrived(self, page: Page) -> int:
+        """Count the transforms that were set, once the page has answered for the last one of each."""
+        last = self._number() + 1
+        while max((page.number for page in self.server.link._flow.pages.values()), default=last) < last:
+            self.parts[0].set_transform(np.eye(4))
+            self.server.link.flush()
+            page.wait_for_timeout(5)
+        return self.count
+
+    def _number(self) -> int:
+        return self.server.link._stream.number
 
     def cloud(self, points: Floats) -> None:
         """Show a red cloud."""
@@ -77,6 +94,8 @@ class Meshcat:
         """Place all boxes."""
         for part, matrix in zip(self.parts, matrices, strict=True):
             part.set_transform(matrix)
+
+    move_each = move
 
     def watch(self, page: Page) -> None:
         """Have the page count what it is told."""
@@ -142,6 +161,8 @@ class Viser:
             part.position = matrix[:3, 3]
             part.wxyz = turn
         self.server.flush()
+
+    move_each = move
 
     def watch(self, page: Page) -> None:
         """Begin to count."""
