@@ -52,7 +52,7 @@ def wire() -> Wire:
 @pytest.fixture
 def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches are sent by `flush` alone."""
-    monkeypatch.setattr(stream.Stream, "_schedule", lambda self: None)
+    monkeypatch.setattr(stream.Stream, "_send_batches", lambda self: None)
 
 
 def until(condition: Callable[[], bool]) -> None:

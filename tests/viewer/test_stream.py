@@ -49,7 +49,7 @@ class Page:
 @pytest.fixture
 def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches are sent by `flush` alone."""
-    monkeypatch.setattr(Stream, "_schedule", lambda self: None)
+    monkeypatch.setattr(Stream, "_send_batches", lambda self: None)
 
 
 def test_nothing_is_done_while_nobody_follows() -> None:
