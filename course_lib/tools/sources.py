@@ -1,16 +1,18 @@
 """Where the tools look: at the nodes of a run, or at a recording."""
 
+from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
+from typing import Literal
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.driving import running_nodes, wait_for
+from course_lib.ros import pace
+from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph
-from course_lib.ros.messages import Message, deserialize, message_class
 from course_lib.ros.qos import Qos, incompatible
 
 ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
@@ -18,87 +20,128 @@ ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
     "/rosout": ["rcl_interfaces/msg/Log"],
 }
 NODE_NAME = "_ros2cli"  # ROS hides names that begin with an underscore
+PLAYER = "rosbag2_player"  # the node that publishes when ROS plays a recording
+DISCOVERY = 0.5  # [s] that ros2cli looks for nodes before it says what there is
 
 
-class Source(Protocol):
-    """What the tools want to know."""
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A message as it came: when it was received and sent, [ns], on which topic, and its CDR bytes."""
 
-    live: bool  # whether messages may come for ever
+    received_ns: int
+    source_ns: int
+    topic: str
+    cdr: bytes
 
-    def topics(self) -> dict[str, list[str]]:
-        """Give each topic's types, sorted."""
+
+class Source(ABC):
+    """What the tools want to know.
+
+    Args:
+        graph: The nodes to look at.
+        always_there: Topics that are there without them, with their types.
+    """
+
+    live: bool  # whether nodes run that can be asked and waited for
+
+    def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
+        self.graph = graph
+        self._always_there = always_there
+
+    def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
+        """Give each topic's types, sorted; with those that are always there, if wanted with hidden ones."""
+        found = {name: set(types) for name, types in self._always_there.items()}
+        for endpoint in (e for e in self.graph.endpoints() if e.service is None):
+            found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
+        return {name: sorted(found[name]) for name in sorted(found) if hidden or not is_hidden(name)}
+
+    def endpoints(self, topic: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+        """List a topic's publishers or subscriptions."""
+        return [e for e in self.graph.endpoints() if e.topic == topic and e.kind == kind]
 
     def offered(self, topic: str) -> list[Qos]:
         """Give the QoS that the topic's publishers offer."""
+        return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
 
-    def count(self, topic: str) -> tuple[int, int]:
-        """Count the topic's publishers and subscriptions."""
+    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+        """Say how long an endless tool goes on, [s], if `enough` will do; None: until ■, or the end."""
+        return None
 
-    def messages(
-        self, topic: str, type_name: str, qos: Qos, *, patience: float, seconds: float | None
-    ) -> Iterator[Message]:
-        """Yield messages; ends after `patience` [s] without one, or after `seconds` [s] in all."""
+    @abstractmethod
+    def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
+        """Let time go by until it is ready, at most so much robot time [s]; says whether it is."""
 
+    @abstractmethod
     def stream(
-        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
-    ) -> Iterator[tuple[int, str, Message | None]]:
-        """Yield (robot time [ns], topic, message) of several topics, and no message once per `every` [s]."""
+        self,
+        topics: Mapping[str, Qos],
+        type_name: str,
+        *,
+        every: float | None = None,
+        patience: float | None = None,
+        seconds: float | None = None,
+    ) -> Iterator[tuple[int, Arrival | None]]:
+        """Yield robot time [ns] and a message, or, at the start and once per `every` [s], none.
 
+        Ends after `patience` [s] without a message, or after `seconds` [s] in all.
+        """
+
+    @abstractmethod
     def why_silent(self, topic: str, qos: Qos) -> str:
         """Say what keeps messages from coming, as a sentence with a space before it, or ""."""
 
 
-class GraphSource:
+class GraphSource(Source):
     """The nodes of a run; waiting for messages drives those that run live."""
 
     live = True
 
     def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+        super().__init__(graph, ALWAYS_THERE)
 
-    def topics(self) -> dict[str, list[str]]:
-        """Give each topic's types, sorted; with those that are always there."""
-        found = {name: set(types) for name, types in ALWAYS_THERE.items()}
-        for endpoint in (e for e in self._graph.endpoints() if e.service is None):
-            found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
-        return {name: sorted(found[name]) for name in sorted(found)}
+    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+        """Without a page nobody presses ■; outside of notebooks a run has its own end."""
+        return enough if self.graph.notebook and pace.wanted() == "fast" else None
 
-    def offered(self, topic: str) -> list[Qos]:
-        """Give the QoS that the topic's publishers offer."""
-        return [endpoint.qos for endpoint in self._on(topic) if endpoint.kind == "pub"]
+    def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
+        """Wait; raises a CourseError if rclpy has not been started."""
+        import rclpy
 
-    def count(self, topic: str) -> tuple[int, int]:
-        """Count the topic's publishers and subscriptions."""
-        publishers = len(self.offered(topic))
-        return publishers, len(self._on(topic)) - publishers
-
-    def messages(
-        self, topic: str, type_name: str, qos: Qos, *, patience: float, seconds: float | None
-    ) -> Iterator[Message]:
-        """Yield what arrives at a subscription of our own; times are robot time.
-
-        Raises:
-            CourseError: rclpy has not been started.
-        """
-        end_ns = None if seconds is None else self._graph.now_ns + round(seconds * 1e9)
-        with self._heard({topic: qos}, type_name) as arrived:
-            while arrived or wait_for(lambda: bool(arrived), seconds=self._left(patience, end_ns)):
-                yield arrived.popleft()[2]
+        if not rclpy.ok():
+            raise CourseError(
+                "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."
+            )
+        return wait_for(ready, seconds=seconds)
 
     def stream(
-        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
-    ) -> Iterator[tuple[int, str, Message | None]]:
-        """Yield what arrives at subscriptions of our own, and no message at the start and every while."""
-        next_ns = self._graph.now_ns
-        end_ns = None if seconds is None else next_ns + round(seconds * 1e9)
+        self,
+        topics: Mapping[str, Qos],
+        type_name: str,
+        *,
+        every: float | None = None,
+        patience: float | None = None,
+        seconds: float | None = None,
+    ) -> Iterator[tuple[int, Arrival | None]]:
+        """Yield what arrives at subscriptions of our own."""
+        graph = self.graph
+        start_ns = heard_ns = tick_ns = graph.now_ns
         with self._heard(topics, type_name) as arrived:
-            while end_ns is None or next_ns <= end_ns:
-                wait_for(lambda: bool(arrived), seconds=max(0, next_ns - self._graph.now_ns) * 1e-9)
-                while arrived:
-                    yield arrived.popleft()
-                if self._graph.now_ns >= next_ns:
-                    yield self._graph.now_ns, "", None
-                    next_ns += round(every * 1e9)
+            while True:
+                limits = [
+                    None if seconds is None else start_ns + round(seconds * 1e9),
+                    None if patience is None else heard_ns + round(patience * 1e9),
+                ]
+                end_ns = min((ns for ns in limits if ns is not None), default=None)
+                until = [ns for ns in (end_ns, None if every is None else tick_ns) if ns is not None]
+                left = max(0, min(until) - graph.now_ns) * 1e-9 if until else None
+                if self.wait(lambda: bool(arrived), left):
+                    heard_ns = arrived[0].received_ns
+                    yield heard_ns, arrived.popleft()
+                elif every is not None and graph.now_ns >= tick_ns:
+                    yield graph.now_ns, None
+                    tick_ns += round(every * 1e9)
+                elif graph.ended or (end_ns is not None and graph.now_ns >= end_ns):
+                    return
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """Say what keeps messages from coming."""
@@ -108,86 +151,72 @@ class GraphSource:
         policies = [incompatible(one, qos) for one in offered]
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
-        return "" if running_nodes() else " No node is running: start one, like run_live(MyNode())."
+        if running_nodes() or not self.graph.notebook:
+            return ""
+        return " No node is running: start one, like run_live(MyNode())."
 
     @contextmanager
-    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, str, Message]]]:
+    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[Arrival]]:
         """Subscribe for a while; gives what arrives."""
-        import rclpy
+        arrived: deque[Arrival] = deque()
 
-        if not rclpy.ok():
-            raise CourseError(
-                "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."
-            )
-        arrived: deque[tuple[int, str, Message]] = deque()
-        cls = message_class(type_name)
+        def hear(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
+            arrived.append(Arrival(received_ns, source_ns, topic, cdr))
 
-        def hear(topic: str, cdr: bytes, _: int, received_ns: int) -> None:
-            arrived.append((received_ns, topic, deserialize(cdr, cls)))
-
-        node = self._graph.add_node(NODE_NAME, "/")
+        node = self.graph.add_node(NODE_NAME, "/")
         try:
             for topic, qos in topics.items():
-                self._graph.add_subscription(node, 0, topic, type_name, qos, partial(hear, topic))
+                self.graph.add_subscription(node, 0, topic, type_name, qos, partial(hear, topic))
             yield arrived
         finally:
-            self._graph.remove_node(node)
-
-    def _on(self, topic: str) -> list[EndpointInfo]:
-        return [endpoint for endpoint in self._graph.endpoints() if endpoint.topic == topic]
-
-    def _left(self, patience: float, end_ns: int | None) -> float:
-        """Give the robot time to wait for the next message, [s]."""
-        return patience if end_ns is None else min(patience, max(0, end_ns - self._graph.now_ns) * 1e-9)
+            self.graph.remove_node(node)
 
 
-class RecordingSource:
+class RecordingSource(Source):
     """A recording: as if it were played, in no time."""
 
     live = False
 
     def __init__(self, recording: Recording) -> None:
+        super().__init__(Graph(start_ns=recording.start_ns), {})
         self._recording = recording
+        player = self.graph.add_node(PLAYER, "/")
+        for topic in recording.topics():
+            for qos in topic.offered:
+                self.graph.add_publisher(player, topic.name, topic.type_name, qos)
 
-    def topics(self) -> dict[str, list[str]]:
-        """Give each topic's types, sorted."""
-        found: dict[str, list[str]] = {}
-        for topic in self._recording.topics():
-            found.setdefault(topic.name, []).append(topic.type_name)
-        return found
-
-    def offered(self, topic: str) -> list[Qos]:
-        """Give the QoS that the topic's publishers offered."""
-        return [qos for found in self._recording.topics() if found.name == topic for qos in found.offered]
-
-    def count(self, topic: str) -> tuple[int, int]:
-        """Count the topic's publishers, as far as their QoS tells them apart; nobody subscribes."""
-        return len(self.offered(topic)), 0
-
-    def messages(
-        self, topic: str, type_name: str, qos: Qos, *, patience: float, seconds: float | None
-    ) -> Iterator[Message]:
-        """Yield what was recorded in the first `seconds` [s]."""
-        end_ns = None if seconds is None else self._recording.start_ns + round(seconds * 1e9)
-        for stamp_ns, message in self._recording.messages(topic):
-            if end_ns is None or stamp_ns <= end_ns:
-                yield message
+    def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
+        """Say whether it is ready: nothing changes any more."""
+        return ready()
 
     def stream(
-        self, topics: Mapping[str, Qos], type_name: str, *, every: float, seconds: float | None
-    ) -> Iterator[tuple[int, str, Message | None]]:
-        """Yield what was recorded in the first `seconds` [s], and no message at the start and every while."""
-        next_ns, end_ns = self._recording.start_ns, self._recording.end_ns
+        self,
+        topics: Mapping[str, Qos],
+        type_name: str,
+        *,
+        every: float | None = None,
+        patience: float | None = None,
+        seconds: float | None = None,
+    ) -> Iterator[tuple[int, Arrival | None]]:
+        """Yield what was recorded; a recording keeps nobody waiting."""
+        tick_ns, end_ns = self._recording.start_ns, self._recording.end_ns
         if seconds is not None:
-            end_ns = next_ns + round(seconds * 1e9)
-        samples = deque(s for s in self._recording.samples if s.topic in topics and s.type_name == type_name)
-        while next_ns <= end_ns:
-            while samples and samples[0].stamp_ns <= next_ns:
-                sample = samples.popleft()
-                yield sample.stamp_ns, sample.topic, deserialize(sample.cdr, message_class(type_name))
-            yield next_ns, "", None
-            next_ns += round(every * 1e9)
+            end_ns = tick_ns + round(seconds * 1e9)
+        for sample in self._recording.samples:
+            while every is not None and tick_ns < min(sample.stamp_ns, end_ns + 1):
+                yield tick_ns, None
+                tick_ns += round(every * 1e9)
+            if sample.topic in topics and sample.type_name == type_name and sample.stamp_ns <= end_ns:
+                yield sample.stamp_ns, Arrival(sample.stamp_ns, sample.stamp_ns, sample.topic, sample.cdr)
+        while every is not None and tick_ns <= end_ns:
+            yield tick_ns, None
+            tick_ns += round(every * 1e9)
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """A recorded topic has messages: only a time limit keeps them away."""
         return " All of them were recorded later."
+
+
+def is_hidden(name: str) -> bool:
+    """Say whether ROS hides a topic, a service or a node: a part of its name begins with an underscore."""
+    return any(part.startswith("_") for part in name.split("/"))

@@ -7,7 +7,7 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.tf2_errors import TransformException
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.heard import Heard, limit
+from course_lib.tools.tf2.heard import Heard
 from course_lib.tools.verb import Verb, Write, value
 
 
@@ -16,7 +16,7 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     target, other = arguments.source_frame, arguments.target_frame  # named the wrong way round there, too
     heard, waiting = Heard(source), True
     with until_interrupted():
-        for now_ns in heard.ticks(1.0 / arguments.echo_rate, limit(source)):
+        for now_ns in heard.ticks(1.0 / arguments.echo_rate, source.limit()):
             waiting = waiting and not heard.can_transform(target, other, now_ns, write, "tf2_echo")
             if waiting:
                 continue

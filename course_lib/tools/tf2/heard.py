@@ -3,8 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE
+from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_transform import Transform
@@ -33,16 +32,15 @@ class Heard:
 
     def ticks(self, every: float, seconds: float | None) -> Iterator[int]:
         """Yield robot time [ns] at the start and once per `every` [s], the buffer filled up to then."""
-        for now_ns, topic, message in self._source.stream(
-            TOPICS, "tf2_msgs/msg/TFMessage", every=every, seconds=seconds
-        ):
-            if message is None:
+        name = "tf2_msgs/msg/TFMessage"
+        for now_ns, arrival in self._source.stream(TOPICS, name, every=every, seconds=seconds):
+            if arrival is None:
                 yield now_ns
                 continue
-            sent: Any = message
+            sent: Any = deserialize(arrival.cdr, message_class(name))
             transforms = [Transform.from_message(one) for one in sent.transforms]
             for transform in transforms:
-                self.buffer.set_transform(transform, _NOT_NAMED, is_static=topic == "/tf_static")
+                self.buffer.set_transform(transform, _NOT_NAMED, is_static=arrival.topic == "/tf_static")
             self._on_message(now_ns, transforms)
 
     def can_transform(self, target: str, source: str, now_ns: int, write: Write, name: str) -> bool:
@@ -57,8 +55,3 @@ class Heard:
 def log_line(name: str, now_ns: int, text: str) -> str:
     """Write an INFO line of a node's log."""
     return f"[INFO] [{now_ns // 10**9}.{now_ns % 10**9:09d}] [{name}]: {text}\n"
-
-
-def limit(source: Source, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
-    """Give how long an endless tool listens, [s]; None: until ■, or a recording's end."""
-    return enough if source.live and pace.wanted() == "fast" else None

@@ -10,7 +10,7 @@ from course_lib.ros import tf2_frames
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.heard import Heard, limit
+from course_lib.tools.tf2.heard import Heard
 from course_lib.tools.verb import Verb, Write, value
 
 EVERY = 0.5  # [s] between two looks
@@ -71,7 +71,7 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     heard = Heard(source, monitor.note)
     what = f"{start} -> {end}" if start else "all frames"
     with until_interrupted():
-        for now_ns in heard.ticks(EVERY, limit(source, EVERY * LOOKS)):
+        for now_ns in heard.ticks(EVERY, source.limit(EVERY * LOOKS)):
             if start and not chain:
                 if not heard.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
                     continue

@@ -1,21 +1,18 @@
 """`ros2 topic echo`."""
 
 from argparse import Namespace
-from dataclasses import replace
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, until_interrupted
-from course_lib.ros.messages import Message, message_class
-from course_lib.ros.qos import Qos
+from course_lib.ros.driving import until_interrupted
+from course_lib.ros.messages import Message, deserialize, message_class, type_name
 from course_lib.tools.message_text import Style, to_csv, to_yaml
-from course_lib.tools.sources import Source
-from course_lib.tools.verb import Verb, Write, flag, value
+from course_lib.tools.sources import Arrival, Source
+from course_lib.tools.topic.lookup import full_name, passes, silence, topics_here, type_of
+from course_lib.tools.topic.qos import PRESETS, adapted_qos, asked_qos, qos_options
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
 
 PATIENCE = 10.0  # [s] of robot time without a message
-SENSOR_DATA = Qos(depth=5, reliability="best_effort")
-_QOS_OPTIONS = ("reliability", "durability", "depth")
 
 
 def run(source: Source, arguments: Namespace, write: Write) -> None:
@@ -24,69 +21,48 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     Raises:
         CourseError: There is no such topic or field, or no message comes in time.
     """
-    topic = "/" + arguments.topic_name.lstrip("/")
-    type_name = arguments.message_type or _type_of(source, topic, write)
-    message_class(type_name)  # says which type is not known
-    qos = _choose_qos(source.offered(topic), arguments, write)
-    endless = source.live and pace.wanted() == "fast" and not arguments.once
-    seconds = arguments.timeout or (SECONDS_WITHOUT_A_PAGE if endless else None)
+    topic = full_name(arguments.topic_name)
+    kind = message_class(arguments.message_type or type_of(source, topic, write, blocking=False))
+    matches = passes(arguments.filter_expr)
+    qos = asked_qos(arguments) or adapted_qos(source.offered(topic), PRESETS[arguments.qos_profile], write)
+    start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
+    stream = source.stream(
+        {topic: qos}, type_name(kind), patience=PATIENCE, seconds=arguments.timeout or limit
+    )
     with until_interrupted():
-        shown = 0
-        for message in source.messages(topic, type_name, qos, patience=PATIENCE, seconds=seconds):
-            write(_text(message, arguments))
-            shown += 1
+        for _, arrival in stream:
+            came = True
+            assert arrival is not None  # no ticks were asked for
+            message = arrival.cdr if arguments.raw else deserialize(arrival.cdr, kind)
+            selected = _field(message, arguments.field)
+            if not matches(selected):
+                continue
+            write(_info(arrival, arguments) + _text(selected, arguments))
             if arguments.once:
                 return
-        limit = f"{min(seconds or PATIENCE, PATIENCE):g} s of robot time"
-        if not shown:
-            here = ", ".join(source.topics())
-            raise CourseError(
-                f"No message came on {topic} in {limit}.{source.why_silent(topic, qos)} Topics here: {here}."
-            )
-        if source.live and not arguments.timeout:
-            why = "No page is watching" if endless else "No further message came"
-            write(f"{why}: ros2 topic echo stopped after {limit}.\n")
+        if not came:
+            reason = source.why_silent(topic, qos)
+            raise CourseError(f"{silence(source, topic, start_ns)}{reason} {topics_here(source)}")
+        if source.live and not arguments.timeout and not source.graph.ended:
+            _say_why_it_ends(limit, write)
 
 
-def _type_of(source: Source, topic: str, write: Write) -> str:
-    types = source.topics().get(topic)
-    if not types:
-        write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
-        raise CourseError(
-            "Could not determine the type for the passed topic. "
-            f"Topics here: {', '.join(source.topics()) or 'none'}."
-        )
-    if len(types) > 1:
-        found = ", ".join(types)
-        raise CourseError(f"Cannot echo topic '{topic}', as it contains more than one type: [{found}]")
-    return types[0]
+def _say_why_it_ends(limit: float | None, write: Write) -> None:
+    why = "No page is watching" if limit else "No further message came"
+    write(f"{why}: ros2 topic echo stopped after {limit or PATIENCE:g} s of robot time.\n")
 
 
-def _choose_qos(offered: list[Qos], arguments: Namespace, write: Write) -> Qos:
-    """Request what all publishers offer, as ROS does, or what was asked for."""
-    qos = SENSOR_DATA
-    asked: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in _QOS_OPTIONS}
-    if given := {name: setting for name, setting in asked.items() if setting is not None}:
-        return replace(qos, **given)
-    if not offered:
-        return qos
-    for name, strong, weak in (
-        ("reliability", "reliable", "best_effort"),
-        ("durability", "transient_local", "volatile"),
-    ):
-        count = sum(getattr(one, name) == strong for one in offered)
-        if 0 < count < len(offered):
-            policy = f"QoS{name.capitalize()}Policy."
-            write(
-                f"Some, but not all, publishers are offering {policy}{strong.upper()}. Falling back to "
-                f"{policy}{weak.upper()} as it will connect to all publishers\n"
-            )
-        common: dict[str, Any] = {name: strong if count == len(offered) else weak}
-        qos = replace(qos, **common)
-    return qos
+def _info(arrival: Arrival, arguments: Namespace) -> str:
+    """Write when a message was sent and received, if that was asked for; our messages have no numbers."""
+    info = {"source_timestamp": arrival.source_ns, "received_timestamp": arrival.received_ns}
+    if not arguments.include_message_info:
+        return ""
+    if arguments.csv:
+        return "".join(f"{ns}," for ns in info.values())
+    return "".join(f"{name}: {ns}\n" for name, ns in sorted(info.items())) + "---\n"
 
 
-def _text(message: Message, arguments: Namespace) -> str:
+def _text(selected: Any, arguments: Namespace) -> str:
     """Write one message, or the field that was asked for."""
     style = Style(
         truncate=None if arguments.full_length else arguments.truncate_length,
@@ -94,7 +70,6 @@ def _text(message: Message, arguments: Namespace) -> str:
         no_strings=arguments.no_str,
         flow=arguments.flow_style,
     )
-    selected = _field(message, arguments.field)
     if not isinstance(selected, Message):
         return f"{selected}\n---\n"
     return f"{to_csv(selected, style)}\n" if arguments.csv else f"{to_yaml(selected, style)}---\n"
@@ -117,11 +92,12 @@ TOPIC_ECHO = Verb(
     "echo",
     "Output messages from a topic",
     (
+        *NODE_OPTIONS,
         value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
         value("message_type", nargs="?", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"),
         flag("--once", help="Print the first message received and then exit"),
         value("--field", help="Echo a selected field of a message; '.' selects sub-fields"),
-        value("--timeout", type=float, metavar="N", help="Set a timeout in seconds for waiting"),
+        value("--timeout", type=positive(float), metavar="N", help="Set a timeout in seconds for waiting"),
         flag("--csv", help="Output all recursive fields separated by commas"),
         flag("--flow-style", help="Print collections in one line"),
         flag("-f", "--full-length", help="Output all elements of arrays, bytes and strings"),
@@ -129,11 +105,11 @@ TOPIC_ECHO = Verb(
         flag("--no-arr", help="Don't print array fields of messages"),
         flag("--no-str", help="Don't print string fields of messages"),
         flag("--no-lost-messages", help="Don't report when a message is lost"),
-        value("--qos-reliability", choices=("reliable", "best_effort"), help="Reliability to subscribe with"),
-        value(
-            "--qos-durability", choices=("transient_local", "volatile"), help="Durability to subscribe with"
-        ),
-        value("--qos-depth", type=int, metavar="N", help="Queue size to subscribe with"),
+        flag("--raw", help="Echo the raw binary representation"),
+        value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
+        flag("-i", "--include-message-info", help="Shows the associated message info."),
+        *qos_options("subscribe", "sensor_data"),
     ),
     run,
+    from_start=True,
 )
