@@ -9,6 +9,7 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,30 +28,36 @@ PROGRAMS = {
     "TFPublisher": ("/tf", 100.0, 2),
 }
 
+# One document lost its programs' indentation: the depth of each line, in steps of four
+DIAGNOSTIC_NODE = "PhysicalAIDiagnosticNode"
+DEPTHS = "00000000112222223222222221222333333322122222223232222223323323323333222011121212201"
+CAMERA = """
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+
+rclpy.init()
+node = Node("front_cam")
+publisher = node.create_publisher(Image, "/front_cam/image_raw", 10)
+node.create_timer(1 / {rate}, lambda: publisher.publish(Image()))
+rclpy.spin(node)
+"""
+
 pytestmark = pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
 
 
 def program(name: str) -> str:
     """Cut out the program with a node: from the #! line before it to its last line."""
     text = next(t for document in DOCUMENTS if f"class {name}(Node)" in (t := document.read_text()))
-    before, after = text.split(f"class {name}(Node)", 1)
-    ending = re.search(r"if __name__ == '__main__':\n    main\(\)\n", after)
+    before, after = text.rsplit(f"class {name}(Node)", 1)
+    ending = re.search(r"if __name__ == '__main__':\n *main\(\)\n", after)
     assert ending is not None
     return before[before.rindex("#!") :] + f"class {name}(Node)" + after[: ending.end()]
 
 
-def run(file: Path, bag: Path) -> Recording:
-    command = [
-        sys.executable,
-        "-m",
-        "course_lib",
-        "run",
-        str(file),
-        "--seconds",
-        f"{SECONDS}",
-        "--bag",
-        str(bag),
-    ]
+def run(bag: Path, *files: Path) -> Recording:
+    options = ["--seconds", f"{SECONDS}", "--bag", str(bag)]
+    command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     return read_bag(bag)
@@ -60,10 +67,32 @@ def run(file: Path, bag: Path) -> Recording:
 def test_a_program_of_the_documents_keeps_its_rate_and_repeats_its_bag(tmp_path: Path, name: str) -> None:
     topic, rate, at_once = PROGRAMS[name]
     (tmp_path / "program.py").write_text(program(name))
-    recording, again = (run(tmp_path / "program.py", tmp_path / bag) for bag in ("one", "two"))
+    recording, again = (run(tmp_path / bag, tmp_path / "program.py") for bag in ("one", "two"))
     stamps = [stamp_ns for stamp_ns, _ in recording.messages(topic)]
     assert len(stamps) == SECONDS * rate * at_once
     calls = sorted(set(stamps))
     assert {later - earlier for earlier, later in pairwise(calls)} == {round(1e9 / rate)}
     assert recording.digest() == again.digest()
     assert (tmp_path / "one/recording.mcap").read_bytes() == (tmp_path / "two/recording.mcap").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("rate", "level", "message"),
+    [
+        (30, b"\x00", "Operating normally: avg 29.8Hz"),
+        (5, b"\x02", "Low frame rate: avg 4.8Hz"),
+        (15, b"\x01", "Frame rate above normal: avg 14.8Hz"),  # it is below: the document errs
+    ],
+)
+def test_the_diagnostic_node_of_the_documents_runs_once_its_indentation_is_back(
+    tmp_path: Path, rate: int, level: bytes, message: str
+) -> None:
+    lines = program(DIAGNOSTIC_NODE).splitlines()
+    restored = [" " * 4 * int(depth) + line for depth, line in zip(DEPTHS, lines, strict=True)]
+    (tmp_path / "monitor.py").write_text("\n".join(restored))
+    (tmp_path / "camera.py").write_text(CAMERA.format(rate=rate))
+    recording = run(tmp_path / "bag", tmp_path / "monitor.py", tmp_path / "camera.py")
+    arrays: list[Any] = [message for _, message in recording.messages("/diagnostics")]
+    assert len(arrays) == SECONDS
+    (status,) = arrays[-1].status
+    assert (status.name, status.level, status.message) == ("Front Camera System", level, message)

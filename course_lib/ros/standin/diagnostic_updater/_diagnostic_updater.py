@@ -1,0 +1,190 @@
+"""Diagnostic tasks, and the updater that runs them and publishes on /diagnostics."""
+
+# ruff: noqa: N802 - the names are ROS's
+
+from collections.abc import Callable, Sequence
+from threading import Lock
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
+
+from diagnostic_updater._diagnostic_status_wrapper import DiagnosticStatusWrapper
+
+Fill = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]  # gives back what it was given
+
+_GAP = " " * 16  # ROS's text was broken over lines of its source
+_NO_HARDWARE_ID = _GAP.join(
+    (
+        "diagnostic_updater: No HW_ID was set. This is probably",
+        "a bug. Please report it. For devices that do not have a",
+        "HW_ID, set this value to none. This warning only occurs",
+        "once all diagnostics are OK so it is okay to wait until",
+        "the device is open before calling setHardwareID.",
+    )
+)
+
+
+class DiagnosticTask:
+    """Something to check; subclasses fill the status in `run`."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def getName(self) -> str:
+        """Return its name."""
+        return self.name
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Fill the status and give it back."""
+        return stat
+
+
+class FunctionDiagnosticTask(DiagnosticTask):
+    """A function as a task."""
+
+    def __init__(self, name: str, fn: Fill) -> None:
+        super().__init__(name)
+        self.fn = fn
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Call the function."""
+        return self.fn(stat)
+
+
+class CompositeDiagnosticTask(DiagnosticTask):
+    """Several tasks as one status: the worst level, the messages joined, all values."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.tasks: list[DiagnosticTask] = []
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Run the tasks; each begins with the summary that was passed in."""
+        original, combined = DiagnosticStatusWrapper(), DiagnosticStatusWrapper()
+        original.summary(stat)
+        for task in self.tasks:
+            stat.summary(original)
+            stat = task.run(stat)
+            combined.mergeSummary(stat)
+        stat.summary(combined)
+        return stat
+
+    def addTask(self, t: DiagnosticTask) -> None:
+        """Add a task."""
+        self.tasks.append(t)
+
+
+class DiagnosticTaskVector:
+    """The tasks of an updater."""
+
+    def __init__(self) -> None:
+        self.tasks: list[DiagnosticTask] = []
+        self.lock = Lock()
+
+    def addedTaskCallback(self, task: DiagnosticTask) -> None:
+        """Hear of a task that was added."""
+
+    def add(self, task: DiagnosticTask | str, fn: Fill | None = None) -> None:
+        """Add a task: `add(task)`, or `add(name, function)`."""
+        added = FunctionDiagnosticTask(task, fn) if isinstance(task, str) and fn else task
+        if isinstance(added, str):
+            raise TypeError(f"add({task!r}): give the task's function, too, like add({task!r}, self.check).")
+        with self.lock:
+            self.tasks.append(added)
+            self.addedTaskCallback(added)
+
+    def removeByName(self, name: str) -> bool:
+        """Remove the first task of a name; says whether there was one."""
+        with self.lock:
+            found = next((task for task in self.tasks if task.name == name), None)
+            if found is not None:
+                self.tasks.remove(found)
+        return found is not None
+
+
+class Updater(DiagnosticTaskVector):
+    """Runs its tasks once per period and publishes their statuses on /diagnostics.
+
+    Args:
+        node: Publishes; gets the parameters diagnostic_updater.period and diagnostic_updater.use_fqn.
+        period: [s]
+    """
+
+    def __init__(self, node: Node, period: float = 1.0) -> None:
+        super().__init__()
+        self.node = node
+        self.publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 1)
+        self._period: float = node.declare_parameter("diagnostic_updater.period", period).value
+        self.timer = node.create_timer(self._period, self.update)
+        self.verbose = False
+        self.hwid = ""
+        self.warn_nohwid_done = False
+        if not node.has_parameter("diagnostic_updater.use_fqn"):
+            node.declare_parameter("diagnostic_updater.use_fqn", False)
+        full = node.get_parameter("diagnostic_updater.use_fqn").value
+        self.node_name = f"{node.get_namespace()}/{node.get_name()}" if full else node.get_name()
+
+    @property
+    def period(self) -> float:
+        """How often it publishes, [s]."""
+        return self._period
+
+    @period.setter
+    def period(self, period: float) -> None:
+        self._period = period
+        self.timer.reset()  # in ROS as well the former timer goes on beside the new one
+        self.timer = self.node.create_timer(period, self.update)
+
+    def update(self) -> None:
+        """Run the tasks and publish; warns once if all is well but no hardware ID was set."""
+        with self.lock:
+            statuses = [self._run(task) for task in self.tasks]
+        well = all(status.level == DiagnosticStatus.OK for status in statuses)
+        if well and not self.hwid and not self.warn_nohwid_done:
+            self.node.get_logger().warn(_NO_HARDWARE_ID)
+            self.warn_nohwid_done = True
+        self.publish(statuses)
+
+    def force_update(self) -> None:
+        """Publish now, whatever the period."""
+        self.update()
+
+    def broadcast(self, lvl: bytes, msg: str) -> None:
+        """Publish one level and message as every task's status."""
+        statuses = [DiagnosticStatusWrapper(name=task.name) for task in self.tasks]
+        for status in statuses:
+            status.summary(lvl, msg)
+        self.publish(statuses)
+
+    def setHardwareID(self, hwid: str) -> None:
+        """Name the device that the statuses are about; "none" if there is no such thing."""
+        self.hwid = hwid
+
+    def publish(self, msg: DiagnosticStatus | Sequence[DiagnosticStatus]) -> None:
+        """Publish statuses, the node's name before theirs."""
+        array = DiagnosticArray()
+        array.header.stamp = self.node.get_clock().now().to_msg()
+        for status in [msg] if isinstance(msg, DiagnosticStatus) else msg:
+            fields = {name: getattr(status, name) for name in ("level", "message", "hardware_id", "values")}
+            array.status.append(DiagnosticStatus(name=f"{self.node_name}: {status.name}", **fields))
+        self.publisher.publish(array)
+
+    def addedTaskCallback(self, task: DiagnosticTask) -> None:
+        """Publish that the node starts up."""
+        self.publish(DiagnosticStatusWrapper(name=task.name, message="Node starting up"))
+
+    def _run(self, task: DiagnosticTask) -> DiagnosticStatusWrapper:
+        given = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)
+        given.summary(DiagnosticStatus.ERROR, "No message was set")
+        status: Any = task.run(given)
+        if status is None:
+            raise AttributeError(
+                "'NoneType' object has no attribute 'level'\n"
+                f"hint: the task '{task.name}' must give its status back: end it with `return stat`."
+            )
+        if self.verbose and status.level != DiagnosticStatus.OK:
+            text = f"Name: {status.name}, status{' ' * 24}{status.level}: {status.message}"
+            self.node.get_logger().warn(f"Non-zero diagnostic status. {text}")
+        checked: DiagnosticStatusWrapper = status
+        return checked

@@ -1,0 +1,153 @@
+"""Ready-made tasks: a rate, the age of stamps, a sign of life."""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from threading import Lock
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.clock import ROSClock
+from rclpy.time import Time
+
+from diagnostic_updater._diagnostic_status_wrapper import DiagnosticStatusWrapper
+from diagnostic_updater._diagnostic_updater import DiagnosticTask
+
+
+@dataclass
+class FrequencyStatusParam:
+    """What rate is acceptable: from min * (1 - tolerance) to max * (1 + tolerance).
+
+    Attributes:
+        freq_bound: {"min": …, "max": …}, [Hz]; without "max" any higher rate will do.
+        window_size: Over how many updates the rate is taken.
+    """
+
+    freq_bound: Mapping[str, float]
+    tolerance: float = 0.1
+    window_size: int = 5
+
+
+class FrequencyStatus(DiagnosticTask):
+    """Checks how often `tick` is called."""
+
+    def __init__(self, params: FrequencyStatusParam, name: str = "FrequencyStatus") -> None:
+        super().__init__(name)
+        self.params = params
+        self.lock = Lock()
+        self.clear()
+
+    def clear(self) -> None:
+        """Begin to count anew."""
+        with self.lock:
+            self.count = 0
+            size = self.params.window_size
+            self._history = deque([(_now_ns(), 0)] * size, maxlen=size)  # (time [ns], count) of updates
+
+    def tick(self) -> None:
+        """Count an event."""
+        with self.lock:
+            self.count += 1
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Compare the rate since the oldest update in the window with the bounds."""
+        with self.lock:
+            now_ns = _now_ns()
+            from_ns, from_count = self._history[0]
+            self._history.append((now_ns, self.count))
+            events, seconds = self.count - from_count, max(now_ns - from_ns, 1) * 1e-9
+        rate, bound, tolerance = events / seconds, self.params.freq_bound, self.params.tolerance
+        low, high = bound["min"] * (1 - tolerance), bound.get("max", float("inf")) * (1 + tolerance)
+        if events == 0:
+            stat.summary(DiagnosticStatus.ERROR, "No events recorded.")
+        elif rate < low:
+            stat.summary(DiagnosticStatus.WARN, "Frequency too low.")
+        elif rate > high:
+            stat.summary(DiagnosticStatus.WARN, "Frequency too high.")
+        else:
+            stat.summary(DiagnosticStatus.OK, "Desired frequency met")
+        for key, value, shown in (
+            ("Events in window", f"{events}", True),
+            ("Events since startup", f"{self.count}", True),
+            ("Duration of window (s)", f"{seconds:f}", True),
+            ("Actual frequency (Hz)", f"{rate:f}", True),
+            ("Target frequency (Hz)", f"{bound['min']:f}", bound["min"] == bound.get("max")),
+            ("Minimum acceptable frequency (Hz)", f"{low:f}", bound["min"] > 0),
+            ("Maximum acceptable frequency (Hz)", f"{high:f}", "max" in bound),
+        ):
+            if shown:
+                stat.add(key, value)
+        return stat
+
+
+@dataclass
+class TimeStampStatusParam:
+    """How old stamps may be on arrival, [s]; negative: from the future."""
+
+    min_acceptable: float = -1
+    max_acceptable: float = 5
+
+
+class TimeStampStatus(DiagnosticTask):
+    """Checks the age of the stamps that `tick` is given."""
+
+    def __init__(self, params: TimeStampStatusParam | None = None, name: str = "Timestamp Status") -> None:
+        super().__init__(name)
+        self.params = params or TimeStampStatusParam()
+        self.lock = Lock()
+        self.early_count = self.late_count = self.zero_count = 0
+        self.zero_seen = False
+        self._ages: list[float] = []  # [s] since the last update
+
+    def tick(self, stamp: Time | float) -> None:
+        """Take a stamp, [s] if it is a number."""
+        stamp_ns = stamp * 1e9 if isinstance(stamp, float) else stamp.nanoseconds
+        with self.lock:
+            if stamp_ns == 0:
+                self.zero_seen = True
+            else:
+                self._ages.append((_now_ns() - stamp_ns) * 1e-9)
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Compare the ages since the last update with the bounds."""
+        with self.lock:
+            ages, self._ages = self._ages, []
+            zero_seen, self.zero_seen = self.zero_seen, False
+        early, late = min(ages, default=0.0), max(ages, default=0.0)
+        low, high = self.params.min_acceptable, self.params.max_acceptable
+        stat.summary(DiagnosticStatus.OK, "Timestamps are reasonable.")
+        if not ages:
+            stat.summary(DiagnosticStatus.WARN, "No data since last update.")
+        elif early < low or late > high or zero_seen:
+            self.early_count += early < low
+            self.late_count += late > high
+            self.zero_count += zero_seen
+            in_future = "Timestamps too far in future seen."
+            in_past = "Timestamps too far in past seen." if late > high else in_future
+            stat.summary(DiagnosticStatus.ERROR, "Zero timestamp seen." if zero_seen else in_past)
+        for key, value in (
+            ("Earliest timestamp delay:", f"{early:f}"),
+            ("Latest timestamp delay:", f"{late:f}"),
+            ("Earliest acceptable timestamp delay:", f"{low:f}"),
+            ("Latest acceptable timestamp delay:", f"{high:f}"),
+            ("Late diagnostic update count:", f"{self.late_count}"),
+            ("Early diagnostic update count:", f"{self.early_count}"),
+            ("Zero seen diagnostic update count:", f"{self.zero_count}"),
+        ):
+            stat.add(key, value)
+        return stat
+
+
+class Heartbeat(DiagnosticTask):
+    """Says that the node is alive."""
+
+    def __init__(self) -> None:
+        super().__init__("Heartbeat")
+
+    def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Say so."""
+        stat.summary(DiagnosticStatus.OK, "Alive")
+        return stat
+
+
+def _now_ns() -> int:
+    return ROSClock().now().nanoseconds
