@@ -98,6 +98,7 @@ class Points:
         pixels: Whether the size is in pixels.
         spot: What is drawn at each point; RViz's spheres are discs, darker at the rim; boxes
             keep the node's axes, tiles lie in its xy plane.
+        grow: Whether the size is that at z = 1 m, and in proportion elsewhere.
     """
 
     def __init__(
@@ -107,12 +108,14 @@ class Points:
         size: tuple[float, ...],
         pixels: bool = False,
         spot: Spot = "square",
+        grow: bool = False,
     ) -> None:
         self.points = floats("points", points, (None, 3))
         self.colors = rgba(colors, len(self.points))
         self.size = (*map(float, size), 0.0)[:3]
         self.pixels = pixels
         self.spot = spot
+        self.grow = grow
 
 
 class Text:
@@ -136,6 +139,23 @@ class Text:
         self.height = float(height)
         self.color = rgba(color)
         self.below = below
+
+
+class Sheet:
+    """A picture that lies in the xy plane of its node, its first pixel at the origin; nothing shades it.
+
+    What lies in the same plane is seen on it.
+
+    Args:
+        pixels: RGBA, 0..255, shape (rows, columns, 4); rows go along y.
+        cell: Width of a pixel in [m].
+        behind: Whether it is behind everything, wherever it is.
+    """
+
+    def __init__(self, pixels: npt.ArrayLike, cell: float, behind: bool = False) -> None:
+        self.pixels: npt.NDArray[np.uint8] = checked("pixels", pixels, np.uint8, (None, None, 4))
+        self.cell = float(cell)
+        self.behind = behind
 
 
 class Inset:
@@ -179,7 +199,7 @@ class MeshcatObject:
         self.json = json
 
 
-Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Inset | MeshcatObject
+Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
 def _faces(faces: npt.ArrayLike | None, count: int) -> Integers:

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.viewer.arrays import Floats
-from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Solids, Text
+from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Sheet, Solids, Text
 from course_lib.viewer.scene import Node, Scene, What
 from course_lib.viewer.text import rasterized
 
@@ -102,8 +102,9 @@ def _described(thing: Drawable) -> dict[str, Any]:
         fields["placements"] = columns(thing.placements)
     if isinstance(thing, Text):
         fields.update(_glyphs(thing))
-    if isinstance(thing, Inset):
+    if isinstance(thing, Inset | Sheet):
         fields.update(rows=thing.pixels.shape[0], columns=thing.pixels.shape[1])
+    if isinstance(thing, Inset):
         fields["camera"] = thing.camera and vars(thing.camera)
     return {"kind": type(thing).__name__.lower(), **fields}
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 
 LIMIT = 20  # objects that are told one by one
@@ -26,6 +26,8 @@ def _what(thing: Drawable) -> str:
         return _counted(len(thing.points), "point")
     if isinstance(thing, Lines):
         return _counted(len(thing.points) - 1 if thing.strip else len(thing.points) // 2, "line")
+    if isinstance(thing, Sheet):
+        return f"a picture of {thing.pixels.shape[1]} x {thing.pixels.shape[0]} cells"
     return f"the words {thing.text!r}" if isinstance(thing, Text) else "an object of meshcat"
 
 
@@ -40,6 +42,9 @@ def _middle(scene: Scene, path: str, thing: Drawable) -> str:
         points = thing.placements[:, :3, 3]
     elif isinstance(thing, Mesh):
         points = thing.vertices
+    elif isinstance(thing, Sheet):
+        rows, columns = thing.pixels.shape[:2]
+        points = np.array([(0, 0, 0), (columns * thing.cell, rows * thing.cell, 0)])
     else:
         points = thing.points if isinstance(thing, Lines | Points) else np.zeros((1, 3))
     transform = scene.world_transform(path)

@@ -15,12 +15,16 @@ from course_lib.viewer.drawables import (
     Lines,
     Mesh,
     Points,
+    Sheet,
     Solids,
     Text,
 )
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.shapes import SQUARE, unit_shape, unit_spot
 from course_lib.viewer.text import rasterized
+
+
+_ON_SHEETS = 1e-3  # like RViz's depth bias of 16 units some 10 m away
 
 
 @dataclass(frozen=True)
@@ -31,8 +35,11 @@ class Triangles:
     # up in 0..1; shape (T, 3, 9)
     corners: Floats
     transparent: bool  # whether what is behind shines through
-    # how much of the colour there is, 0..255, shape (rows, columns), or None
+    # how much of the colour there is, 0..255, the first row at the top: of its alpha, shape (rows, columns),
+    # or of each part, shape (rows, columns, 4)
     mask: npt.NDArray[np.uint8] | None = None
+    behind: bool = False  # whether it is behind everything that comes later
+    farther: float = 0.0  # share of its distance by which it counts as farther away
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,8 @@ def triangles_of(
     """
     transform_scene_to_camera = camera.view_matrix()
     without = tuple(f"{path}/" for path in hidden)
-    for path, thing in scene.objects().items():
+    things = scene.objects().items()
+    for path, thing in sorted(things, key=lambda item: not getattr(item[1], "behind", False)):
         if type(thing) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
             seen = _SEEN[type(thing)](thing, View(transform, camera, height))
@@ -145,6 +153,7 @@ def _points(points: Points, view: View) -> Triangles:
     centres = view.points(points.points)
     unit, shade = unit_spot(points.spot)
     size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
+    size = size * (points.points[:, 2:] if points.grow else 1)
     offsets = np.einsum("nij,tcj,nj->ntci", _spot_axes(points, centres, view), unit, size)
     corners = (centres[:, None, None] + offsets).reshape(-1, 3, 3).astype(np.float32)
     colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None, None].repeat(len(unit), axis=1)
@@ -178,10 +187,21 @@ def _text(text: Text, view: View) -> Triangles:
     return Triangles(square, True, glyphs.mask)
 
 
+def _sheet(sheet: Sheet, view: View) -> Triangles:
+    rows, columns = sheet.pixels.shape[:2]
+    unit = SQUARE + np.array([0.5, 0.5, 0], np.float32)
+    size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.cell)
+    square = _triangles(view.points(unit * size), np.ones(4, np.float32)).corners
+    square[..., 7:] = unit[..., :2]
+    blended = bool((sheet.pixels[..., 3] < 255).any())
+    return Triangles(square, blended, sheet.pixels[::-1], sheet.behind, _ON_SHEETS)
+
+
 _SEEN: dict[type[Drawable], Callable[[Any, View], Triangles]] = {
     Solids: _solids,
     Mesh: _mesh,
     Lines: _lines,
     Points: _points,
     Text: _text,
+    Sheet: _sheet,
 }

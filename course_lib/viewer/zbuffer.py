@@ -68,7 +68,9 @@ def _pixels(
     seen_through: list[Fragments] = []
     for triangles in triangles_of(scene, camera, size[1], hidden):
         for fragments in _fragments(triangles, camera, (width, height)):
-            if triangles.transparent:
+            if triangles.behind:
+                _blend(depths, colors, [fragments])
+            elif triangles.transparent:
                 seen_through.append(fragments)
             else:
                 _cover(depths, colors, fragments)
@@ -119,6 +121,7 @@ def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> I
         share = spans.share.astype(np.float32)[:, None]
         total = (share @ weight[spans.triangle])[:, 0]
         value = (share @ values[spans.triangle])[:, 0] / total
+        value[:, 0] *= 1 + triangles.farther
         yield _shaded(spans.sample, value, triangles.mask)
 
 
@@ -127,9 +130,10 @@ def _shaded(sample: npt.NDArray[np.intp], value: Floats, mask: npt.NDArray[np.ui
     depth, color, place = value[:, 0], value[:, 1:5], value[:, 5:]
     if mask is None:
         return Fragments(sample, depth, color)
-    rows, columns = mask.shape
+    rows, columns = mask.shape[:2]
     row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
     column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
-    color[:, 3] *= mask[row, column] / np.float32(255)
+    ink = mask[row, column].reshape(len(row), -1)
+    color[:, -ink.shape[1] :] *= ink / np.float32(255)
     inked = color[:, 3] > 0.01
     return Fragments(sample[inked], depth[inked], color[inked])

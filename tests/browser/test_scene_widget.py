@@ -8,7 +8,7 @@ from PIL import Image
 
 from course_lib.viewer import zbuffer
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Solids, Text
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Sheet, Solids, Text
 from course_lib.viewer.encoding import snapshot
 from course_lib.viewer.page_link import Click
 from course_lib.viewer.scene import Scene
@@ -154,11 +154,12 @@ def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
         Points([[0, 0, 0]], (1, 0, 0, 1), (0.3, 0.3)),
         Text("MW", 0.5, (1, 0, 0, 1)),
         Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], None, (1, 0, 0, 1)),
+        Sheet([[(255, 0, 0, 255)] * 2] * 2, 1.0),
         Solids("sphere", [np.eye(4)], (1, 0, 0, 1)),
         Solids("cylinder", [np.eye(4)], (1, 0, 0, 1)),
         Solids("cone", [np.eye(4)], (1, 0, 0, 1), lit=False),
     ],
-    ids=["strip", "pixel line", "points", "text", "mesh", "sphere", "cylinder", "cone"],
+    ids=["strip", "pixel line", "points", "text", "mesh", "sheet", "sphere", "cylinder", "cone"],
 )
 def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawable) -> None:
     scene = from_above()

@@ -6,7 +6,7 @@ from PIL import Image
 
 from course_lib.viewer import zbuffer
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Solids, Text
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 
 SIZE = (200, 160)
@@ -168,3 +168,39 @@ def test_points_in_pixels_are_round_if_they_are_discs() -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (40.0, 40.0), pixels=True, spot="disc"))
     area = (drawn(scene)[..., 0] > 128).sum()
     assert area == pytest.approx(4 * np.sin(np.pi / 4) * 20**2, rel=0.02)  # eight corners stand for a circle
+
+
+CELLS = np.array([[(255, 0, 0, 255), (0, 255, 0, 255)], [(0, 0, 255, 255), (255, 255, 255, 0)]], np.uint8)
+
+
+def on_sheet(scene: Scene) -> list[list[int]]:
+    """The colours around the middle: left and right above, left and right below, 1 m from it."""
+    x, y, away = SIZE[0] // 2, SIZE[1] // 2, 20
+    return [drawn(scene)[y + dy, x + dx].tolist() for dy in (-away, away) for dx in (-away, away)]
+
+
+def test_a_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
+    scene = from_above(Sheet(CELLS, 2.0))
+    scene.set_transform("0", [[1, 0, 0, -2], [0, 1, 0, -2], [0, 0, 1, 0], [0, 0, 0, 1]])
+    assert on_sheet(scene) == [[0, 0, 255], [0, 0, 0], [255, 0, 0], [0, 255, 0]]
+
+
+@pytest.mark.parametrize(("behind", "seen"), [(False, [255, 0, 0]), (True, [0, 0, 255])])
+def test_a_sheet_behind_everything_hides_nothing(behind: bool, seen: list[int]) -> None:
+    scene = from_above(box((0, 0, 1, 1)), Sheet(CELLS[:1, :1], 2.0, behind=behind))
+    scene.set_transform("1", [[1, 0, 0, -1], [0, 1, 0, -1], [0, 0, 1, 3], [0, 0, 0, 1]])
+    assert middle(scene) == seen
+
+
+@pytest.mark.parametrize("alpha", [255, 128])
+def test_what_lies_on_a_sheet_is_seen(alpha: int) -> None:
+    sheet = Sheet([[(255, 0, 0, alpha)] * 4], 2.0)
+    line = Lines([(0, 1, 0), (8, 1, 0)], (0, 0, 1, 1), width=0.5)
+    scene = from_above(sheet, line)
+    scene.set_transform("1", np.eye(4))
+    assert on_sheet(scene)[1] == [0, 0, 255]
+
+
+def test_spots_grow_with_their_z() -> None:
+    spots = Points([(0, 0, 1), (0, 0, 3)], (1, 1, 1, 1), (1.0, 1.0), grow=True)
+    assert (drawn(from_above(spots))[..., 0] > 0).sum() == pytest.approx(60**2, rel=0.05)  # 3 m wide

@@ -84,25 +84,26 @@ export function buildLines(lines) {
 }
 
 /** Draw one vertex per point: squares that stand upright in the picture, much faster than shapes. */
-function dots(points, tints, size, inPixels) {
+function dots(points, tints, uniforms) {
   const geometry = new THREE.BufferGeometry();
   const position = new THREE.BufferAttribute(points, 3);
   geometry.setAttribute("position", position);
   geometry.setAttribute("start", position); // for `hit`
   geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
-  return placed(new THREE.Points(geometry, material("dot", seesThrough(tints))), { size, inPixels });
+  return placed(new THREE.Points(geometry, material("dot", seesThrough(tints))), uniforms);
 }
 
 /** @param {any} points */
-export function buildPoints({ points, colors, size, pixels, spot }) {
+export function buildPoints({ points, colors, size, pixels, spot, grow }) {
   const { define, shape, shade } = SPOTS[spot];
   const geometry = shape();
   const shades = Float32Array.from({ length: geometry.attributes.position.count }, (_, i) => shade(i));
   geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
   const tints = spread(colors, points.length / 3);
-  if (spot === "square" && points.length / 3 >= MANY) return dots(points, tints, size, pixels);
+  const uniforms = { size, inPixels: pixels, grow };
+  if (spot === "square" && points.length / 3 >= MANY) return dots(points, tints, uniforms);
   const paint = material("spot", seesThrough(tints), pixels ? "" : define, spot === "tile");
-  return instances(paint, geometry, { size, inPixels: pixels }, {
+  return instances(paint, geometry, uniforms, {
     start: perInstance(points, 3),
     startTint: perInstance(tints, 4),
   });
@@ -119,7 +120,7 @@ export function buildText(text) {
   mask.needsUpdate = true;
   const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
   const shape = square().translate(0, text.below ? -0.5 : 0, 0);
-  const mesh = instances(material("spot", true, "TEXTURED"), shape, { size, inPixels: false, mask }, {
+  const mesh = instances(material("spot", true, "TEXTURED"), shape, { size, inPixels: false, grow: false, mask }, {
     start: perInstance(new Float32Array(3), 3),
     startTint: perInstance(text.color, 4),
   });

@@ -88,6 +88,7 @@ const SPOT = `
   uniform float pixel;
   uniform vec3 size;
   uniform bool inPixels;
+  uniform bool grow;
   varying vec4 vColor;
   varying vec2 vUv;
   void main() {
@@ -108,6 +109,7 @@ const SPOT = `
       vColor.rgb *= shade;
     #endif
     float unit = inPixels ? pixel * (isOrthographic ? 1.0 : -here.z) : 1.0;
+    if (grow) unit *= start.z;
     here.xyz += axes * (position * size * unit);
     gl_Position = projectionMatrix * here;
   }`;
@@ -118,13 +120,14 @@ const DOT = `
   uniform float pixel;
   uniform vec3 size;
   uniform bool inPixels;
+  uniform bool grow;
   varying vec4 vColor;
   void main() {
     vec4 here = modelViewMatrix * vec4(start, 1.0);
     float unit = inPixels ? 1.0 : pixel * (isOrthographic ? 1.0 : -here.z);
     vColor = startTint;
     gl_Position = projectionMatrix * here;
-    gl_PointSize = max(size.x / unit, 1.0);
+    gl_PointSize = max(size.x / unit * (grow ? start.z : 1.0), 1.0);
   }`;
 
 /** @type {Map<string, any>} They live as long as the page: a marker that is sent anew compiles nothing. */
@@ -143,7 +146,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
       vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT, dot: DOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
-      uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, mask: { value: null } },
+      uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null } },
       side: doubleSided ? THREE.DoubleSide : THREE.FrontSide,
       transparent,
       depthWrite: !transparent,

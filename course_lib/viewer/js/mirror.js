@@ -1,7 +1,7 @@
 /* global THREE, MeshCat */
 import { buildLines, buildPoints, buildText } from "./billboards.js";
 import { buildInset } from "./insets.js";
-import { buildMesh, buildSolids, writeMatrix } from "./surfaces.js";
+import { buildMesh, buildSheet, buildSolids, writeMatrix } from "./surfaces.js";
 import { decode } from "./decode.js";
 
 /** The page's copy of a scene: one three.js tree that all views of it look at. */
@@ -31,6 +31,7 @@ export class Mirror {
       lines: buildLines,
       points: buildPoints,
       text: buildText,
+      sheet: buildSheet,
       inset: buildInset,
       meshcat: (object) => this.load(object.json),
     };

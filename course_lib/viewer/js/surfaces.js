@@ -52,6 +52,21 @@ export function buildSolids(solids) {
   return mesh;
 }
 
+/** @param {any} sheet drawn with sharp cells, as three.js draws a DataTexture */
+export function buildSheet({ pixels, rows, columns, cell, behind }) {
+  const [width, height] = [columns * cell, rows * cell];
+  const see = seesThrough(pixels);
+  const map = new THREE.DataTexture(pixels, columns, rows, THREE.RGBAFormat);
+  map.needsUpdate = true;
+  const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !behind });
+  paint.depthWrite = !see && !behind;
+  if (behind) paint.blending = THREE.CustomBlending; // among what is opaque, as it comes first
+  Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // as RViz's maps: farther away
+  const mesh = new THREE.Mesh(new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0), paint);
+  mesh.renderOrder = behind ? -1 : 0;
+  return mesh;
+}
+
 /** @param {any} mesh */
 export function buildMesh(mesh) {
   const count = mesh.vertices.length / 3;
