@@ -2,7 +2,16 @@
 
 from course_lib.ros.messages.message import Message
 from course_lib.ros.messages.plain import to_plain
-from course_lib.ros.messages.registry import message_class, service_class, type_name
+from course_lib.ros.messages.registry import action_class, message_class, service_class, type_name
 from course_lib.ros.messages.wire import deserialize, serialize
 
-__all__ = ["Message", "deserialize", "message_class", "serialize", "service_class", "to_plain", "type_name"]
+__all__ = [
+    "Message",
+    "action_class",
+    "deserialize",
+    "message_class",
+    "serialize",
+    "service_class",
+    "to_plain",
+    "type_name",
+]

@@ -1,7 +1,6 @@
 """What each ROS message type consists of: rosbags' type store, with the types and default values it lacks.
 
-The types are files in the folder ``interfaces``, laid out as in ROS packages; a service is two messages,
-``std_srvs/srv/Trigger_Request`` and ``std_srvs/srv/Trigger_Response``.
+The types are files in the folder ``interfaces``, laid out as in ROS packages.
 """
 
 from collections.abc import Mapping
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError
+from course_lib.ros.messages.interface_files import read_interface
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -28,9 +28,6 @@ DEFAULTS: Mapping[tuple[str, str], Any] = {
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
 INTERFACES = Path(__file__).parent.parent / "interfaces"
-SERVICE_PARTS = ("_Request", "_Response")
-# CDR knows no empty struct: a message without fields carries one byte under this name.
-PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,24 +63,8 @@ def typestore() -> "Typestore":
 
     store = get_typestore(Stores.ROS2_JAZZY)
     for path in sorted(INTERFACES.glob("*/*/*.*")):
-        store.register(_read(path))
+        store.register(read_interface(path))
     return store
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """Read a .msg or .srv file; rosbags knows messages only, so a service's parts are renamed."""
-    from rosbags.typesys import get_types_from_msg
-
-    package, folder, name = path.parent.parent.name, path.parent.name, path.stem
-    texts = {name: path.read_text()}
-    if folder == "srv":
-        parts = path.read_text().split("---\n")
-        texts = {name + part: text for part, text in zip(SERVICE_PARTS, parts, strict=True)}
-    return {
-        f"{package}/{folder}/{name}": definition
-        for name, text in texts.items()
-        for definition in get_types_from_msg(text or f"uint8 {PLACEHOLDER}", f"{package}/msg/{name}").values()
-    }
 
 
 def type_names() -> list[str]:

@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from course_lib.ros.messages.definitions import PLACEHOLDER, FieldDefinition, MessageDefinition
+from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition
+from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
 from course_lib.ros.messages.primitives import PRIMITIVES
 
@@ -89,7 +90,7 @@ def home_of(type_name: str) -> str:
     from re import sub
 
     package, folder, name = type_name.split("/")
-    whole = name.removesuffix("_Request").removesuffix("_Response")  # the parts of a service share one
+    whole = name.split("_")[0]  # the parts of a service or an action share one
     snake_case = sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", whole)).lower()
     return f"{package}.{folder}._{snake_case}"
 

@@ -6,7 +6,8 @@ from types import ModuleType
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages.definitions import SERVICE_PARTS, definition, type_names
+from course_lib.ros.messages.definitions import definition, type_names
+from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
 from course_lib.ros.messages.message import Message, home_of, make_class
 
 
@@ -35,8 +36,16 @@ def type_name(message: Message | type[Message]) -> str:
 class _ServiceType(type):
     """The type of services' classes."""
 
+    word = "Service"
+
     def __call__(cls) -> None:
-        raise NotImplementedError("Service classes can not be instantiated")
+        raise NotImplementedError(f"{cls.word} classes can not be instantiated")
+
+
+class _ActionType(_ServiceType):
+    """The type of actions' classes."""
+
+    word = "Action"
 
 
 @cache
@@ -46,13 +55,38 @@ def service_class(type_name: str) -> type:
     Raises:
         CourseError: No such service; names the closest types.
     """
-    request, response = (message_class(type_name + part) for part in SERVICE_PARTS)
-    names = {"Request": request, "Response": response, "_TYPE_NAME": type_name}
-    return _ServiceType(type_name.rsplit("/", 1)[1], (), {"__module__": home_of(type_name), **names})
+    return _ServiceType(*_of_parts(type_name, SERVICE_PARTS))
+
+
+@cache
+def action_class(type_name: str) -> type:
+    """Give the class of an action written ``example_interfaces/action/Fibonacci``.
+
+    It holds `Goal`, `Result` and `Feedback`, and as `Impl` the types of the services and topics that it uses.
+
+    Raises:
+        CourseError: No such action; names the closest types.
+    """
+    name, bases, parts = _of_parts(type_name, ACTION_PARTS)
+    transport = {
+        "SendGoalService": service_class(f"{type_name}_SendGoal"),
+        "GetResultService": service_class(f"{type_name}_GetResult"),
+        "FeedbackMessage": message_class(f"{type_name}_FeedbackMessage"),
+        "CancelGoalService": service_class("action_msgs/srv/CancelGoal"),
+        "GoalStatusMessage": message_class("action_msgs/msg/GoalStatusArray"),
+    }
+    return _ActionType(name, bases, {**parts, "Impl": type("Impl", (), transport)})
+
+
+def _of_parts(type_name: str, parts: tuple[str, ...]) -> tuple[str, tuple[type, ...], dict[str, Any]]:
+    """Give the name, the bases and the namespace of a class that holds other types."""
+    names = {part[1:]: message_class(type_name + part) for part in parts}
+    home = {"__module__": home_of(type_name), "_TYPE_NAME": type_name}
+    return type_name.rsplit("/", 1)[1], (), {**home, **names}
 
 
 def import_types(module: str) -> dict[str, Any]:
-    """Give what a package's ``msg`` or ``srv`` module, like ``std_msgs.msg``, holds by name.
+    """Give what a package's ``msg``, ``srv`` or ``action`` module, like ``std_msgs.msg``, holds by name.
 
     Each class also gets the private module that rosidl keeps it in, ``std_msgs.msg._string``: pickled
     messages and some programs name it.
@@ -63,9 +97,18 @@ def import_types(module: str) -> dict[str, Any]:
         message = message_class(name)
         home = sys.modules.setdefault(message.__module__, ModuleType(message.__module__))
         setattr(home, message.__name__, message)
-        service = name.removesuffix(SERVICE_PARTS[0])
-        public = message if "/msg/" in name else service_class(service) if service != name else None
+        public = _public(name, message)
         if public is not None:
             setattr(home, public.__name__, public)
             names |= {public.__name__: public, home.__name__.rsplit(".", 1)[1]: home}
     return names
+
+
+def _public(name: str, message: type[Message]) -> type | None:
+    """Give what a program imports for a type: for the first part of a service or an action, the whole."""
+    if "/msg/" in name:
+        return message
+    for part, whole in ((SERVICE_PARTS[0], service_class), (ACTION_PARTS[0], action_class)):
+        if name.endswith(part):
+            return whole(name.removesuffix(part))
+    return None

@@ -8,14 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from course_lib.ros.messages.definitions import (
-    PLACEHOLDER,
-    SERVICE_PARTS,
-    FieldDefinition,
-    MessageDefinition,
-    definition,
-    type_names,
-)
+from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition, definition, type_names
+from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
 
 STANDIN = Path(__file__).parent.parent / "standin"
@@ -29,6 +23,13 @@ _STANDARD = (  # what a stub imports if it holds the word
     ("TypeAlias", "from typing import TypeAlias"),
 )
 _NUMPY = (("np.", "import numpy as np"), ("NDArray[", "from numpy.typing import NDArray"))
+_IMPL = """    class Impl:
+        SendGoalService: TypeAlias = {name}_SendGoal
+        GetResultService: TypeAlias = {name}_GetResult
+        FeedbackMessage: TypeAlias = {name}_FeedbackMessage
+        CancelGoalService: TypeAlias = action_msgs.srv.CancelGoal
+        GoalStatusMessage: TypeAlias = action_msgs.msg.GoalStatusArray
+"""
 _MODULE = """from course_lib.ros.messages.registry import import_types as _import_types
 
 globals().update(_import_types(__name__))
@@ -49,21 +50,34 @@ def files() -> dict[Path, str]:
 
 
 def module_stub(messages: list[MessageDefinition]) -> str:
-    """Give the stub of one package's messages, or of its services."""
+    """Give the stub of one package's messages, its services, or its actions."""
     body = "".join(f"\n{_class(message)}" for message in messages)
-    packages = {f.base.split("/")[0] for message in messages for f in message.fields if f.is_message}
-    for request in [m for m in messages if m.type_name.endswith(SERVICE_PARTS[0])]:
-        name = request.type_name.rsplit("/", 1)[1].removesuffix(SERVICE_PARTS[0])
-        body += f"\nclass {name}:\n" + "".join(
-            f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in SERVICE_PARTS
-        )
+    modules = {_module(f.base) for message in messages for f in message.fields if f.is_message}
+    body += "".join(f"\n{text}" for text in _wholes(messages, SERVICE_PARTS))
+    actions = _wholes(messages, ACTION_PARTS)
+    if actions:
+        body += "".join(f"\n{text}{_IMPL.format(name=text.split()[1][:-1])}" for text in actions)
+        modules |= {"action_msgs.msg", "action_msgs.srv"}
     blocks = (
         [line for word, line in _STANDARD if word in body],
         [line for word, line in _NUMPY if word in body],
-        sorted([_BASE, *(f"import {package}.msg" for package in packages)]),
+        sorted([_BASE, *(f"import {module}" for module in modules)]),
     )
     imports = "\n\n".join("\n".join(block) for block in blocks if block)
     return f"{_HEADER}\n{imports}\n{body}"
+
+
+def _wholes(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
+    """Declare the classes of services or actions, which hold their parts."""
+    names = [message.type_name.rsplit("/", 1)[1] for message in messages]
+    return [
+        f"class {name}:\n" + "".join(f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in parts)
+        for name in (name.removesuffix(parts[0]) for name in names if name.endswith(parts[0]))
+    ]
+
+
+def _module(type_name: str) -> str:
+    return type_name.rsplit("/", 1)[0].replace("/", ".")
 
 
 def _class(message: MessageDefinition) -> str:

@@ -1,3 +1,5 @@
+import sys
+
 import pytest
 
 from course_lib.ros.messages import stubs
@@ -21,7 +23,7 @@ def test_a_stale_stub_is_named(
 def test_every_type_can_be_imported_under_its_real_name() -> None:
     for type_name in type_names():
         package, folder, name = type_name.split("/")
-        whole, _, part = name.partition("_")
-        module = __import__(f"{package}.{folder}", fromlist=[whole])
-        cls = getattr(getattr(module, whole), part) if part else getattr(module, whole)
+        whole = name.split("_")[0]
+        public = getattr(__import__(f"{package}.{folder}", fromlist=[whole]), whole)
+        cls = getattr(sys.modules[public.__module__], name)
         assert cls.__name__ == name
