@@ -1,0 +1,86 @@
+"""What ROS's joint_trajectory_controller and joint_state_broadcaster do, with simulated motors."""
+
+from collections.abc import Mapping, Sequence
+from typing import Unpack
+
+import numpy as np
+from rclpy.node import Node, NodeOptions
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+
+from course_lib.errors import CourseError
+from course_lib.robots.simulated_joints import SimulatedJoints
+from course_lib.robots.spline import Waypoint, sample
+from course_lib.robots.trajectory import waypoints_of
+from course_lib.robots.urdf import parse_urdf
+
+
+class JointTrajectoryController(Node):
+    """Moves a robot's joints along trajectories, and publishes /joint_states.
+
+    It takes them on the topic ~/joint_trajectory. A new one replaces the one that runs, and goes on from
+    where the joints are and how fast they are. What it refuses it logs, in the controller's words.
+
+    Args:
+        robot_description: The text of a URDF, `mobile_manipulator().urdf`.
+        start: Where joints begin, by name, [rad] or [m]; those without a position begin at 0.
+        rate: How often it looks and commands, [Hz].
+        options: What any node takes.
+
+    Raises:
+        CourseError: If the description is not valid, or `start` does not suit its joints.
+    """
+
+    def __init__(
+        self,
+        robot_description: str,
+        *,
+        start: Mapping[str, float] | None = None,
+        rate: float = 50.0,
+        **options: Unpack[NodeOptions],
+    ) -> None:
+        self._joints = SimulatedJoints(parse_urdf(robot_description), start or {})
+        super().__init__("arm_controller", **options)
+        self._period = 1.0 / rate  # [s]
+        self._new: tuple[Time, Sequence[Waypoint]] | None = None  # begins with the next update
+        self._start_ns = self.get_clock().now().nanoseconds
+        self._hold()
+        self._states = self.create_publisher(JointState, "joint_states", 10)
+        self.create_subscription(JointTrajectory, "~/joint_trajectory", self._on_trajectory, 10)
+        self.create_timer(self._period, self._update)
+
+    def _on_trajectory(self, message: JointTrajectory) -> None:
+        try:
+            waypoints = waypoints_of(message, self._joints.names, self.get_clock().now())
+        except CourseError as problem:
+            self.get_logger().error(str(problem))
+        else:
+            self._new = Time.from_msg(message.header.stamp), waypoints
+
+    def _update(self) -> None:
+        now = self.get_clock().now()
+        self._publish(now)
+        if self._new:
+            self._begin(*self._new, now)
+        seconds = (now.nanoseconds - self._start_ns) / 1e9
+        command = sample(self._waypoints, seconds + self._period)[0]
+        for warning in self._joints.follow(command, self._period):
+            self.get_logger().warning(warning, throttle_duration_sec=1.0)
+
+    def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
+        """Go on from here along waypoints; a start of 0 is now."""
+        self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
+        state = [self._joints.positions, self._joints.velocities, np.zeros_like(self._joints.positions)]
+        here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.array(state))
+        self._waypoints = [here, *waypoints]
+
+    def _hold(self) -> None:
+        """Stay where the joints are."""
+        self._waypoints = [Waypoint(0.0, self._joints.positions[np.newaxis])]
+
+    def _publish(self, now: Time) -> None:
+        state = JointState(name=self._joints.names)
+        state.position, state.velocity = self._joints.positions, self._joints.velocities
+        state.header.stamp = now.to_msg()
+        self._states.publish(state)
