@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType, ModuleType
+from typing import Protocol
 
 from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
@@ -19,19 +20,35 @@ from course_lib.ros.stopped import StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error, print_error_of_thread
 
 
-def run_files(files: Sequence[Path], *, seed: int, args: Sequence[str] = ()) -> int:
+class Runnable(Protocol):
+    """What runs as a program of its own."""
+
+    file: Path
+    exit_code: int
+
+    def run(self) -> None:
+        """Run to its end."""
+
+
+def run_files(
+    files: Sequence[Path], *, seed: int, args: Sequence[str] = (), beside: Sequence[Runnable] = ()
+) -> int:
     """Run Python files and notebooks as if each were started on its own; they share the current graph.
 
     Args:
         files: The programs in their start order; a CourseError says which cannot be run.
         seed: Seeds every source of chance.
         args: What each finds in `sys.argv` behind its name.
+        beside: What else runs beside them, started last.
 
     Returns the first exit code that is not 0.
     """
     standin_path.install()
     virtual_time.install()
-    programs = [NotebookProgram(file) if file.suffix == ".ipynb" else Program(file, args) for file in files]
+    programs: list[Runnable] = [
+        NotebookProgram(file) if file.suffix == ".ipynb" else Program(file, args) for file in files
+    ]
+    programs += beside
     with _interpreter_kept(), seeded(seed), baton.known():
         if len(programs) == 1:
             programs[0].run()
@@ -110,7 +127,7 @@ def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
     return handle
 
 
-def _run_beside_each_other(programs: Sequence[Program | NotebookProgram]) -> None:
+def _run_beside_each_other(programs: Sequence[Runnable]) -> None:
     threads = []
     for number, one in enumerate(programs):
         program.name = f"{number}: {one.file}"  # the same file may run twice

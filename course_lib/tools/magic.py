@@ -1,13 +1,15 @@
 """`%ros2 …` in a notebook."""
 
-import shlex
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
+from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
+from course_lib.tools.verb import Write
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -15,14 +17,21 @@ if TYPE_CHECKING:
 
 def register(shell: "InteractiveShell") -> None:
     """Give a shell the magics; again changes nothing."""
-    shell.register_magic_function(ros2_magic, "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
+    from IPython.core.magic import no_var_expand  # braces are YAML's
+
+    shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
 
 
 def ros2_magic(line: str) -> None:
-    """Run a `ros2` command on this notebook's nodes, like %ros2 topic list."""
+    """Run a `ros2` command on this notebook's nodes, like %ros2 topic list | grep image."""
     from IPython.core.error import UsageError
 
+    source = GraphSource(current_graph())
+
+    def run(words: Sequence[str], write: Write) -> None:
+        ros2(words, source, write)
+
     try:
-        ros2(shlex.split(line), GraphSource(current_graph()), sys.stdout.write)
-    except (CourseError, ValueError) as error:  # ValueError: shlex on an open quotation mark
+        run_piped(line, run, sys.stdout.write)
+    except (CourseError, ValueError, OSError) as error:  # an open quotation mark; a file, a program
         raise UsageError(str(error)) from None

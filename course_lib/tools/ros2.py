@@ -1,27 +1,42 @@
 """The `ros2` command line: a table of its verbs, over a run's nodes or a recording."""
 
 import sys
-from argparse import ArgumentParser
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
+from course_lib.tools.hints import did_you_mean
 from course_lib.tools.param import PARAM_GET, PARAM_LIST, PARAM_SET
-from course_lib.tools.run import recorded
-from course_lib.tools.sources import RecordingSource, Source
+from course_lib.tools.run import run_beside
+from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource, Source
 from course_lib.tools.tf2.echo import TF2_ECHO
 from course_lib.tools.tf2.monitor import TF2_MONITOR
 from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
 from course_lib.tools.tf2.view_frames import VIEW_FRAMES
+from course_lib.tools.topic.bw import TOPIC_BW
+from course_lib.tools.topic.delay import TOPIC_DELAY
 from course_lib.tools.topic.echo import TOPIC_ECHO
+from course_lib.tools.topic.hz import TOPIC_HZ
+from course_lib.tools.topic.info import TOPIC_INFO
 from course_lib.tools.topic.list import TOPIC_LIST
+from course_lib.tools.topic.pub import TOPIC_PUB
+from course_lib.tools.topic.type import TOPIC_FIND, TOPIC_TYPE
 from course_lib.tools.verb import Verb, Write
 
 VERBS = (
     TOPIC_ECHO,
     TOPIC_LIST,
+    TOPIC_INFO,
+    TOPIC_TYPE,
+    TOPIC_FIND,
+    TOPIC_HZ,
+    TOPIC_BW,
+    TOPIC_DELAY,
+    TOPIC_PUB,
     TF2_ECHO,
     TF2_MONITOR,
     STATIC_TRANSFORM_PUBLISHER,
@@ -30,6 +45,19 @@ VERBS = (
     PARAM_GET,
     PARAM_SET,
 )
+COMMANDS = {  # what ros2cli says of them
+    "action": "Various action related sub-commands",
+    "bag": "Various rosbag related sub-commands",
+    "doctor": "Check ROS setup and other potential issues",
+    "interface": "Show information about ROS interfaces",
+    "node": "Various node related sub-commands",
+    "param": "Various param related sub-commands",
+    "pkg": "Various package related sub-commands",
+    "run": "Run a package specific executable",
+    "service": "Various service related sub-commands",
+    "topic": "Various topic related sub-commands",
+}
+HELP = {"-h", "--help"}
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
@@ -45,15 +73,20 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     """
     verb = next((verb for verb in VERBS if verb.words == list(words[: len(verb.words)])), None)
     if verb is None:
-        _explain(words, write)
-    elif {"-h", "--help"} & set(words):
-        write(_parser(verb).format_help())
-    else:
-        verb.run(source, _parser(verb).parse_args(list(words[len(verb.words) :])), write)
+        _explain(list(words), write)
+        return
+    parser, rest = _parser(verb, write), words[len(verb.words) :]
+    if HELP & set(rest):
+        write(parser.format_help())
+        return
+    arguments = parser.parse_args(rest)
+    if pause := getattr(arguments, "spin_time", 0.0) or (0.0 if verb.from_start else source.discovery):
+        source.wait(lambda: False, pause)
+    verb.run(source, arguments, write)
 
 
 def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, seconds: float) -> int:
-    """Do what `ros2 <words>` does, over what programs publish in a run, or over a recording.
+    """Do what `ros2 <words>` does, beside programs that run, or over a recording.
 
     Returns:
         The exit code of the programs.
@@ -61,39 +94,59 @@ def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, 
     Raises:
         CourseError: Nowhere to look, or in two places; otherwise as `ros2`.
     """
-    asks_for_help = not words or bool({"-h", "--help"} & set(words))
+    asks_for_help = not words or bool(HELP & set(words))
     if bool(files) + (bag is not None) != 1 and not asks_for_help:
         ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
         raise CourseError(f"Say where to look: {', or '.join(ways)}")
-    recording, code = Recording(()), 0
-    if bag is not None:
-        recording = read_bag(bag)
-    elif files:
-        recording, code = recorded(files, seconds=seconds)
-    ros2(words, RecordingSource(recording), sys.stdout.write)
-    return code
+    if files and not asks_for_help:
+        tool = partial(ros2, words, write=sys.stdout.write)
+        return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
+    ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
+    return 0
 
 
 class _Parser(ArgumentParser):
     """An argument parser that leaves the process alone."""
 
+    write: Write
+
     def error(self, message: str) -> NoReturn:
-        """Say in one line what is wrong and what shows how it would be right."""
-        raise CourseError(f"{self.prog}: {message}. `{self.prog} --help` shows how it is written.")
+        """Show how it is written, and say in one line what is wrong."""
+        self.write(self.format_usage())
+        raise CourseError(f"{self.prog}: error: {message}")
 
 
-def _parser(verb: Verb) -> ArgumentParser:
-    parser = _Parser(prog=f"ros2 {verb.command} {verb.name}", description=verb.help, add_help=False)
+def _parser(verb: Verb, write: Write) -> ArgumentParser:
+    parser = _Parser(prog=f"ros2 {' '.join(verb.words)}", description=verb.help)
+    parser.write = write
     for option in verb.options:
         parser.add_argument(*option.flags, **option.settings)
     return parser
 
 
-def _explain(words: Sequence[str], write: Write) -> None:
-    """List the verbs; a command that is not among them is an error."""
-    asked = [word for word in words if word not in ("-h", "--help")]
-    if all(verb.words[: len(asked)] != asked for verb in VERBS):
-        there = ", ".join(f"ros2 {verb.command} {verb.name}" for verb in VERBS)
-        raise CourseError(f"There is no `ros2 {' '.join(asked[:3])}` here. There are: {there}.")
-    for verb in VERBS:
-        write(f"ros2 {verb.command} {verb.name}  {verb.help}\n")
+def _explain(words: list[str], write: Write) -> None:
+    """List what can follow the words that lead to a verb; a word that does not lead on is an error."""
+    known = 0
+    while any(verb.words[: known + 1] == words[: known + 1] for verb in VERBS) and known < len(words):
+        known += 1
+    path, rest = words[:known], words[known:]
+    names = {verb.words[known]: verb.help for verb in VERBS if verb.words[:known] == path}
+    if not known:
+        names = {name: COMMANDS[name] for name in names}
+    prog = " ".join(["ros2", *path])
+    about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
+    parser = _Parser(prog=prog, description=about, formatter_class=RawDescriptionHelpFormatter)
+    parser.write = write
+    width = max(map(len, names))
+    parser.add_subparsers(
+        title="Commands",
+        description="".join(f"{name.ljust(width)}  {names[name]}\n" for name in sorted(names)),
+        metavar=f"Call `{prog} <command> -h` for more detailed usage.",
+    )
+    if not rest or HELP & set(rest):
+        write(parser.format_help())
+    else:
+        metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
+        choices = ", ".join(map(repr, sorted(names)))
+        hint = did_you_mean(rest[0], names)
+        parser.error(f"{metavar}: invalid choice: {rest[0]!r} (choose from {choices}){hint}")

@@ -3,12 +3,12 @@
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, record, write_bag
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph import Graph, current_graph, use_graph
 from course_lib.ros.pace import WallPace
 from course_lib.ros.program import run_files
 
@@ -65,6 +65,52 @@ def recorded(
         recorder = record(graph)
         code = run_files(files, seed=seed, args=args)
         return recorder.recording(), code
+
+
+def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
+    """Run programs, and beside them a tool of the kit, as in another terminal; they end with it.
+
+    Returns:
+        The exit code of the programs.
+
+    Raises:
+        CourseError: If a file cannot be run, or what the tool finds wrong.
+    """
+    graph = Graph()
+    graph.end_ns = graph.now_ns + round(seconds * 1e9)
+    beside = ToolProgram(tool)
+    with use_graph(graph):
+        code = run_files(files, seed=0, beside=[beside])
+    if beside.error is not None:
+        raise beside.error
+    return code
+
+
+class ToolProgram:
+    """A tool that runs beside programs; it starts when each of them waits for the first time."""
+
+    file = Path("ros2")
+    exit_code = 0
+
+    def __init__(self, tool: Callable[[Graph], None]) -> None:
+        self.error: CourseError | None = None
+        self._tool = tool
+
+    def run(self) -> None:
+        """Run the tool; when it is done, so is the run."""
+        import rclpy
+
+        graph = current_graph()
+        rclpy.init(args=[], signal_handler_options=rclpy.SignalHandlerOptions.NO)
+        try:
+            self._tool(graph)
+        except CourseError as error:
+            self.error = error
+        except KeyboardInterrupt:  # ends the programs, too
+            pass
+        finally:
+            rclpy.try_shutdown()
+            graph.end_ns = graph.now_ns
 
 
 def with_fixed_hashes() -> None:

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph
+from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.qos import Qos, incompatible
 
 ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
@@ -26,12 +27,17 @@ DISCOVERY = 0.5  # [s] that ros2cli looks for nodes before it says what there is
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A message as it came: when it was received and sent, [ns], on which topic, and its CDR bytes."""
+    """A message as it came: when it was received and sent, [ns], on which topic, its type and CDR bytes."""
 
     received_ns: int
     source_ns: int
     topic: str
+    type_name: str
     cdr: bytes
+
+    def message(self) -> Any:
+        """Give the message itself."""
+        return deserialize(self.cdr, message_class(self.type_name))
 
 
 class Source(ABC):
@@ -43,6 +49,7 @@ class Source(ABC):
     """
 
     live: bool  # whether nodes run that can be asked and waited for
+    discovery = 0.0  # [s] to wait for nodes that are coming up
 
     def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
         self.graph = graph
@@ -96,8 +103,9 @@ class GraphSource(Source):
 
     live = True
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, *, discovery: float = 0.0) -> None:
         super().__init__(graph, ALWAYS_THERE)
+        self.discovery = discovery
 
     def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Without a page nobody presses ■; outside of notebooks a run has its own end."""
@@ -161,7 +169,7 @@ class GraphSource(Source):
         arrived: deque[Arrival] = deque()
 
         def hear(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
-            arrived.append(Arrival(received_ns, source_ns, topic, cdr))
+            arrived.append(Arrival(received_ns, source_ns, topic, type_name, cdr))
 
         node = self.graph.add_node(NODE_NAME, "/")
         try:
@@ -207,7 +215,8 @@ class RecordingSource(Source):
                 yield tick_ns, None
                 tick_ns += round(every * 1e9)
             if sample.topic in topics and sample.type_name == type_name and sample.stamp_ns <= end_ns:
-                yield sample.stamp_ns, Arrival(sample.stamp_ns, sample.stamp_ns, sample.topic, sample.cdr)
+                stamp_ns = sample.stamp_ns
+                yield stamp_ns, Arrival(stamp_ns, stamp_ns, sample.topic, type_name, sample.cdr)
         while every is not None and tick_ns <= end_ns:
             yield tick_ns, None
             tick_ns += round(every * 1e9)

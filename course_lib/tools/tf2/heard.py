@@ -1,9 +1,7 @@
 """What the tools for transforms hear on /tf and /tf_static."""
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_transform import Transform
@@ -32,13 +30,12 @@ class Heard:
 
     def ticks(self, every: float, seconds: float | None) -> Iterator[int]:
         """Yield robot time [ns] at the start and once per `every` [s], the buffer filled up to then."""
-        name = "tf2_msgs/msg/TFMessage"
-        for now_ns, arrival in self._source.stream(TOPICS, name, every=every, seconds=seconds):
+        stream = self._source.stream(TOPICS, "tf2_msgs/msg/TFMessage", every=every, seconds=seconds)
+        for now_ns, arrival in stream:
             if arrival is None:
                 yield now_ns
                 continue
-            sent: Any = deserialize(arrival.cdr, message_class(name))
-            transforms = [Transform.from_message(one) for one in sent.transforms]
+            transforms = [Transform.from_message(one) for one in arrival.message().transforms]
             for transform in transforms:
                 self.buffer.set_transform(transform, _NOT_NAMED, is_static=arrival.topic == "/tf_static")
             self._on_message(now_ns, transforms)

@@ -5,10 +5,10 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.messages import Message, deserialize, message_class, type_name
+from course_lib.ros.messages import Message, message_class
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.sources import Arrival, Source
-from course_lib.tools.topic.lookup import full_name, passes, silence, topics_here, type_of
+from course_lib.tools.topic.lookup import full_name, passes, silence, type_of
 from course_lib.tools.topic.qos import PRESETS, adapted_qos, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
 
@@ -22,27 +22,24 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
         CourseError: There is no such topic or field, or no message comes in time.
     """
     topic = full_name(arguments.topic_name)
-    kind = message_class(arguments.message_type or type_of(source, topic, write, blocking=False))
+    kind = arguments.message_type or type_of(source, topic, write, blocking=False)
+    message_class(kind)  # says which type is not known
     matches = passes(arguments.filter_expr)
     qos = asked_qos(arguments) or adapted_qos(source.offered(topic), PRESETS[arguments.qos_profile], write)
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
-    stream = source.stream(
-        {topic: qos}, type_name(kind), patience=PATIENCE, seconds=arguments.timeout or limit
-    )
+    stream = source.stream({topic: qos}, kind, patience=PATIENCE, seconds=arguments.timeout or limit)
     with until_interrupted():
         for _, arrival in stream:
             came = True
             assert arrival is not None  # no ticks were asked for
-            message = arrival.cdr if arguments.raw else deserialize(arrival.cdr, kind)
-            selected = _field(message, arguments.field)
+            selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):
                 continue
             write(_info(arrival, arguments) + _text(selected, arguments))
             if arguments.once:
                 return
         if not came:
-            reason = source.why_silent(topic, qos)
-            raise CourseError(f"{silence(source, topic, start_ns)}{reason} {topics_here(source)}")
+            raise CourseError(silence(source, topic, qos, start_ns))
         if source.live and not arguments.timeout and not source.graph.ended:
             _say_why_it_ends(limit, write)
 
@@ -53,13 +50,18 @@ def _say_why_it_ends(limit: float | None, write: Write) -> None:
 
 
 def _info(arrival: Arrival, arguments: Namespace) -> str:
-    """Write when a message was sent and received, if that was asked for; our messages have no numbers."""
-    info = {"source_timestamp": arrival.source_ns, "received_timestamp": arrival.received_ns}
+    """Write when a message was sent and received, if that was asked for."""
+    numbers = dict.fromkeys(
+        ("publication_sequence_number", "reception_sequence_number")
+    )  # nobody counts here
+    info = {"source_timestamp": arrival.source_ns, "received_timestamp": arrival.received_ns, **numbers}
     if not arguments.include_message_info:
         return ""
     if arguments.csv:
-        return "".join(f"{ns}," for ns in info.values())
-    return "".join(f"{name}: {ns}\n" for name, ns in sorted(info.items())) + "---\n"
+        return "".join(f"{one}," for one in info.values())
+    return (
+        "".join(f"{name}: {'null' if one is None else one}\n" for name, one in sorted(info.items())) + "---\n"
+    )
 
 
 def _text(selected: Any, arguments: Namespace) -> str:

@@ -1,12 +1,19 @@
-"""What the verbs of `ros2 topic` do alike: find a topic's type, and filter its messages."""
+"""What the verbs of `ros2 topic` do alike: find a topic's type, listen, filter messages."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from statistics import pstdev
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import message_class
-from course_lib.tools.sources import DISCOVERY, Source
-from course_lib.tools.verb import Write
+from course_lib.ros.qos import Qos
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.sources import Arrival, Source
+from course_lib.tools.topic.qos import PRESETS
+from course_lib.tools.verb import NODE_OPTIONS, Option, Write, positive, value
+
+SENSOR_DATA = PRESETS["sensor_data"]
 
 
 def full_name(topic: str) -> str:
@@ -20,14 +27,18 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
     Raises:
         CourseError: There is no such topic, its type is not known here, or it has several.
     """
-    if topic not in source.topics():
-        if blocking or not source.live or source.graph.notebook:
-            write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
-        if source.live and (blocking or not source.graph.notebook):
-            source.wait(lambda: topic in source.topics(), source.limit() if blocking else DISCOVERY)
+    there = source.topics()
+    if topic not in there and source.discovery:
+        source.wait(lambda: topic in source.topics(), source.discovery)
+        there = source.topics()
+    if topic not in there:
+        write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
+        if blocking:
+            source.wait(lambda: topic in source.topics(), source.limit())
     types = source.topics().get(topic)
     if not types:
-        raise CourseError(f"Could not determine the type for the passed topic. {topics_here(source)}")
+        hint = f"{did_you_mean(topic, there)} Topics here: {', '.join(there) or 'none'}."
+        raise CourseError(f"Could not determine the type for the passed topic{hint}")
     if len(types) > 1:
         found = ", ".join(types)
         raise CourseError(f"Cannot echo topic '{topic}', as it contains more than one type: [{found}]")
@@ -35,15 +46,55 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
     return types[0]
 
 
-def topics_here(source: Source) -> str:
-    """Name the topics that there are, as a sentence."""
-    return f"Topics here: {', '.join(source.topics()) or 'none'}."
-
-
-def silence(source: Source, topic: str, since_ns: int) -> str:
-    """Say how long nothing came on a topic."""
+def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
+    """Say how long nothing came on a topic and why, and what topics there are."""
     seconds = (source.graph.now_ns - since_ns) * 1e-9
-    return f"No message came on {topic} in {seconds:g} s of robot time."
+    return (
+        f"No message came on {topic} in {seconds:g} s of robot time.{source.why_silent(topic, qos)} "
+        f"Topics here: {', '.join(source.topics())}."
+    )
+
+
+def listen(
+    source: Source, topic: str, write: Write, *, verb: str, every: float | None = None
+) -> Iterator[tuple[int, Arrival | None]]:
+    """Yield robot time [ns] and what comes on a topic, or, once per `every` [s], nothing, until ■.
+
+    Without a page it ends after a while, and says so; raises a CourseError if nothing has come.
+    """
+    start_ns, limit, came = source.graph.now_ns, source.limit(), False
+    with until_interrupted():
+        kind = type_of(source, topic, write, blocking=True)
+        for now_ns, arrival in source.stream({topic: SENSOR_DATA}, kind, every=every, seconds=limit):
+            came = came or arrival is not None
+            yield now_ns, arrival
+        if not came:
+            raise CourseError(silence(source, topic, SENSOR_DATA, start_ns))
+        if limit:
+            write(f"No page is watching: ros2 topic {verb} stopped after {limit:g} s of robot time.\n")
+
+
+def spread(values_ns: Sequence[int]) -> str:
+    """Write the least, the greatest and the population's standard deviation of durations [ns]."""
+    deviation = pstdev(values_ns) * 1e-9
+    least, most = min(values_ns) * 1e-9, max(values_ns) * 1e-9
+    window = len(values_ns)
+    return f"\tmin: {least:.3f}s max: {most:.3f}s std dev: {deviation:.5f}s window: {window}\n"
+
+
+def window_options(default: int) -> tuple[Option, ...]:
+    """Give the options of verbs that look at a topic's last messages."""
+    return (
+        value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
+        value(
+            "-w",
+            "--window",
+            type=positive(int),
+            default=default,
+            help=f"window size, in # of messages (default: {default})",
+        ),
+        *NODE_OPTIONS[:2],
+    )
 
 
 def passes(expression: str | None) -> Callable[[Any], bool]:

@@ -1,0 +1,116 @@
+"""What follows a command in `%ros2 … | grep … > file`: the machine's own tools, without a shell."""
+
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO
+
+from course_lib.errors import CourseError
+from course_lib.tools.verb import Write
+
+_PARTS = re.compile(r""""(?:\\.|[^"\\])*"|'[^']*'|\\.|(>>|>|\|)""")  # what is quoted, and what parts a line
+
+
+def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
+    """Part a line into the commands that `|` joins, and what `>` or `>>` writes to, with open's mode.
+
+    Raises:
+        CourseError: There is nothing on one side of `|` or `>`.
+        ValueError: A quotation mark is not closed.
+    """
+    pieces, signs, start = [], [], 0
+    for found in _PARTS.finditer(line):
+        if found[1]:
+            pieces.append(line[start : found.start()])
+            signs.append(found[1])
+            start = found.end()
+    commands = [shlex.split(piece) for piece in (*pieces, line[start:])]
+    if signs and not all(commands):
+        raise CourseError(
+            f"Something is missing beside {' or '.join(sorted(set(signs)))}: ros2 {line.strip()}"
+        )
+    if not signs or signs[-1] == "|":
+        return commands, None
+    if set(signs[:-1]) - {"|"} or len(commands[-1]) != 1:
+        raise CourseError(
+            f"Write one file, at the end: ros2 topic list {signs[-1]} topics.txt, not: ros2 {line}"
+        )
+    return commands[:-1], ("a" if signs[-1] == ">>" else "w", Path(commands.pop()[0]))
+
+
+def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
+    """Run a command line.
+
+    Args:
+        line: What follows `ros2`.
+        ros2: Does what its words say, and writes.
+        write: Takes what comes out of the last command.
+
+    Raises:
+        CourseError: One of the tools is not there, or the line cannot be read.
+        ValueError: A quotation mark is not closed.
+    """
+    (words, *filters), target = split(line)
+    if filters and filters[0][0] == "ros2":  # ros2 topic type /chatter | ros2 interface show -
+        told: list[str] = []
+        ros2(words, told.append)
+        words = ["".join(told).strip() if word == "-" else word for word in filters.pop(0)[1:]]
+    with ExitStack() as stack:
+        if target is not None:
+            write = stack.enter_context(target[1].open(target[0])).write
+        if filters:
+            write = stack.enter_context(through(filters, write))
+        with suppress(BrokenPipeError):  # `head` has enough
+            ros2(words, write)
+
+
+@contextmanager
+def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
+    """Start commands that read from each other; gives what writes into the first, like a file's write.
+
+    What comes out of the last one is passed on at once. Raises a CourseError if one is not there.
+    """
+    for name in (command[0] for command in commands if shutil.which(command[0]) is None):
+        raise CourseError(f"There is no program {name} on this machine: leave out `| {name} …`.")
+    running: list[subprocess.Popen[bytes]] = []
+    with ExitStack() as stack:
+        result = Path(stack.enter_context(TemporaryDirectory()), "result")
+        come, out = stack.enter_context(result.open("a+b")), stack.enter_context(result.open("ab"))
+        stack.callback(_end, running)
+        for command in commands:
+            source = running[-1].stdout if running else subprocess.PIPE
+            to = out if command is commands[-1] else subprocess.PIPE
+            running.append(subprocess.Popen(command, stdin=source, stdout=to, stderr=out))
+            if running[1:] and running[-2].stdout:
+                running[-2].stdout.close()  # now the next command alone holds it
+        first = running[0].stdin
+        assert first is not None  # it is a pipe
+
+        def feed(text: str) -> None:
+            first.write(text.encode())
+            first.flush()
+            _pass_on(come, write)
+
+        yield feed
+        with suppress(BrokenPipeError):
+            first.close()
+        for process in running:
+            process.wait()
+        _pass_on(come, write)
+
+
+def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
+    """End what goes on when ■ was pressed; those that have ended do not mind."""
+    for process in running:
+        process.kill()
+        process.wait()
+
+
+def _pass_on(out: IO[bytes], write: Write) -> None:
+    """Write what has been added to a file since its place."""
+    write(out.read().decode(errors="replace"))

@@ -1,0 +1,69 @@
+"""`ros2 topic info`."""
+
+from argparse import Namespace
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph import EndpointInfo, NodeInfo
+from course_lib.ros.messages.definitions import typestore
+from course_lib.ros.qos import Qos
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.sources import Source
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+
+
+def run(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a topic's type and how many publish and subscribe, or who; raises a CourseError if unknown."""
+    topic, end = arguments.topic_name, "\n\n" if arguments.verbose else "\n"
+    types = source.topics().get(topic)
+    if not types:
+        raise CourseError(f"Unknown topic '{topic}'{did_you_mean(topic, source.topics())}")
+    write(f"Type: {types[0] if len(types) == 1 else types}{end}")
+    nodes = {node.id: node for node in source.graph.nodes()}
+    for title, endpoints in (
+        ("Publisher", source.endpoints(topic, "pub")),
+        ("Subscription", source.endpoints(topic, "sub")),
+    ):
+        write(f"{title} count: {len(endpoints)}{end}")
+        for endpoint in endpoints if arguments.verbose else ():
+            write(f"{describe(endpoint, nodes[endpoint.node], title.upper())}{end}")
+
+
+def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
+    """Describe a publisher or a subscription, as rclpy's TopicEndpointInfo does."""
+    gid = ".".join(f"{byte:02x}" for byte in endpoint.id.to_bytes(16, "big"))
+    return (
+        f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
+        f"Topic type hash: {typestore().hash_rihs01(endpoint.type_name)}\n"
+        f"Endpoint type: {kind}\nGID: {gid}\nQoS profile:\n{_profile(endpoint.qos)}"
+    )
+
+
+def _profile(qos: Qos) -> str:
+    depth = f"KEEP_LAST ({qos.depth})" if qos.history == "keep_last" else "KEEP_ALL"
+    rows = {
+        "Reliability": qos.reliability.upper(),
+        "History (Depth)": depth,
+        "Durability": qos.durability.upper(),
+        "Lifespan": _duration(qos.lifespan_ns),
+        "Deadline": _duration(qos.deadline_ns),
+        "Liveliness": qos.liveliness.upper(),
+        "Liveliness lease duration": _duration(qos.lease_ns),
+    }
+    return "\n".join(f"  {name}: {setting}" for name, setting in rows.items())
+
+
+def _duration(limit_ns: int | None) -> str:
+    return "Infinite" if limit_ns is None else f"{limit_ns} nanoseconds"
+
+
+TOPIC_INFO = Verb(
+    "topic",
+    "info",
+    "Print information about a topic",
+    (
+        *NODE_OPTIONS,
+        value("topic_name", help="Name of the ROS topic to get info (e.g. '/chatter')"),
+        flag("-v", "--verbose", help="Prints detailed information like the node name and the QoS profile"),
+    ),
+    run,
+)
