@@ -60,19 +60,21 @@ def number(low: float = -math.inf, high: float = math.inf) -> Limited:
     return Limited(_expecting("a number", convert), "number", low, high)
 
 
-def integer(low: int) -> Limited:
-    """Take a whole number; RViz keeps it above the bound."""
+def integer(low: int, high: int = 2**31 - 1) -> Limited:
+    """Take a whole number; RViz keeps it within the bounds."""
 
     def convert(value: Any) -> int:
-        if isinstance(value, bool) or int(value) != float(value):
+        whole = int(value) if isinstance(value, int) else int(float(value))
+        if isinstance(value, bool) or whole != float(value):
             raise ValueError
-        return max(int(value), low)
+        return min(max(whole, low), high)
 
-    return Limited(_expecting("a whole number", convert), "integer", low)
+    return Limited(_expecting("a whole number", convert), "integer", low, high)
 
 
 def flag(value: Any) -> bool:
-    """Take True or False."""
+    """Take True or False, or one of these as layouts write it."""
+    value = {"true": True, "false": False}.get(value.lower(), value) if isinstance(value, str) else value
     if not isinstance(value, bool):
         raise ValueError("True or False")
     return value
@@ -149,6 +151,7 @@ class PropertyHolder:
     def __init__(self) -> None:
         self._values = {prop.label: prop.default for prop in self.properties}
         self._loaded: Mapping[str, Any] = {}  # the layout it has taken last
+        self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
 
     def grow(self, *properties: Property) -> list[str]:
         """Get further properties, with the values they had before or that the layout has for them.

@@ -1,60 +1,41 @@
 """The Range display."""
 
-from collections import deque
 from collections.abc import Mapping
 from math import isinf, tan
 from typing import Any
 
-import numpy as np
-
-from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.frames import Matrix
-from course_lib.displays.marker.shapes import placement
+from course_lib.displays.history_display import HistoryDisplay
+from course_lib.displays.marker.shapes import ALONG_MINUS_X, placement
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, color, integer, number
 from course_lib.viewer.drawables import Drawable, Solids
 
-_ALONG_MINUS_X = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # takes z of the cone to -x
 _BACK = 0.008824  # share of the range by which RViz draws the cone nearer, to make up for its model
 
 
-class RangeDisplay(DrawnDisplay):
+class RangeDisplay(HistoryDisplay):
     """Shows the last measurements of a range finder as cones along +x, as long as what was measured."""
 
     class_name = "rviz_default_plugins/Range"
     type_name = "sensor_msgs/msg/Range"
     properties = (
-        *DrawnDisplay.properties,
+        *HistoryDisplay.properties,
         Property("Color", (255, 255, 255), color),
         Property("Alpha", 0.5, number(0.0, 1.0)),
         Property("Buffer Length", 1, integer(1)),
     )
-
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*args)
-        self._cones: deque[Matrix] = deque(maxlen=1)
-
-    def changed(self, label: str) -> None:
-        """Draw anew; another length of the buffer empties it."""
-        if label == "Buffer Length":
-            self._cones = deque(maxlen=self[label])
-        super().changed(label)
-
-    def reset(self) -> None:
-        """Forget all measurements."""
-        super().reset()
-        self._cones.clear()
+    length_label = "Buffer Length"
 
     def process(self, message: Any) -> None:
         """Show a measurement."""
         transform = self.transform_at(message.header)
         if transform is not None:
-            self._cones.append(transform @ _cone(_shown_range(message), message.field_of_view))
-            self.draw()
+            self.keep(transform @ _cone(_shown_range(message), message.field_of_view))
 
     def parts(self) -> Mapping[str, Drawable]:
         """Return all cones."""
-        return {"cones": Solids("cone", list(self._cones), rgba_of(self))} if self._cones else {}
+        return {"cones": Solids("cone", list(self.kept), rgba_of(self))} if self.kept else {}
 
 
 def _shown_range(message: Any) -> float:
@@ -71,4 +52,4 @@ def _shown_range(message: Any) -> float:
 def _cone(length: float, opening: float) -> Matrix:
     """Place the unit cone with its tip at the origin, open along +x."""
     width = 2 * length * tan(opening / 2)
-    return placement(_ALONG_MINUS_X, (width, width, length), (length / 2 - _BACK * length, 0.0, 0.0))
+    return placement(ALONG_MINUS_X, (width, width, length), (length / 2 - _BACK * length, 0.0, 0.0))

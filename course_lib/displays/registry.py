@@ -7,7 +7,9 @@ from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
 from course_lib.displays.images.camera import CameraDisplay
 from course_lib.displays.images.display import ImageDisplay
+from course_lib.displays.map.display import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
+from course_lib.displays.poses.path import PathDisplay
 from course_lib.displays.poses.pose import PoseDisplay
 from course_lib.displays.poses.pose_array import PoseArrayDisplay
 from course_lib.displays.range import RangeDisplay
@@ -24,8 +26,10 @@ REGISTRY: dict[str, type[Display]] = {
         GridDisplay,
         ImageDisplay,
         LaserScanDisplay,
+        MapDisplay,
         MarkerArrayDisplay,
         MarkerDisplay,
+        PathDisplay,
         PointCloud2Display,
         RobotModelDisplay,
         TfDisplay,
@@ -38,7 +42,7 @@ REGISTRY: dict[str, type[Display]] = {
 # What else RViz2 has (rviz_default_plugins/plugins_description.xml).
 _RVIZ_ONLY = (
     "AccelStamped", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
-    "Illuminance", "InteractiveMarkers", "Map", "Odometry", "Path", "PointCloud",
+    "Illuminance", "InteractiveMarkers", "Odometry", "PointCloud",
     "PointStamped", "Polygon", "PoseWithCovariance",
     "RelativeHumidity", "Temperature", "TwistStamped", "Wrench",
 )  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from course_lib.displays.display import Display, Subscription
 from course_lib.displays.frames import NS, Matrix, nanoseconds
-from course_lib.displays.properties import Property, integer, text, words
+from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
 from course_lib.ros.qos import Qos
 
 # By the fields of Qos; in RViz's words, its default first.
@@ -18,9 +18,13 @@ _POLICIES = {
 
 
 def topic_properties(default: str = "", label: str = "Topic") -> tuple[Property, ...]:
+    """Return the properties of a display with a topic."""
+    return (*Display.properties, *with_qos(default, label))
+
+
+def with_qos(default: str = "", label: str = "Topic") -> tuple[Property, ...]:
     """Return RViz's Topic property with the quality of service below it."""
     return (
-        *Display.properties,
         Property(label, default, text),
         Property(f"{label}/Depth", 5, integer(0)),
         *(
@@ -28,6 +32,13 @@ def topic_properties(default: str = "", label: str = "Topic") -> tuple[Property,
             for field, options in _POLICIES.items()
         ),
     )
+
+
+def qos_of(holder: PropertyHolder, label: str = "Topic") -> Qos:
+    """Return the quality of service that the properties below a topic say."""
+    said = {field: holder[f"{label}/{field.title()} Policy"] for field in _POLICIES}
+    policies = {f: word.lower().replace(" ", "_") for f, word in said.items() if word != "System Default"}
+    return Qos(depth=holder[f"{label}/Depth"], **policies)
 
 
 class TopicDisplay(Display):
@@ -46,7 +57,8 @@ class TopicDisplay(Display):
         """Take the properties of a layout; before Galactic it says ``Topic: /x``, ``Unreliable: true``."""
         topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
-            reliability = "Best Effort" if config.get("Unreliable") is True else None
+            unreliable = str(config.get("Unreliable")).lower() == "true"
+            reliability = "Best Effort" if unreliable else None
             topic = {"Value": topic, "Depth": config.get("Queue Size"), "Reliability Policy": reliability}
         return super().load({**config, self.topic_label: topic})
 
@@ -58,9 +70,7 @@ class TopicDisplay(Display):
 
     def qos(self) -> Qos:
         """Return what the display requests of publishers."""
-        said = {field: self[f"{self.topic_label}/{field.title()} Policy"] for field in _POLICIES}
-        policies = {f: word.lower().replace(" ", "_") for f, word in said.items() if word != "System Default"}
-        return Qos(depth=self[f"{self.topic_label}/Depth"], **policies)
+        return qos_of(self, self.topic_label)
 
     def start(self) -> None:
         """Listen to the topic, if the display is ticked and has one."""
@@ -80,9 +90,9 @@ class TopicDisplay(Display):
         """Return what the display listens to."""
         return (self.subscription(self[self.topic_label], self.type_name, self.take),)
 
-    def subscription(self, topic: str, type_name: str, take: Any) -> Subscription:
-        """Return a subscription with the display's quality of service."""
-        return Subscription("/" + topic.removeprefix("/"), type_name, self.qos(), take, self.statuses)
+    def subscription(self, topic: str, type_name: str, take: Any, qos: Qos | None = None) -> Subscription:
+        """Return a subscription, with the display's quality of service if there is no other."""
+        return Subscription("/" + topic.removeprefix("/"), type_name, qos or self.qos(), take, self.statuses)
 
     def reset(self) -> None:
         """Forget all messages."""
@@ -92,23 +102,29 @@ class TopicDisplay(Display):
     def take(self, message: Any) -> None:
         """Count a message and show it."""
         self._received += 1
+        self.statuses.set("ok", "Topic", self.received())
+        self.process(message)
+
+    def received(self, what: str = "messages") -> str:
+        """Say in RViz's words how many messages have come, and how often."""
         elapsed = (self.context.now_ns - self._since_ns) / NS  # [s]
         rate = self._received / elapsed if elapsed else float("inf")
-        self.statuses.set("ok", "Topic", f"{self._received} messages received at {rate:.1f} hz.")
-        self.process(message)
+        return f"{self._received} {what} received at {rate:.1f} hz."
 
     def process(self, message: Any) -> None:
         """Show a message."""
         raise NotImplementedError
 
-    def transform_at(self, header: Any, known: bool = True) -> Matrix | None:
+    def transform_at(self, header: Any, known: bool = True, stamp_ns: int | None = None) -> Matrix | None:
         """Return the transform from a header's frame to the fixed frame at its stamp, and say if it is known.
 
         Args:
             header: A std_msgs/msg/Header.
             known: False if something that belongs to the message cannot be placed, whatever tf2 knows.
+            stamp_ns: Instead of its stamp, [ns]; 0 takes the latest.
         """
-        transform = self.context.frames.transform(header.frame_id, nanoseconds(header.stamp))
+        stamp_ns = nanoseconds(header.stamp) if stamp_ns is None else stamp_ns
+        transform = self.context.frames.transform(header.frame_id, stamp_ns)
         if known and transform is not None:
             self.statuses.set("ok", "Transform", "Ok")
             return transform

@@ -11,6 +11,7 @@ from course_lib.viewer.drawables import Shape, Solids, Text
 SHAFT, HEAD = 0.77, 0.23  # shares of an arrow's length
 SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
 ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # takes z of the solids to x
+ALONG_MINUS_X = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 _FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
 
 

@@ -1,48 +1,86 @@
-"""Arrows along +x, as RViz's displays of poses have them."""
+"""Arrows along +x and axes, as RViz's displays of poses have them."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from course_lib.displays.axes import AXIS_COLORS, axes
 from course_lib.displays.marker.shapes import ALONG_X, placement
 from course_lib.displays.properties import Property, PropertyHolder, color, number, words
 from course_lib.viewer.drawables import Drawable, Solids
 
 INVALID = "Message contained invalid floating point values (nans or infs)"
+ARROW = (1.0, 0.05, 0.3, 0.1)  # lengths and diameters of shaft and head, RViz's default, [m]
 
 
-def arrow_properties(
-    shaft_length: float, shaft_radius: float, head_length: float, head_radius: float, *shapes: str
+def shape_properties(
+    arrow: tuple[float, float, float, float] = ARROW,
+    axis: tuple[float, float] = (1.0, 0.1),
+    shapes: tuple[str, ...] = ("Arrow", "Axes"),
+    below: str = "",
 ) -> tuple[Property, ...]:
-    """Return RViz's properties of an arrow, with its defaults in [m], and the shapes it may be shown as."""
+    """Return RViz's properties of what a pose is shown as.
+
+    Args:
+        arrow: Defaults of length and diameter of the shaft, and of the head, [m].
+        axis: Defaults of length and diameter of the axes, [m].
+        shapes: What it may be.
+        below: Put before all labels but that of the shape.
+    """
+    shaft_length, shaft_diameter, head_length, head_diameter = arrow
     return (
         Property("Shape", shapes[0], words(*shapes)),
-        Property("Color", (255, 25, 0), color),
-        Property("Alpha", 1.0, number(0.0, 1.0)),
-        Property("Shaft Length", shaft_length, number()),
-        Property("Shaft Radius", shaft_radius, number()),  # RViz's word, but it is the diameter
-        Property("Head Length", head_length, number()),
-        Property("Head Radius", head_radius, number()),  # the diameter, too
+        Property(f"{below}Color", (255, 25, 0), color),
+        Property(f"{below}Alpha", 1.0, number(0.0, 1.0)),
+        Property(f"{below}Shaft Length", shaft_length, number()),
+        Property(f"{below}Shaft Radius", shaft_diameter, number()),  # RViz's word, but it is the diameter
+        Property(f"{below}Head Length", head_length, number()),
+        Property(f"{below}Head Radius", head_diameter, number()),  # the diameter, too
+        Property(f"{below}Axes Length", axis[0], number()),
+        Property(f"{below}Axes Radius", axis[1], number()),  # the diameter
     )
 
 
-def rgba_of(holder: PropertyHolder) -> tuple[float, float, float, float]:
-    """Return the properties Color and Alpha, in 0..1."""
-    red, green, blue = (channel / 255 for channel in holder["Color"])
-    return red, green, blue, holder["Alpha"]
+def shapes(poses: npt.ArrayLike, holder: PropertyHolder, below: str = "") -> dict[str, Drawable]:
+    """Draw axes or arrows at poses, shape (N, 4, 4), as the properties of `shape_properties` say."""
+    if holder["Shape"] == "Axes":
+        return axes_at(poses, holder[f"{below}Axes Length"], holder[f"{below}Axes Radius"])
+    sizes = (
+        holder[f"{below}{part}"] for part in ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")
+    )
+    return arrows(poses, *sizes, rgba=rgba_of(holder, f"{below}Color", f"{below}Alpha"))
 
 
-def arrows(placements: npt.ArrayLike, holder: PropertyHolder) -> dict[str, Drawable]:
-    """Draw arrows with the properties of a display at poses, shape (N, 4, 4)."""
-    poses = np.asarray(placements, np.float64)
-    shaft, head = holder["Shaft Length"], holder["Head Length"]
-    shaft_size = (holder["Shaft Radius"], holder["Shaft Radius"], shaft)
-    head_size = (holder["Head Radius"], holder["Head Radius"], head)
-    body = placement(ALONG_X, shaft_size, (shaft / 2, 0.0, 0.0))
-    tip = placement(ALONG_X, head_size, (shaft + head / 2, 0.0, 0.0))
-    rgba = rgba_of(holder)
-    return {"shaft": Solids("cylinder", poses @ body, rgba), "head": Solids("cone", poses @ tip, rgba)}
+def rgba_of(
+    holder: PropertyHolder, color_label: str = "Color", alpha_label: str = "Alpha"
+) -> tuple[float, ...]:
+    """Return the values of two properties as one colour, in 0..1."""
+    return (*(channel / 255 for channel in holder[color_label]), holder[alpha_label])
+
+
+def arrows(
+    poses: npt.ArrayLike,
+    shaft_length: float,
+    shaft_diameter: float,
+    head_length: float,
+    head_diameter: float,
+    *,
+    rgba: npt.ArrayLike,
+) -> dict[str, Drawable]:
+    """Draw arrows of one size in [m] at poses, shape (N, 4, 4); there is one colour, or one for each."""
+    at, shaft_size = np.asarray(poses, np.float64), (shaft_diameter, shaft_diameter, shaft_length)
+    body = placement(ALONG_X, shaft_size, (shaft_length / 2, 0.0, 0.0))
+    head_size = (head_diameter, head_diameter, head_length)
+    tip = placement(ALONG_X, head_size, (shaft_length + head_length / 2, 0.0, 0.0))
+    return {"shaft": Solids("cylinder", at @ body, rgba), "head": Solids("cone", at @ tip, rgba)}
+
+
+def axes_at(poses: npt.ArrayLike, length: float, diameter: float) -> dict[str, Drawable]:
+    """Draw axes of one size in [m] at poses, shape (N, 4, 4)."""
+    at = np.asarray(poses, np.float64)
+    every = (at[:, None] @ axes(length, diameter).placements).reshape(-1, 4, 4)
+    return {"axes": Solids("cylinder", every, np.tile(AXIS_COLORS, (len(at), 1)))}
 
 
 def is_finite(poses: Any) -> bool:
@@ -56,3 +94,17 @@ def numbers_of(poses: Any) -> npt.NDArray[np.float64]:
         (p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in ((pose.position, pose.orientation) for pose in poses)
     ]
     return np.array(rows, np.float64).reshape(-1, 7)
+
+
+def matrices(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return poses, shape (N, 7), as transforms, shape (N, 4, 4); Ogre's: zeros do not turn."""
+    x, y, z, w = poses[:, 3:].T
+    made = np.tile(np.eye(4), (len(poses), 1, 1))
+    made[:, :3, 3] = poses[:, :3]
+    made[:, 0, 0], made[:, 1, 1], made[:, 2, 2] = (
+        1 - 2 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y))
+    )
+    made[:, 0, 1], made[:, 1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    made[:, 0, 2], made[:, 2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    made[:, 1, 2], made[:, 2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+    return made

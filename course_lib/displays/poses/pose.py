@@ -3,13 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from course_lib.displays.axes import axes
 from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.frames import Matrix, placed
-from course_lib.displays.poses.arrow import INVALID, arrow_properties, arrows, is_finite
-from course_lib.displays.properties import Property, number
+from course_lib.displays.poses.arrow import INVALID, is_finite, shape_properties, shapes
 from course_lib.viewer.drawables import Drawable
 
 
@@ -18,12 +14,7 @@ class PoseDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/Pose"
     type_name = "geometry_msgs/msg/PoseStamped"
-    properties = (
-        *DrawnDisplay.properties,
-        *arrow_properties(1.0, 0.05, 0.3, 0.1, "Arrow", "Axes"),
-        Property("Axes Length", 1.0, number()),  # [m]
-        Property("Axes Radius", 0.1, number()),  # [m]
-    )
+    properties = (*DrawnDisplay.properties, *shape_properties())
     _pose: Matrix | None = None
 
     def reset(self) -> None:
@@ -39,13 +30,8 @@ class PoseDisplay(DrawnDisplay):
         transform = self.transform_at(message.header)
         if transform is not None:
             self._pose = placed(transform, message.pose)
-            self.context.scene.set_transform(f"{self.path}/drawn", self._pose)
             self.draw()
 
     def parts(self) -> Mapping[str, Drawable]:
-        """Return an arrow or axes at the origin of the pose."""
-        if self._pose is None:
-            return {}
-        if self["Shape"] == "Axes":
-            return {"axes": axes(self["Axes Length"], self["Axes Radius"])}
-        return arrows([np.eye(4)], self)
+        """Return an arrow or axes at the pose."""
+        return {} if self._pose is None else shapes([self._pose], self)

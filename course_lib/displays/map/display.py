@@ -1,0 +1,137 @@
+"""The Map display."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from course_lib.displays.display import Subscription
+from course_lib.displays.drawn_display import DrawnDisplay
+from course_lib.displays.frames import nanoseconds, placed
+from course_lib.displays.map.palette import SCHEMES, Bytes, palette
+from course_lib.displays.poses.arrow import INVALID, is_finite
+from course_lib.displays.properties import Property, flag, integer, number, read_only, words
+from course_lib.displays.statuses import Level
+from course_lib.displays.topic_display import qos_of, with_qos
+from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Sheet
+
+_UPDATES = "Update Topic"
+_UPDATE = "map_msgs/msg/OccupancyGridUpdate"
+_MEASURED = ("Resolution", "Width", "Height", "Position", "Orientation")
+
+
+class MapDisplay(DrawnDisplay):
+    """Shows an occupancy grid, and what changes in parts of it."""
+
+    class_name = "rviz_default_plugins/Map"
+    type_name = "nav_msgs/msg/OccupancyGrid"
+    properties = (
+        *DrawnDisplay.properties,
+        *with_qos(label=_UPDATES),
+        Property("Alpha", 0.7, number(0.0, 1.0)),
+        Property("Color Scheme", "map", words(*SCHEMES)),
+        Property("Draw Behind", False, flag),
+        *(Property(label, None, read_only) for label in _MEASURED),
+        Property("Use Timestamp", False, flag),
+        Property("Binary representation", False, flag),
+        Property("Binary threshold", 100, integer(0, 100)),
+    )
+    _map: Any = None  # the last one that can be shown
+    _cells: Bytes = np.empty((0, 0), np.uint8)  # shape (height, width)
+
+    def changed(self, label: str) -> None:
+        """Listen to other topics, or draw anew; updates come beside the map unless said otherwise."""
+        super().changed(label)
+        if label == "Topic":
+            self[_UPDATES] = f"{self['Topic']}_updates"
+        elif label.startswith(_UPDATES) and self.started:
+            self.start()
+
+    def reset(self) -> None:
+        """Forget the map."""
+        super().reset()
+        self._map = None
+        self._values |= dict.fromkeys(_MEASURED)
+        self.statuses.set("warn", "Message", "No map received")
+
+    def wanted(self) -> tuple[Subscription, ...]:
+        """Listen to maps and to updates."""
+        self.statuses.set("ok", _UPDATES, "OK")
+        qos = qos_of(self, _UPDATES)
+        return (*super().wanted(), self.subscription(self[_UPDATES], _UPDATE, self._take_update, qos))
+
+    def process(self, message: Any) -> None:
+        """Show a map; one that RViz refuses leaves the last one."""
+        level, text = _verdict(message)
+        self.statuses.hint(
+            "Map", *([] if text else ["the map has no cells: RViz draws nothing, and says nothing."])
+        )
+        if text:
+            self.statuses.set(level, "Map", text)
+        if not text or level == "error":
+            return
+        self.statuses.set("ok", "Message", "Map received")
+        self._map, info = message, message.info
+        self._cells = np.array(message.data, np.int8).view(np.uint8).reshape(info.height, info.width)
+        measured = (info.resolution, info.width, info.height, info.origin.position, info.origin.orientation)
+        self._values |= dict(zip(_MEASURED, measured, strict=True))
+        self._place()
+        self.draw()
+
+    def update(self) -> None:
+        """Stay where the map's frame is."""
+        super().update()
+        self._place()
+
+    def parts(self) -> Mapping[str, Drawable]:
+        """Return the sheet of cells."""
+        if self._map is None:
+            return {}
+        threshold = self["Binary threshold"] if self["Binary representation"] else None
+        colors = palette(self["Color Scheme"], threshold)
+        if self["Alpha"] < OPAQUE_FROM:
+            colors[:, 3] = np.rint(colors[:, 3] * self["Alpha"])
+        return {"map": Sheet(colors[self._cells], self._map.info.resolution, self["Draw Behind"])}
+
+    def _place(self) -> None:
+        """Put the map where its frame is: now, or at its stamp if that is asked for and known."""
+        if self._map is None:
+            return
+        header, frames = self._map.header, self.context.frames
+        stamp_ns = nanoseconds(header.stamp) if self["Use Timestamp"] else 0
+        known = frames.transform(header.frame_id, stamp_ns) is not None
+        transform = self.transform_at(header, stamp_ns=stamp_ns if known else 0)
+        node = f"{self.path}/drawn"
+        self.context.scene.set_visible(node, transform is not None)
+        if transform is not None:
+            self.context.scene.set_transform(node, placed(transform, self._map.info.origin))
+
+    def _take_update(self, update: Any) -> None:
+        """Change part of the map."""
+        if self._map is None:
+            return
+        self.statuses.set("ok", "Topic", self.received("update messages"))
+        height, width = self._cells.shape
+        inside = 0 <= update.x <= width - update.width and 0 <= update.y <= height - update.height
+        if not inside:
+            self.statuses.set("error", "Update", "Update area outside of original map area.")
+            return
+        part = np.array(update.data, np.int8).view(np.uint8).reshape(update.height, update.width)
+        self._cells[update.y : update.y + update.height, update.x : update.x + update.width] = part
+        self.statuses.set("ok", "Update", "Update OK")
+        self.draw()
+
+
+def _verdict(message: Any) -> tuple[Level, str]:
+    """Say in RViz's words whether a nav_msgs/msg/OccupancyGrid can be shown; no word for one without data."""
+    info, size = message.info, len(message.data)
+    if not size:
+        return "error", ""
+    if not (np.isfinite(info.resolution) and is_finite([info.origin])):
+        return "error", INVALID
+    if not info.width * info.height:
+        return "error", f"Map is zero-sized ({info.width}x{info.height})"
+    if info.width * info.height != size:
+        wrong = f"width = {info.width}, height = {info.height}, data size = {size}"
+        return "error", f"Data size doesn't match width*height: {wrong}"
+    return "ok", "Map OK"

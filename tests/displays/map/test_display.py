@@ -1,0 +1,174 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from map_msgs.msg import OccupancyGridUpdate
+from nav_msgs.msg import OccupancyGrid
+
+from course_lib.displays.display import Display
+from course_lib.displays.map.palette import palette
+from course_lib.displays.poses.arrow import INVALID
+from course_lib.viewer.drawables import Sheet
+from tests.displays.bench import Bench
+
+PATH = "displays/Map/drawn/map"
+FREE, WALL, UNKNOWN = 0, 100, -1
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    return bench.session.add("rviz_default_plugins/Map", "Map", {"Topic": "/map"}, **properties)
+
+
+def grid(*rows: tuple[int, ...], frame: str = "map", resolution: float = 0.5) -> OccupancyGrid:
+    message = OccupancyGrid(data=[cell for row in rows for cell in row])
+    message.header.frame_id = frame
+    message.info.resolution = resolution
+    message.info.height, message.info.width = len(rows), len(rows[0])
+    return message
+
+
+def change(x: int, y: int, *rows: tuple[int, ...]) -> OccupancyGridUpdate:
+    data = [cell for row in rows for cell in row]
+    return OccupancyGridUpdate(x=x, y=y, width=len(rows[0]), height=len(rows), data=data)
+
+
+def sheet(bench: Bench) -> Sheet:
+    found = bench.scene.objects()[PATH]
+    assert isinstance(found, Sheet)
+    return found
+
+
+def test_a_map_lies_at_its_origin_in_its_frame_row_by_row_along_y() -> None:
+    bench = Bench()
+    bench.transform("map", "odom", (1.0, 0.0, 0.0))
+    add(bench, alpha=1.0)
+    message = grid((FREE, WALL), (UNKNOWN, FREE), frame="odom")
+    message.info.origin.position.x = 2.0
+    bench.hear("/map", message)
+    bench.look()
+    colors = palette("map")
+    assert sheet(bench).pixels.tolist() == colors[[[0, 100], [255, 0]]].tolist()
+    assert sheet(bench).cell == 0.5
+    assert bench.scene.world_transform(PATH)[:3, 3].tolist() == [3, 0, 0]
+
+
+def test_its_statuses_and_measures_are_rviz_words() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert bench.said(display, "Message") == ("warn", "No map received")
+    bench.hear("/map", grid((FREE, WALL), (FREE, FREE), (FREE, FREE)))
+    bench.look()
+    assert bench.said(display, "Message") == ("ok", "Map received")
+    assert bench.said(display, "Map") == ("ok", "Map OK")
+    assert bench.said(display, "Update Topic") == ("ok", "OK")
+    assert [display[label] for label in ("Resolution", "Width", "Height")] == [0.5, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("changes", "status"),
+    [
+        ({"width": 3}, "Data size doesn't match width*height: width = 3, height = 1, data size = 2"),
+        ({"height": 0}, "Map is zero-sized (2x0)"),
+        ({"resolution": np.nan}, INVALID),
+    ],
+)
+def test_a_map_that_makes_no_sense_is_refused_and_the_last_one_stays(
+    changes: dict[str, Any], status: str
+) -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/map", grid((FREE, FREE)))
+    before = sheet(bench)
+    wrong = grid((WALL, WALL))
+    for field, value in changes.items():
+        setattr(wrong.info, field, value)
+    bench.hear("/map", wrong)
+    bench.look()
+    assert bench.said(display, "Map") == ("error", status)
+    assert sheet(bench) is before
+
+
+def test_a_map_without_cells_is_hinted_at_where_rviz_is_silent() -> None:
+    bench = Bench()
+    display = add(bench)
+    empty = OccupancyGrid()
+    empty.header.frame_id = "map"
+    bench.hear("/map", empty)
+    assert bench.said(display, "Map") is None
+    assert "no cells" in " ".join(bench.hints(display))
+
+
+def test_updates_come_beside_the_map_and_change_a_part() -> None:
+    bench = Bench()
+    display = add(bench, alpha=1.0)
+    bench.hear("/map_updates", change(0, 0, (WALL,)))  # before the first map there is nothing to change
+    bench.hear("/map", grid((FREE, FREE, FREE), (FREE, FREE, FREE)))
+    bench.hear("/map_updates", change(1, 1, (WALL, UNKNOWN)), at=0.5)
+    cells = [[0, 0, 0], [0, 100, 255]]
+    assert sheet(bench).pixels.tolist() == palette("map")[cells].tolist()
+    assert bench.said(display, "Update") == ("ok", "Update OK")
+    assert bench.said(display, "Topic") == ("ok", "1 update messages received at 2.0 hz.")
+
+
+@pytest.mark.parametrize(("x", "y"), [(-1, 0), (2, 0), (0, 1)])
+def test_an_update_outside_of_the_map_is_an_error_and_changes_nothing(x: int, y: int) -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/map", grid((FREE, FREE, FREE)))
+    before = sheet(bench)
+    bench.hear("/map_updates", change(x, y, (WALL, WALL)))
+    assert bench.said(display, "Update") == ("error", "Update area outside of original map area.")
+    assert sheet(bench) is before
+
+
+def test_updates_may_come_from_elsewhere() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert display["Update Topic"] == "/map_updates"
+    display["Update Topic"] = "/elsewhere"
+    bench.hear("/map", grid((FREE,)))
+    bench.hear("/elsewhere", change(0, 0, (WALL,)))
+    assert bench.said(display, "Update") == ("ok", "Update OK")
+    saved = {"Topic": {"Value": "/map"}, "Update Topic": {"Value": "/mine", "Depth": 7}}
+    loaded = bench.session.add("rviz_default_plugins/Map", "Loaded", saved)
+    assert (loaded["Update Topic"], loaded["Update Topic/Depth"]) == ("/mine", 7)
+
+
+@pytest.mark.parametrize(
+    ("label", "value"),
+    [("Alpha", 0.2), ("Color Scheme", "raw"), ("Draw Behind", True), ("Binary representation", True)],
+)
+def test_a_changed_property_draws_the_map_anew(label: str, value: Any) -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/map", grid((FREE, 30, WALL)))
+    before = sheet(bench)
+    display[label] = value
+    after = sheet(bench)
+    assert (before.pixels.tolist(), before.behind) != (after.pixels.tolist(), after.behind)
+
+
+def test_the_threshold_of_a_binary_map_is_kept_within_0_and_100() -> None:
+    bench = Bench()
+    display = add(bench, binary_representation=True)
+    bench.hear("/map", grid((FREE, 30, WALL)))
+    before = sheet(bench).pixels.tolist()
+    display["Binary threshold"] = 20
+    assert sheet(bench).pixels.tolist() != before
+    display["Binary threshold"] = 1000
+    assert display["Binary threshold"] == 100
+
+
+def test_a_map_follows_its_frame_or_stays_where_that_was_at_its_stamp() -> None:
+    bench = Bench()
+    display = add(bench)
+    message = grid((FREE,), frame="odom")
+    message.header.stamp.sec = 1000  # as robot time begins on the bench
+    for second in (0.0, 1.0):
+        bench.transform("map", "odom", (second, 0.0, 0.0), at=second, static=False)
+        if not second:
+            bench.hear("/map", message)
+    bench.look(1.0)
+    assert bench.scene.world_transform(PATH)[0, 3] == 1.0
+    display["Use Timestamp"] = True
+    assert bench.scene.world_transform(PATH)[0, 3] == 0.0

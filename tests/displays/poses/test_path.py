@@ -1,0 +1,100 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+
+from course_lib.displays.display import Display
+from course_lib.displays.poses.arrow import INVALID
+from course_lib.viewer.drawables import Lines, Solids
+from tests.displays.bench import Bench
+from tests.displays.poses.test_poses import drawn, extent, pose
+
+START = (0.0, 1.0, 2.0)
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    return bench.session.add("rviz_default_plugins/Path", "Shown", {"Topic": "/path"}, **properties)
+
+
+def path(*xs: float, turned: bool = False) -> Path:
+    message = Path(poses=[PoseStamped(pose=pose(x, turned)) for x in xs])
+    message.header.frame_id = "map"
+    for stamped in message.poses:
+        stamped.header.frame_id = "nowhere"  # which RViz does not look at
+    return message
+
+
+def xs(bench: Bench) -> list[list[float]]:
+    """Where the points of each line are along x."""
+    lines = [thing for name, thing in sorted(drawn(bench).items()) if name.startswith("line")]
+    return [line.points[:, 0].tolist() for line in lines]
+
+
+def test_a_path_is_a_thin_line_or_a_strip_as_wide_as_asked() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/path", path(*START))
+    line = drawn(bench)["line 0"]
+    assert isinstance(line, Lines)
+    assert (line.width, line.strip, line.points[:, 0].tolist()) == (0.0, True, list(START))
+    np.testing.assert_allclose(line.colors, [25 / 255, 1, 0, 1], atol=1e-6)
+    display["Line Style"] = "Billboards"
+    display["Line Width"] = 0.2
+    assert drawn(bench)["line 0"].width == 0.2
+    display["Offset"] = (1, 0, 0)
+    assert xs(bench) == [[1, 2, 3]]
+
+
+def test_as_many_paths_are_shown_as_the_buffer_holds() -> None:
+    bench = Bench()
+    display = add(bench, buffer_length=2)
+    for first in (0.0, 10.0, 20.0):
+        bench.hear("/path", path(first, first + 1))
+    assert xs(bench) == [[10, 11], [20, 21]]
+    display["Buffer Length"] = 1
+    assert xs(bench) == []
+
+
+def test_a_path_that_is_not_finite_takes_the_place_of_an_older_one() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.hear("/path", path(*START))
+    bench.hear("/path", path(0.0, np.nan))
+    assert bench.said(display, "Topic") == ("error", INVALID)
+    assert not drawn(bench)
+    bench.hear("/path", path())
+    assert not drawn(bench)
+
+
+def test_arrows_stand_at_the_poses_with_a_colour_of_their_own() -> None:
+    bench = Bench()
+    add(bench, pose_style="Arrows", pose_color=(0, 0, 255), alpha=0.1)
+    bench.hear("/path", path(*START, turned=True))
+    np.testing.assert_allclose(extent(bench, "shaft", 1), [[1, 0, 0], [1, 0.1, 0]], atol=1e-6)
+    np.testing.assert_allclose(extent(bench, "head", 2), [[2, 0.1, 0], [2, 0.3, 0]], atol=1e-6)
+    assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 1]
+
+
+@pytest.mark.parametrize(
+    ("style", "label", "part"),
+    [
+        ("Axes", "Length", "axes"),
+        ("Axes", "Radius", "axes"),
+        ("Arrows", "Shaft Length", "shaft"),
+        ("Arrows", "Shaft Diameter", "shaft"),
+        ("Arrows", "Head Length", "head"),
+        ("Arrows", "Head Diameter", "head"),
+    ],
+)
+def test_what_stands_at_the_poses_has_the_size_that_is_asked_for(style: str, label: str, part: str) -> None:
+    bench = Bench()
+    display = add(bench, pose_style=style)
+    bench.hear("/path", path(*START))
+    before = drawn(bench)[part]
+    display[label] = 2.0
+    after = drawn(bench)[part]
+    assert isinstance(before, Solids)
+    assert isinstance(after, Solids)
+    assert np.abs(after.placements - before.placements).max() > 0.5
