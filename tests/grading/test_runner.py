@@ -16,6 +16,7 @@ from course_lib.grading.task import Call, Scenario, Task
 HINTS = ("one", "two", "three")
 ANSWER = Task("week01.answer", "An answer", "value", "answer", HINTS, (Scenario("public"),))
 CALLED = Task("week01.called", "A call", "function", "called", HINTS, (Scenario("public", calls=(Call(),)),))
+TALKER = Task("week01.talker", "A talker", "node", "talker", HINTS, (Scenario("public"),))
 FIND_PIPE = """
 import os, stat
 pipe = []
@@ -46,13 +47,23 @@ def test_a_missing_object_is_named() -> None:
     assert came.errors == ("answer is not in the notebook: no cell that ran to its end makes it",)
 
 
-def test_scenarios_do_not_touch_each_other() -> None:
-    cells = ["seen = []", "def called():\n    seen.append(1)\n    return len(seen)"]
+def test_nodes_of_one_scenario_do_not_touch_those_of_the_next() -> None:
+    cells = ["seen = []", "def talker():\n    seen.append(1)\n    print(len(seen))"]
+    with closing(Session(cells, {TALKER.id: {}}, Limits())) as session:
+        assert [session.run(TALKER, TALKER.scenarios[0]).output for _ in range(2)] == ["1\n", "1\n"]
+
+
+def test_a_thread_that_a_function_leaves_behind_is_not_there_in_the_next_scenario() -> None:
+    cells = [
+        "import threading, time",
+        "def wait():\n    while True: time.sleep(1)",
+        """def called():
+            count = threading.active_count()
+            threading.Thread(target=wait, daemon=True).start()
+            return count""",
+    ]
     with closing(Session(cells, {CALLED.id: {}}, Limits())) as session:
-        assert [session.run(CALLED, CALLED.scenarios[0]).returns for _ in range(2)] == [
-            (1,),
-            (1,),
-        ]
+        assert len({session.run(CALLED, CALLED.scenarios[0]).returns for _ in range(3)}) == 1
 
 
 def test_what_a_notebook_usually_does_works() -> None:
