@@ -9,7 +9,10 @@ from typing import NoReturn
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
+from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.hints import did_you_mean
+from course_lib.tools.interface import INTERFACE_VERBS
+from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_GET, PARAM_LIST, PARAM_SET
 from course_lib.tools.run import run_beside
 from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource, Source
@@ -44,6 +47,9 @@ VERBS = (
     PARAM_LIST,
     PARAM_GET,
     PARAM_SET,
+    *NODE_VERBS,
+    *INTERFACE_VERBS,
+    *DOCTOR_VERBS,
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
@@ -56,6 +62,7 @@ COMMANDS = {  # what ros2cli says of them
     "run": "Run a package specific executable",
     "service": "Various service related sub-commands",
     "topic": "Various topic related sub-commands",
+    "wtf": "Use `wtf` as alias to `doctor`",
 }
 HELP = {"-h", "--help"}
 

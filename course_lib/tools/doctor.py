@@ -1,0 +1,162 @@
+"""`ros2 doctor`: looks for what keeps nodes from working together (ros2doctor)."""
+
+import platform
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from importlib import metadata
+
+from course_lib.ros.graph import EndpointInfo
+from course_lib.ros.qos import Qos
+from course_lib.tools.sources import ALWAYS_THERE, Source
+from course_lib.tools.verb import Verb, Write, flag
+
+FOREVER = 2**63  # [ns]
+# When policies keep a publisher and a subscription apart, in the words of rmw_dds_common/src/qos.cpp.
+RULES: tuple[tuple[str, Callable[[Qos, Qos], bool]], ...] = (
+    (
+        "Best effort publisher and reliable subscription",
+        lambda pub, sub: pub.reliability == "best_effort" and sub.reliability == "reliable",
+    ),
+    (
+        "Volatile publisher and transient local subscription",
+        lambda pub, sub: pub.durability == "volatile" and sub.durability == "transient_local",
+    ),
+    (
+        "Subscription has a deadline, but publisher does not",
+        lambda pub, sub: pub.deadline_ns is None and sub.deadline_ns is not None,
+    ),
+    (
+        "Subscription deadline is less than publisher deadline",
+        lambda pub, sub: pub.deadline_ns is not None and pub.deadline_ns > (sub.deadline_ns or FOREVER),
+    ),
+    (
+        "Publisher's liveliness is automatic and subscription's is manual by topic",
+        lambda pub, sub: pub.liveliness == "automatic" and sub.liveliness == "manual_by_topic",
+    ),
+    (
+        "Subscription has a liveliness lease duration, but publisher does not",
+        lambda pub, sub: pub.lease_ns is None and sub.lease_ns is not None,
+    ),
+    (
+        "Subscription liveliness lease duration is less than publisher",
+        lambda pub, sub: pub.lease_ns is not None and pub.lease_ns > (sub.lease_ns or FOREVER),
+    ),
+)
+_PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
+Rows = list[tuple[str, object]]
+
+
+def run(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print what looks wrong, or for a report all that was looked at."""
+    reports = _reports(source)
+    if arguments.exclude_packages:
+        del reports["PACKAGE VERSIONS"]
+    if arguments.report:
+        write("".join(_table(title, rows) for title, (_, rows) in reports.items()))
+        return
+    lonely, apart = list(_lonely(source)), list(_apart(source))
+    write("".join(f"ros2doctor/api/{place}: UserWarning: {text}\n" for place, text in (*lonely, *apart)))
+    failed = ["topic"] * bool(lonely and arguments.include_warnings) + ["middleware"] * bool(apart)
+    total = 5 - arguments.exclude_packages  # platform, network, topic, middleware, package
+    if not failed:
+        write(f"\nAll {total} checks passed\n\n")
+        return
+    write(f"\n{len(failed)}/{total} check(s) failed\n\nFailed modules: {' '.join(failed)}\n")
+    if arguments.report_failed:
+        write("".join(_table(title, rows) for title, (of, rows) in reports.items() if of in failed))
+
+
+def problems(offered: Qos, requested: Qos) -> str:
+    """Say why nothing comes from a publisher, as rclpy's qos_check_compatible does, or ""."""
+    return "".join(f"ERROR: {text};" for text, holds in RULES if holds(offered, requested))
+
+
+def _lonely(source: Source) -> Iterator[tuple[str, str]]:
+    """Name topics with publishers alone or subscriptions alone, and where ros2doctor says so."""
+    for topic in source.topics():
+        published, heard = bool(source.endpoints(topic, "pub")), bool(source.endpoints(topic, "sub"))
+        if topic in ALWAYS_THERE or published == heard:
+            continue
+        if published:
+            yield "topic.py: 42", f"Publisher without subscriber detected on {topic}."
+        else:
+            yield "topic.py: 45", f"Subscriber without publisher detected on {topic}."
+
+
+def _apart(source: Source) -> Iterator[tuple[str, str]]:
+    for topic, publisher, subscription in _pairs(source):
+        if reason := problems(publisher.qos, subscription.qos).removeprefix("ERROR: "):
+            text = f"ERROR: QoS compatibility error found on topic '{topic}': {reason}"
+            yield "qos_compatibility.py: 51", text
+
+
+def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
+    for topic in source.topics():
+        for publisher in source.endpoints(topic, "pub"):
+            yield from ((topic, publisher, heard) for heard in source.endpoints(topic, "sub"))
+
+
+def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
+    """Give the category and the rows of each report, by its title."""
+    return {
+        "PLATFORM INFORMATION": ("platform", _platform()),
+        "ROS 2 INFORMATION": ("platform", [("distribution name", "jazzy"), ("distribution type", "ros2")]),
+        "NETWORK CONFIGURATION": ("network", [("inet", "none is used: all nodes run in one process")]),
+        "RMW MIDDLEWARE": ("middleware", [("middleware name", "course_lib")]),
+        "TOPIC LIST": ("topic", _topics(source)),
+        "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),
+        "PACKAGE VERSIONS": (
+            "package",
+            [(name, f"latest=N/A, local={metadata.version(name)}") for name in _PACKAGES],
+        ),
+    }
+
+
+def _platform() -> Rows:
+    return [
+        ("system", platform.system()),
+        ("platform info", platform.platform()),
+        ("release", platform.release()),
+        ("processor", platform.processor()),
+    ]
+
+
+def _topics(source: Source) -> Rows:
+    rows: Rows = []
+    for topic in (name for name in source.topics() if name not in ALWAYS_THERE):
+        rows += [
+            ("topic", topic),
+            ("publisher count", len(source.endpoints(topic, "pub"))),
+            ("subscriber count", len(source.endpoints(topic, "sub"))),
+        ]
+    return rows or [("topic", "none"), ("publisher count", 0), ("subscriber count", 0)]
+
+
+def _compatibility(source: Source) -> Rows:
+    names, rows = {node.id: node.name for node in source.graph.nodes()}, Rows()
+    for topic, publisher, subscription in _pairs(source):
+        rows += [
+            ("topic [type]", f"{topic} [{publisher.type_name}]"),
+            ("publisher node", names[publisher.node]),
+            ("subscriber node", names[subscription.node]),
+            ("compatibility status", problems(publisher.qos, subscription.qos) or "OK"),
+        ]
+    return rows or [("compatibility status", "No publisher/subscriber pairs found")]
+
+
+def _table(title: str, rows: Rows) -> str:
+    longest = max(len(name) for name, _ in rows)
+    width = 8 if longest < 8 else longest + 4
+    return f"\n   {title}\n" + "".join(f"{name:{width}}: {text}\n" for name, text in rows)
+
+
+_OPTIONS = (
+    flag("-r", "--report", help="Print all reports."),
+    flag("-rf", "--report-failed", help="Print reports of failed checks only."),
+    flag("-ep", "--exclude-packages", help="Exclude package checks or report."),
+    flag("-iw", "--include-warnings", help="Include warnings as failed checks."),
+)
+DOCTOR_VERBS = (
+    Verb("doctor", "", "Check ROS setup and other potential issues", _OPTIONS, run),
+    Verb("wtf", "", "Use `wtf` as alias to `doctor`", _OPTIONS, run),
+)

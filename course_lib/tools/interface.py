@@ -1,0 +1,148 @@
+"""`ros2 interface …`: what types there are and what they consist of."""
+
+import re
+from argparse import Namespace
+from collections.abc import Iterator
+
+from course_lib.errors import CourseError
+from course_lib.ros.messages import message_class
+from course_lib.ros.messages.definitions import DEFAULTS, INTERFACES, definition, type_names, typestore
+from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
+from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.sources import Source
+from course_lib.tools.verb import Option, Verb, Write, flag, value
+
+_FIRST_PARTS = {"msg": "", "srv": SERVICE_PARTS[0], "action": ACTION_PARTS[0]}
+_TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
+
+
+def interfaces(kind: str) -> list[str]:
+    """List the types of a kind, msg, srv or action, by name."""
+    part = _FIRST_PARTS[kind]
+    names = [name.removesuffix(part) for name in type_names() if f"/{kind}/" in name and name.endswith(part)]
+    return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
+
+
+def list_all(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print all types, by kind."""
+    for kind in _kinds(arguments):
+        write(f"{_TITLES[kind]}:\n" + "".join(f"    {name}\n" for name in interfaces(kind)))
+
+
+def packages(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the packages that have types."""
+    write("".join(f"{name}\n" for name in sorted(_packages(*_kinds(arguments)))))
+
+
+def package(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a package's types; raises a CourseError if there is no such package."""
+    wanted = arguments.package_name
+    _check_package(wanted)
+    for kind in _kinds(arguments):
+        write("".join(f"{name}\n" for name in interfaces(kind) if name.startswith(f"{wanted}/")))
+
+
+def show(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print what a type consists of, its parts' parts indented; raises a CourseError if unknown."""
+    name = _checked(arguments.type)
+    write("".join(_shown(name, 0, not arguments.no_comments, arguments.all_comments)))
+
+
+def proto(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a type's fields with their default values, as YAML; raises a CourseError if unknown."""
+    name = _checked(arguments.type)
+    message = message_class(name + _FIRST_PARTS[name.split("/")[1]])()
+    quote = "" if arguments.no_quotes else '"'
+    write(f"{quote}{to_yaml(message, Style(truncate=None))}{quote}\n")
+
+
+def _kinds(arguments: Namespace) -> list[str]:
+    """Give what was asked for; nothing means all."""
+    return [kind for kind in _TITLES if getattr(arguments, f"only_{kind}s")] or list(_TITLES)
+
+
+def _packages(*kinds: str) -> set[str]:
+    return {name.split("/")[0] for kind in kinds for name in interfaces(kind)}
+
+
+def _check_package(name: str) -> None:
+    there = _packages(*_TITLES)
+    if name not in there:
+        raise CourseError(f"Unknown package '{name}'{did_you_mean(name, there)}")
+
+
+def _checked(name: str) -> str:
+    if len(name.split("/")) != 3:
+        close = did_you_mean(name.replace("/", "/msg/", 1), type_names())
+        raise CourseError(f"Invalid name '{name}'. Expected three parts separated by '/'{close}")
+    _check_package(name.split("/")[0])
+    there = [known for kind in _TITLES for known in interfaces(kind)]
+    if name not in there:
+        raise CourseError(f"Could not find the interface '{name}'{did_you_mean(name, there)}")
+    return name
+
+
+def _shown(name: str, depth: int, comments: bool, nested_comments: bool) -> Iterator[str]:
+    for line in _lines(name):
+        text = line if comments else line.split("#")[0].strip()
+        if text or comments:
+            yield "\t" * depth * bool(text) + f"{text}\n"
+        base = re.match(r"([\w/]+)(\[[<=\d]*\])? +\w+ *($|[^=\s])", line)
+        if base and base[1] not in PRIMITIVES and base[1] != "wstring":
+            inner = base[1].replace("/", "/msg/") if "/" in base[1] else f"{name.split('/')[0]}/msg/{base[1]}"
+            yield from _shown(inner, depth + 1, nested_comments, nested_comments)
+
+
+def _lines(name: str) -> list[str]:
+    """Give the lines of a type's file, or, if rosbags knows it without its comments, such lines."""
+    for path in INTERFACES.glob(f"{name}.*"):
+        return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
+    here = f"{name.split('/')[0]}/"
+    lines = [f"{base} {constant}={number}" for constant, base, number in typestore().fielddefs[name][0]]
+    for field in definition(name).fields:
+        bound = f"<={field.string_bound}" if field.string_bound else ""
+        most = f"<={field.size}" if field.size else ""
+        size = {"scalar": "", "array": f"[{field.size}]", "sequence": f"[{most}]"}[field.container]
+        default = DEFAULTS.get((name, field.name))
+        tail = "" if default is None else f" {default:g}" if default is not False else " false"
+        lines.append(f"{field.base.replace('/msg/', '/').removeprefix(here)}{bound}{size} {field.name}{tail}")
+    return lines
+
+
+_ONLY: tuple[Option, ...] = tuple(
+    flag(f"-{kind[0]}", f"--only-{kind}s", help=f"Only the {_TITLES[kind][:-1].lower()} types")
+    for kind in _TITLES
+)
+_TYPE = value("type", help="Show an interface definition (e.g. 'example_interfaces/msg/String')")
+_PACKAGE = value("package_name", help="Name of the ROS package (e.g. 'example_interfaces')")
+INTERFACE_VERBS = (
+    Verb("interface", "list", "List all interface types available", _ONLY, list_all),
+    Verb(
+        "interface",
+        "package",
+        "Output a list of available interface types within one package",
+        (*_ONLY, _PACKAGE),
+        package,
+    ),
+    Verb("interface", "packages", "Output a list of packages that provide interfaces", _ONLY, packages),
+    Verb(
+        "interface",
+        "proto",
+        "Output an interface prototype",
+        (_TYPE, flag("--no-quotes", help="if true output has no outer quotes.")),
+        proto,
+    ),
+    Verb(
+        "interface",
+        "show",
+        "Output the interface definition",
+        (
+            flag("--all-comments", help="Show all comments, including for nested interface definitions"),
+            flag("--no-comments", help="Show no comments or whitespace"),
+            _TYPE,
+        ),
+        show,
+    ),
+)
