@@ -72,6 +72,6 @@ def _of_points(message: JointTrajectory) -> Iterator[str]:
         if len(point.effort):
             kind = "controllers using the 'effort' command interface"
             yield f"Trajectories with effort fields are only supported for {kind}."
-    for name, speed in zip(names, message.points[-1].velocities, strict=True):
+    for name, speed in zip(names, message.points[-1].velocities, strict=False):
         if abs(speed) > _SMALLEST_SPEED:
             yield f"Velocity of last trajectory point of joint {name} is not zero: {speed:.15f}"
