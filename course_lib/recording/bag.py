@@ -1,6 +1,7 @@
 """Recordings as rosbag2 bags: a folder with metadata.yaml and one MCAP file."""
 
 import os
+import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError
 from course_lib.recording import bag_qos
 from course_lib.recording.recording import Recording, TopicSummary
+from course_lib.recording.salvage import data_files, salvage
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.qos import Qos
@@ -51,8 +53,10 @@ def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) 
 def read_bag(folder: str | Path) -> Recording:
     """Read a bag of MCAP or SQLite files; node numbers are not in bags: they come back as 0.
 
+    A bag that was cut off is read up to its last whole message, with a line on stderr.
+
     Raises:
-        CourseError: There is no bag, or it is damaged.
+        CourseError: There is no bag, or nothing in it is whole.
     """
     from rosbags.rosbag2 import Reader
 
@@ -63,7 +67,12 @@ def read_bag(folder: str | Path) -> Recording:
             return Recording(tuple(_samples(reader)))
     # A damaged file makes rosbags, its decompressors and SQLite raise almost anything.
     except Exception as error:
-        raise CourseError(f"The bag {folder} is damaged or was cut off: {_reason(error)}") from error
+        damage = f"The bag {folder} is damaged or was cut off: {_reason(error)}"
+        samples = salvage(path)
+        if not samples:
+            raise CourseError(damage) from error
+        sys.stderr.write(f"warning: {damage}. Its first {len(samples)} messages are whole and were read.\n")
+        return Recording(tuple(samples))
 
 
 def _check_free(target: Path, force: bool) -> None:
@@ -78,7 +87,7 @@ def _check_free(target: Path, force: bool) -> None:
 def _check_bag(path: Path) -> None:
     if not path.exists():
         raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
-    if not (path / METADATA).is_file():
+    if not path.is_dir() or not ((path / METADATA).is_file() or data_files(path)):
         what = "a folder" if path.is_dir() else "a file"
         raise CourseError(f"{path} is {what} but no bag. Give a bag's folder: the one with a {METADATA}.")
 

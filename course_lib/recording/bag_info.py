@@ -5,53 +5,61 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.recording.bag import METADATA, read_bag
+from course_lib.recording.recording import Recording
+from course_lib.recording.salvage import data_files
 
 _LABEL = 19  # characters before the values, as rosbag2's formatter has it
 _SECOND = 10**9  # [ns]
 _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
 
-def bag_info(folder: str | Path) -> str:
-    """Describe a bag in the format of `ros2 bag info`, with one line more: the digest.
+def bag_info(folder: str | Path, *, digest: bool = True) -> str:
+    """Describe a bag in the format of `ros2 bag info`, if wanted with one line more: the digest.
 
     Raises:
         CourseError: There is no bag, or it is damaged.
     """
     recording = read_bag(folder)
     about = _metadata(Path(folder))
-    files = [Path(folder, name) for name in about["relative_file_paths"]]
+    files = [Path(folder, name) for name in about.get("relative_file_paths", ())] or data_files(Path(folder))
+    kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
     rows = [
         ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
         ("Bag size:", _size(sum(path.stat().st_size for path in files))),
-        ("Storage id:", about["storage_identifier"]),
+        ("Storage id:", kind),
         ("ROS Distro:", about.get("ros_distro") or "unknown"),
         ("Duration:", f"{_seconds(recording.end_ns - recording.start_ns)}s"),
         ("Start:", _date(recording.start_ns)),
         ("End:", _date(recording.end_ns)),
         ("Messages:", str(len(recording.samples))),
-        ("Topic information:", f"\n{' ' * _LABEL}".join(_topics(about))),
+        ("Topic information:", f"\n{' ' * _LABEL}".join(_topics(about, recording))),
         ("Service:", "0"),
         ("Service information: ", ""),
-        ("Digest:", recording.digest()),
+        *([("Digest:", recording.digest())] if digest else []),
     ]
     return "\n" + "\n".join(f"{label:<{_LABEL}}{value}" for label, value in rows) + "\n"
 
 
 def _metadata(folder: Path) -> dict[str, Any]:
+    """Read what the recorder writes at its end; nothing where it came to none."""
     from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
 
-    text = (folder / METADATA).read_text(encoding="utf-8")
-    about: dict[str, Any] = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]
-    return about
+    try:
+        text = (folder / METADATA).read_text(encoding="utf-8")
+        return dict(YAML(typ="safe").load(text)["rosbag2_bagfile_information"])
+    except (OSError, YAMLError, KeyError, TypeError):
+        return {}
 
 
-def _topics(about: dict[str, Any]) -> list[str]:
-    """Describe each topic, also one without messages."""
-    rows = [(topic["topic_metadata"], topic["message_count"]) for topic in about["topics_with_message_count"]]
+def _topics(about: dict[str, Any], recording: Recording) -> list[str]:
+    """Describe each topic, also one without messages, in the order of the file."""
+    counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
+    listed = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
+    topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in listed), *counts])
     return [
-        f"Topic: {topic['name']} | Type: {topic['type']} | Count: {count} | "
-        f"Serialization Format: {topic['serialization_format']}"
-        for topic, count in sorted(rows, key=lambda row: row[0]["name"])
+        f"Topic: {name} | Type: {kind} | Count: {counts.get((name, kind), 0)} | Serialization Format: cdr"
+        for name, kind in topics
     ]
 
 
@@ -70,5 +78,6 @@ def _seconds(duration_ns: int) -> str:
 
 def _date(stamp_ns: int) -> str:
     """Write a time in the machine's time zone, as rosbag2 does."""
-    date = time.strftime("%b %d %Y %H:%M:%S", time.localtime(stamp_ns // _SECOND))
+    local = time.localtime(stamp_ns // _SECOND)
+    date = f"{time.strftime('%b', local)} {local.tm_mday:2d} {time.strftime('%Y %H:%M:%S', local)}"
     return f"{date}.{stamp_ns % _SECOND:09d} ({_seconds(stamp_ns)})"

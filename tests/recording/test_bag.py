@@ -108,12 +108,11 @@ def test_a_folder_or_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
         read_bag(tmp_path / "file.txt")
 
 
-@pytest.mark.parametrize("kept", [0, 5, 100, 400, 0.5, 0.99])
-def test_a_cut_off_bag_is_one_clear_error(tmp_path: Path, kept: float) -> None:
+@pytest.mark.parametrize("kept", [0, 5, 100, 400])
+def test_a_bag_in_which_nothing_is_whole_is_one_clear_error(tmp_path: Path, kept: int) -> None:
     write_bag(make_recording(), tmp_path / "bag")
     file = tmp_path / "bag" / "recording.mcap"
-    data = file.read_bytes()
-    file.write_bytes(data[: int(kept * len(data) if 0 < kept < 1 else kept)])
+    file.write_bytes(file.read_bytes()[:kept])
     with pytest.raises(CourseError, match=r"bag is damaged or was cut off: .+"):
         read_bag(tmp_path / "bag")
 

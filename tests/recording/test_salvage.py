@@ -1,0 +1,110 @@
+"""Bags that were cut off open up to the last whole message, wherever the cut is."""
+
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording, bag_info, read_bag, write_bag
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import message_class, serialize
+from course_lib.ros.messages.definitions import typestore
+from course_lib.ros.qos import Qos
+
+START = 1_700_000_000_000_000_000  # [ns]
+STRING = "std_msgs/msg/String"
+LATCHED = Qos(depth=1, durability="transient_local")
+
+
+def make_recording(count: int) -> Recording:
+    """Samples of two topics whose texts differ."""
+    return Recording(
+        tuple(
+            Sample(
+                START + i * 10**7,
+                ("/chatter", "/latched")[i % 2],
+                STRING,
+                serialize(message_class(STRING)(data=f"{i:04d} " + f"{i * 7919 % 997}" * 20)),
+                (Qos(), LATCHED)[i % 2],
+                node=0,
+            )
+            for i in range(count)
+        )
+    )
+
+
+def write(recording: Recording, folder: Path, storage: StoragePlugin, compressed: bool = False) -> Path:
+    """Write a bag as rosbags does, and name its file."""
+    writer = Writer(folder, version=9 if storage is StoragePlugin.MCAP else 8, storage_plugin=storage)
+    if compressed:
+        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with writer:
+        added = {
+            t.name: writer.add_connection(t.name, STRING, typestore=typestore()) for t in recording.topics()
+        }
+        for sample in recording.samples:
+            writer.write(added[sample.topic], sample.stamp_ns, sample.cdr)
+    return next(path for path in folder.iterdir() if path.suffix != ".yaml")
+
+
+def is_beginning(part: Recording, whole: Recording) -> bool:
+    keys = [[(s.stamp_ns, s.topic, s.type_name, s.cdr) for s in one.samples] for one in (part, whole)]
+    return keys[0] == keys[1][: len(keys[0])]
+
+
+def test_every_cut_gives_the_messages_before_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = make_recording(30)
+    write_bag(recording, tmp_path / "bag")
+    file = tmp_path / "bag" / "recording.mcap"
+    data, last = file.read_bytes(), 0
+    first = data.index(b"0000 ")
+    for cut in range(first + 200, len(data), 97):
+        file.write_bytes(data[:cut])
+        part = read_bag(tmp_path / "bag")
+        assert is_beginning(part, recording)
+        assert last <= len(part.samples)
+        last = len(part.samples)
+    assert last == len(recording.samples)
+    assert {sample.qos for sample in part.samples} == {Qos(), LATCHED}
+    assert "is damaged or was cut off: " in (said := capsys.readouterr().err)
+    assert said.splitlines()[0].endswith("messages are whole and were read.")
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_a_cut_in_a_compressed_chunk_gives_what_can_be_unpacked(tmp_path: Path, share: float) -> None:
+    recording = make_recording(20_000)
+    file = write(recording, tmp_path / "bag", StoragePlugin.MCAP, compressed=True)
+    data = file.read_bytes()
+    file.write_bytes(data[: int(share * len(data))])
+    part = read_bag(tmp_path / "bag")
+    assert is_beginning(part, recording)
+    assert share * 20_000 * 0.8 < len(part.samples) < 20_000
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_cut_off_sqlite_bag_opens_as_well(tmp_path: Path, share: float) -> None:
+    recording = make_recording(2_000)
+    file = write(recording, tmp_path / "bag", StoragePlugin.SQLITE3)
+    data = file.read_bytes()
+    file.write_bytes(data[: int(share * len(data))])
+    part = read_bag(tmp_path / "bag")
+    assert is_beginning(part, recording)
+    assert len(part.samples) > share * 2_000 * 0.6
+
+
+def test_a_sqlite_bag_in_which_nothing_is_whole_is_one_error(tmp_path: Path) -> None:
+    file = write(make_recording(10), tmp_path / "bag", StoragePlugin.SQLITE3)
+    file.write_bytes(file.read_bytes()[:3000])
+    with pytest.raises(CourseError, match="damaged or was cut off"):
+        read_bag(tmp_path / "bag")
+
+
+@pytest.mark.parametrize("text", [None, "", "[", "rosbag2_bagfile_information: 3"])
+def test_a_bag_whose_recorder_died_before_its_metadata_is_read(tmp_path: Path, text: str | None) -> None:
+    recording = make_recording(5)
+    write_bag(recording, tmp_path / "bag")
+    metadata = tmp_path / "bag" / "metadata.yaml"
+    metadata.unlink() if text is None else metadata.write_text(text)
+    assert read_bag(tmp_path / "bag") == recording
+    assert "Messages:          5" in bag_info(tmp_path / "bag")
