@@ -58,7 +58,10 @@ def demo(
 @app.command()
 def run(
     context: typer.Context,
-    files: Annotated[list[Path], typer.Argument(help="rclpy programs or notebooks; they share a graph.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="rclpy programs, launch files with name:=value, notebooks; they share a graph."),
+    ],
     seconds: Annotated[
         float | None, typer.Option(min=0, help="Robot time to run; default 5, notebooks: to their end.")
     ] = None,
@@ -68,16 +71,24 @@ def run(
         Path | None, typer.Option(exists=True, dir_okay=False, help="Parameters of the nodes, YAML.")
     ] = None,
     real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
+    show_args: Annotated[
+        bool, typer.Option("--show-args", help="Only list a launch file's arguments.")
+    ] = False,
 ) -> None:
     """Run programs on robot time. What follows `--` is passed on to them."""
     from course_lib.tools.run import run as run_programs
-    from course_lib.tools.run import with_fixed_hashes
+    from course_lib.tools.run import show_arguments, with_fixed_hashes
 
     with_fixed_hashes()
+    settings = [str(word) for word in files if ":=" in str(word)]
+    files = [file for file in files if ":=" not in str(file)]
+    if show_args:
+        typer.echo(show_arguments(files))
+        return
     if seconds is None and not real_time and all(file.suffix != ".ipynb" for file in files):
         seconds = RUN_SECONDS
     for_ros = ["--ros-args", "--params-file", str(params_file), "--"] if params_file else []
-    args = [*for_ros, *context.obj]
+    args = [*for_ros, *settings, *context.obj]
     code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=args, real_time=real_time)
     raise typer.Exit(code)
 

@@ -15,7 +15,7 @@ ARROWS = {
     "displays": {"ros", "viewer", "recording", "robots"},
     "robots": {"ros"},
     "sensors": {"ros"},
-    "tools": {"ros", "recording", "displays"},
+    "tools": {"ros", "recording", "displays", "robots"},  # robots: what launch files start
     "grading": ALL,
     "demo": ALL | {"demo"},
     "cli": ALL | {"demo"},

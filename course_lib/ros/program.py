@@ -8,63 +8,72 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType, ModuleType
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
-from course_lib.ros.baton import DeadlockError, baton
-from course_lib.ros.graph import Graph, current_graph, program
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import Graph, current_graph
 from course_lib.ros.notebook_program import NotebookProgram
+from course_lib.ros.process import Process, Processes, Runnable
 from course_lib.ros.seeding import seeded
-from course_lib.ros.stopped import StoppedProgram, StoppedThread
-from course_lib.ros.tracebacks import print_error, print_error_of_thread
+from course_lib.ros.tracebacks import print_error_of_thread
 
-
-class Runnable(Protocol):
-    """What runs as a program of its own."""
-
-    file: Path
-    exit_code: int
-
-    def run(self) -> None:
-        """Run to its end."""
+if TYPE_CHECKING:
+    from course_lib.ros.launch_program import Executables
 
 
 def run_files(
-    files: Sequence[Path], *, seed: int, args: Sequence[str] = (), beside: Sequence[Runnable] = ()
+    files: Sequence[Path],
+    *,
+    seed: int,
+    args: Sequence[str] = (),
+    beside: Sequence[Runnable] = (),
+    own: "Executables | None" = None,
 ) -> int:
-    """Run Python files and notebooks as if each were started on its own; they share the current graph.
+    """Run Python, launch files and notebooks as if each were started alone; they share the current graph.
 
     Args:
         files: The programs in their start order; a CourseError says which cannot be run.
         seed: Seeds every source of chance.
         args: What each finds in `sys.argv` behind its name.
         beside: What else runs beside them, started last.
+        own: Executables that launch files may start beside those of packages.
 
     Returns the first exit code that is not 0.
     """
     standin_path.install()
     virtual_time.install()
-    programs: list[Runnable] = [
-        NotebookProgram(file) if file.suffix == ".ipynb" else Program(file, args) for file in files
-    ]
+    programs: list[Runnable] = [_program(file, args, own or {}) for file in files]
     programs += beside
     with _interpreter_kept(), seeded(seed), baton.known():
         if len(programs) == 1:
             programs[0].run()
         else:
-            _run_beside_each_other(programs)
+            processes = Processes()
+            for one in programs:
+                processes.start(one)
+            processes.wait()
         _finish(current_graph())
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-class Program:
+def _program(file: Path, args: Sequence[str], own: "Executables") -> Runnable:
+    if file.suffix == ".ipynb":
+        return NotebookProgram(file)
+    program = Program(file, args)
+    if not program.is_launch_file:
+        return program
+    from course_lib.ros.launch_program import LaunchProgram  # it imports launch, the stand-in's
+
+    return LaunchProgram(file, args, own)
+
+
+class Program(Process):
     """One file with its own `__main__`; `args` is what it finds in `sys.argv` behind its name."""
 
     def __init__(self, file: Path, args: Sequence[str]) -> None:
-        self.file = file
-        self.exit_code = 0
-        self._argv = [str(file), *args]
+        super().__init__(file, args)
         try:
             self._code = compile(file.read_bytes(), str(file), "exec")
         except (OSError, ValueError) as error:
@@ -73,29 +82,24 @@ class Program:
         except SyntaxError as error:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
 
-    def run(self) -> None:
-        """Run the program to its end; what it raises is shown as Python shows it."""
+    @property
+    def is_launch_file(self) -> bool:
+        """Whether the file describes a launch: it defines what `ros2 launch` calls."""
+        return "generate_launch_description" in self._code.co_names
+
+    def work(self) -> None:
+        """Run the file."""
         module = ModuleType("__main__")
         module.__file__ = str(self.file)
         sys.modules["__main__"] = module
-        sys.argv = self._argv
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
-        try:
-            exec(self._code, module.__dict__)
-        except (StoppedProgram, StoppedThread):
-            sys.stderr.write(f"{self.file.name} was stopped: it went on waiting after the end of the run.\n")
-        except SystemExit as leaving:
-            self.exit_code = _exit_code(leaving.code)
-        except KeyboardInterrupt:
-            self.exit_code = 0 if current_graph().ended else 130
-        except BaseException as error:
-            print_error(error)
-            self.exit_code = 1
+        exec(self._code, module.__dict__)
 
 
 @contextmanager
 def _interpreter_kept() -> Iterator[None]:
     before = sys.argv, sys.path[:], sys.modules["__main__"]
+    environment = dict(os.environ)
     threading.excepthook = print_error_of_thread
     on_interrupt = signal.getsignal(signal.SIGINT)
     if on_interrupt is signal.default_int_handler:
@@ -107,6 +111,8 @@ def _interpreter_kept() -> Iterator[None]:
 
         uninstall_signal_handlers()  # a program that never shut down has left them; they remember ours
         sys.argv, sys.path[:], sys.modules["__main__"] = before
+        os.environ.clear()
+        os.environ.update(environment)  # a launch file may have changed it
         threading.excepthook = threading.__excepthook__
         if on_interrupt is signal.default_int_handler:
             signal.signal(signal.SIGINT, on_interrupt)
@@ -125,36 +131,6 @@ def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
         signal.default_int_handler(number, frame)
 
     return handle
-
-
-def _run_beside_each_other(programs: Sequence[Runnable]) -> None:
-    threads = []
-    for number, one in enumerate(programs):
-        program.name = f"{number}: {one.file}"  # the same file may run twice
-        threads.append(threading.Thread(target=one.run, name=one.file.name))
-        threads[-1].start()
-    program.name = ""
-    try:
-        _join(threads)
-    except (KeyboardInterrupt, DeadlockError) as reason:
-        for thread in threads:  # each gets Ctrl+C, as if it had a process of its own
-            baton.interrupt(thread)
-        _join(threads)
-        if isinstance(reason, DeadlockError):
-            raise
-
-
-def _join(threads: Sequence[threading.Thread]) -> None:
-    for thread in threads:
-        thread.join()
-
-
-def _exit_code(code: object) -> int:
-    """Give what Python makes of `sys.exit(code)`: a text is printed, and means 1."""
-    if code is None or isinstance(code, int):
-        return code or 0
-    sys.stderr.write(f"{code}\n")
-    return 1
 
 
 def _finish(graph: Graph) -> None:

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, record, write_bag
+from course_lib.ros import standin_path
 from course_lib.ros.graph import Graph, current_graph, use_graph
 from course_lib.ros.pace import WallPace
 from course_lib.ros.program import run_files
+from course_lib.tools.executables import EXECUTABLES
 
 HASH_SEED = "0"
 
@@ -63,8 +65,16 @@ def recorded(
         graph.pace = WallPace(graph)
     with use_graph(graph):
         recorder = record(graph)
-        code = run_files(files, seed=seed, args=args)
+        code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
         return recorder.recording(), code
+
+
+def show_arguments(files: Sequence[Path]) -> str:
+    """Say which arguments launch files declare; raises a CourseError where a file is none."""
+    standin_path.install()
+    from course_lib.ros.launch_program import arguments_of
+
+    return "\n".join(arguments_of(file) for file in files)
 
 
 def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
@@ -80,7 +90,7 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
     graph.end_ns = graph.now_ns + round(seconds * 1e9)
     beside = ToolProgram(tool)
     with use_graph(graph):
-        code = run_files(files, seed=0, beside=[beside])
+        code = run_files(files, seed=0, beside=[beside], own=EXECUTABLES)
     if beside.error is not None:
         raise beside.error
     return code

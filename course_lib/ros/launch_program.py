@@ -1,0 +1,214 @@
+"""A launch file run as a program: its nodes are processes of one graph, by one clock."""
+
+import difflib
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+from ament_index_python.packages import PackageNotFoundError
+from launch.action import Action, Entities, listed
+from launch.actions import declared
+from launch.conditions import InvalidConditionExpressionError
+from launch.events import Event, ProcessExited, ProcessStarted, Shutdown
+from launch.launch_context import LaunchContext
+from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
+from launch.substitution import SubstitutionFailure, perform_substitutions
+
+from course_lib.errors import CourseError
+from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.clock import THREADS
+from course_lib.ros.graph import current_graph
+from course_lib.ros.packages import Package, find_package, source, why_not_found
+from course_lib.ros.process import INTERRUPTED, Function, Process, Processes
+
+Executables = Mapping[tuple[str, str], Callable[[], object]]  # by package and name
+_COMPLAINTS = (
+    RuntimeError,
+    OSError,
+    PackageNotFoundError,
+    SubstitutionFailure,
+    InvalidConditionExpressionError,
+    InvalidPythonLaunchFileError,
+)
+_imported: set[str] = set()  # packages of processes; another launch reads their files again
+
+
+class LaunchProgram(Process):
+    """A launch file.
+
+    Args:
+        file: A Python file with `generate_launch_description`.
+        args: `name:=value` for its arguments; what else there is goes to all nodes.
+        own: Executables that the kit provides.
+    """
+
+    def __init__(self, file: Path, args: Sequence[str], own: Executables) -> None:
+        super().__init__(file, args)
+        self._own = own
+        cut = args.index("--") + 1 if "--" in args else 0
+        self._settings = [word.split(":=", 1) for word in args[cut:] if ":=" in word]
+        self._for_nodes = [*args[:cut], *(word for word in args[cut:] if ":=" not in word)]
+        self._context = LaunchContext(self, file=str(file.absolute()))
+        self._processes = Processes()
+        self._started: list[tuple[Action, Process]] = []
+        self._told = 0  # how many ends were told of
+        self._due: list[Callable[[], None]] = []  # events to handle, and what timers do
+        self._to_come = 0  # timers
+        self._stopping = False
+
+    def work(self) -> None:
+        """Start what the file describes, then do what it says when things happen, until all have ended."""
+        forget_imported()
+        try:
+            description = self._description()
+            self._context.launch_configurations |= dict(self._settings)
+            self._visit(description)
+        except _COMPLAINTS as error:
+            _log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")
+            self.exit_code = 1
+            self._shut_down()
+        self._go_on()
+
+    def arguments(self) -> str:
+        """Say which arguments there are, as `ros2 launch --show-args` does."""
+        lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
+        for argument in declared(self._description(), self._context):
+            lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
+            if argument.default_value is not None:
+                default = perform_substitutions(self._context, argument.default_value)
+                self._context.launch_configurations.setdefault(argument.name, default)
+                lines.append(f"        (default: {default!r})")
+        return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])
+
+    def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
+        """Start an executable; raises RuntimeError if there is none."""
+        if self._stopping:
+            return
+        function = self._find(package, executable)
+        pid = len(self._started) + 1
+        name = f"{executable}-{pid}"
+        process = Function(name, function, [*words, "--", *self._for_nodes])
+        self._started.append((action, process))
+        self._processes.start(process)
+        _log("INFO", name, f"process started with pid [{pid}]")
+        self.emit(ProcessStarted(action, name))
+
+    def later(self, seconds: float, entities: Entities) -> None:
+        """Visit entities when so much robot time [s] is over."""
+        if self._stopping:
+            return
+        graph = current_graph()
+
+        def come() -> None:
+            self._to_come -= 1
+            self._due.append(partial(self._visit, entities))
+
+        self._to_come += 1
+        graph.call_at(graph.now_ns + round(seconds * 1e9), come, node=THREADS, entity=0)
+
+    def emit(self, event: Event) -> None:
+        """Let the event handlers take an event, soon; a Shutdown then ends all processes."""
+        self._due.append(partial(self._handle, event))
+
+    def _handle(self, event: Event) -> None:
+        for handler in [one for one in self._context.handlers if one.matches(event)]:
+            if handler.handle_once:
+                self._context.handlers.remove(handler)
+            self._visit(handler.handle(event, self._context))
+        if isinstance(event, Shutdown):
+            self._shut_down()
+
+    def _description(self) -> Entities:
+        source(self.file)
+        return LaunchDescriptionSource(self.file).get_launch_description(self._context)
+
+    def _visit(self, entities: Entities | None) -> None:
+        for entity in listed(entities):
+            self._visit(entity.visit(self._context))
+
+    def _find(self, package: str, executable: str) -> Callable[[], object]:
+        found = find_package(package)
+        if found is not None and executable in found.executables:
+            return partial(_call, found, executable)
+        if (package, executable) in self._own:
+            return self._own[package, executable]
+        names = [*found.executables] if found else [name for place, name in self._own if place == package]
+        if not names and found is None:
+            raise RuntimeError(why_not_found(package))
+        close = difflib.get_close_matches(executable, names, n=1)
+        meant = f" Did you mean '{close[0]}'?" if close else ""
+        raise RuntimeError(
+            f"executable '{executable}' not found in package '{package}', which has: "
+            f"{', '.join(names) or 'none'}.{meant} Executables are named in console_scripts in setup.py."
+        )
+
+    def _go_on(self) -> None:
+        while True:
+            try:
+                while self._note_ends() or self._due or (self._to_come and not current_graph().ended):
+                    baton.wait(self._has_news, until_ns=None, what="the processes of the launch")
+                    while self._due:
+                        self._due.pop(0)()
+                return
+            except KeyboardInterrupt:
+                self.emit(Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
+            except DeadlockError:
+                self._shut_down()
+                self._go_on()
+                raise
+
+    def _shut_down(self) -> None:
+        self._stopping, self._to_come = True, 0
+        self._processes.interrupt()
+
+    def _has_news(self) -> bool:
+        return bool(self._due) or len(self._processes.ended) > self._told
+
+    def _note_ends(self) -> bool:
+        """Tell of processes that have ended; says whether others have not."""
+        while self._told < len(self._processes.ended):
+            self._told += 1
+            self._tell_end(self._processes.ended[self._told - 1])
+        return self._told < len(self._started)
+
+    def _tell_end(self, number: int) -> None:
+        action, process = self._started[number]
+        name, pid = process.file.name, number + 1
+        code = 0 if self._stopping and process.exit_code == INTERRUPTED else process.exit_code
+        if code:
+            command = " ".join(process.argv)
+            _log("ERROR", name, f"process has died [pid {pid}, exit code {code}, cmd '{command}'].")
+        else:
+            _log("INFO", name, f"process has finished cleanly [pid {pid}]")
+        self.exit_code = self.exit_code or code
+        self.emit(ProcessExited(action, name, code))
+
+
+def arguments_of(file: Path) -> str:
+    """Say which arguments a launch file declares; raises a CourseError if it is none."""
+    try:
+        return LaunchProgram(file, (), {}).arguments()
+    except _COMPLAINTS as error:
+        raise CourseError(f"{file}: {error}") from error
+
+
+def forget_imported() -> None:
+    """Have the packages of earlier processes read again: their files may have changed."""
+    for name in [name for name in sys.modules if name.partition(".")[0] in _imported]:
+        del sys.modules[name]
+    _imported.clear()
+
+
+def _call(package: Package, executable: str) -> object:
+    for folder in map(str, package.python):
+        if folder not in sys.path:
+            sys.path.insert(1, folder)  # behind the stand-in
+    module, function = package.executables[executable]
+    _imported.add(module.partition(".")[0])
+    return getattr(import_module(module), function)()
+
+
+def _log(level: str, name: str, text: str) -> None:
+    sys.stdout.write(f"[{level}] [{name}]: {text}\n")

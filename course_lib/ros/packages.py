@@ -1,0 +1,103 @@
+"""ROS packages on this machine: their sources, or what colcon has built of them."""
+
+import ast
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import distributions
+from pathlib import Path
+
+_SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
+
+
+@dataclass(frozen=True)
+class Package:
+    """A package: the folder with its launch/, config/ and rviz/, where Python finds it, and its executables.
+
+    `executables` gives (module, function) by name.
+    """
+
+    name: str
+    share: Path
+    python: tuple[Path, ...]
+    executables: dict[str, tuple[str, str]]
+
+
+def find_package(name: str) -> Package | None:
+    """Find a package; see `packages`."""
+    folder = packages().get(name)
+    return None if folder is None else _package(name, folder)
+
+
+def packages() -> dict[str, Path]:
+    """Give the share folder of each package, by name.
+
+    First what is installed under the prefixes on AMENT_PREFIX_PATH, then the sources in the folders on
+    ROS_PACKAGE_PATH, in the working folder and in its src.
+    """
+    found: dict[str, Path] = {}
+    for manifest in _manifests():
+        name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text("utf-8", errors="replace"))
+        if name:
+            found.setdefault(name[1], manifest.parent)
+    return dict(sorted(found.items()))
+
+
+def why_not_found(name: str) -> str:
+    """Say that a package is not there, what is, and how it would come there."""
+    there = ", ".join(packages()) or "none"
+    return (
+        f"package '{name}' not found, searching: {[str(root) for root in _roots()]}. There is: {there}. Put "
+        f"the folder that holds it on ROS_PACKAGE_PATH, or make it: course export FILE --package {name} --out DIR"
+    )
+
+
+def source(file: Path) -> None:
+    """Let the package that a file lies in be found, with those beside it: what `source setup.bash` does."""
+    for folder in file.resolve().parents:
+        if (folder / "package.xml").is_file():
+            is_built = folder.parent.name == "share"
+            prefixes = folder.parents[2].glob("*/share") if is_built else ()
+            _put_first("AMENT_PREFIX_PATH", [path.parent for path in (folder.parent, *prefixes) if is_built])
+            _put_first("ROS_PACKAGE_PATH", [] if is_built else [folder.parent])
+            return
+
+
+def _put_first(variable: str, paths: list[Path]) -> None:
+    words = [str(path) for path in paths] + os.environ.get(variable, "").split(os.pathsep)
+    os.environ[variable] = os.pathsep.join(dict.fromkeys(filter(None, words)))
+
+
+def _listed(variable: str) -> list[Path]:
+    return [Path(word) for word in os.environ.get(variable, "").split(os.pathsep) if word]
+
+
+def _roots() -> list[Path]:
+    return [*_listed("AMENT_PREFIX_PATH"), *_listed("ROS_PACKAGE_PATH"), Path.cwd(), Path.cwd() / "src"]
+
+
+def _manifests() -> Iterator[Path]:
+    for prefix in _listed("AMENT_PREFIX_PATH"):
+        yield from sorted(prefix.glob("share/*/package.xml"))
+    for root in _roots()[len(_listed("AMENT_PREFIX_PATH")) :]:
+        yield from sorted([*root.glob("package.xml"), *root.glob("*/package.xml")])
+
+
+def _package(name: str, share: Path) -> Package:
+    if share.parent.name != "share":
+        return Package(name, share, (share,), dict(_declared(share / "setup.py")))
+    python = tuple(share.parents[1].glob("lib/python*/site-packages"))
+    built = distributions(name=name, path=[str(path) for path in python])
+    points = [point for one in built for point in one.entry_points if point.group == "console_scripts"]
+    return Package(name, share, python, {point.name: (point.module, point.attr) for point in points})
+
+
+def _declared(setup: Path) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield the executables that a setup.py declares, without running it."""
+    tree = ast.parse(setup.read_text(encoding="utf-8")) if setup.is_file() else ast.Module([], [])
+    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    for text in texts:
+        script = _SCRIPT.fullmatch(str(text))
+        if script:
+            yield script[1], (script[2], script[3])

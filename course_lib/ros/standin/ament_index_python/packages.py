@@ -1,0 +1,36 @@
+"""Where packages are; a package's sources count as its share folder."""
+
+from pathlib import Path
+
+from course_lib.ros import packages
+
+
+class PackageNotFoundError(KeyError):
+    """There is no such package."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])  # KeyError would show its repr
+
+
+def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:
+    """Return the folder with the package's launch/, config/ and rviz/; raises PackageNotFoundError."""
+    found = packages.find_package(package_name)
+    if found is None:
+        raise PackageNotFoundError(packages.why_not_found(package_name))
+    return found.share
+
+
+def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:
+    """Return the folder with the package's launch/, config/ and rviz/; raises PackageNotFoundError."""
+    return str(get_package_share_path(package_name))
+
+
+def get_package_prefix(package_name: str) -> str:
+    """Return what the package is installed under; the folder above its sources if it is not."""
+    share = get_package_share_path(package_name)
+    return str(share.parent.parent if share.parent.name == "share" else share.parent)
+
+
+def get_packages_with_prefixes() -> dict[str, str]:
+    """Return all packages with what they are installed under."""
+    return {name: get_package_prefix(name) for name in packages.packages()}

@@ -1,0 +1,71 @@
+"""What decides whether an action is done."""
+
+from collections.abc import Callable
+
+from launch.launch_context import LaunchContext
+from launch.substitution import SomeSubstitutionsType, perform_substitutions
+
+_WORDS = {"true": True, "1": True, "false": False, "0": False}
+
+
+class InvalidConditionExpressionError(Exception):
+    """A condition is neither true nor false."""
+
+
+class Condition:
+    """A question that is answered when the action is visited."""
+
+    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
+        self._predicate = predicate
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Answer it."""
+        return self._predicate(context)
+
+
+class IfCondition(Condition):
+    """True where the text is `true` or `1`, in capitals or not; it must be one of true, 1, false, 0."""
+
+    def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
+        super().__init__(predicate=lambda context: is_true(context, predicate_expression))
+
+
+class UnlessCondition(Condition):
+    """True where the text is `false` or `0`."""
+
+    def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
+        super().__init__(predicate=lambda context: not is_true(context, predicate_expression))
+
+
+class LaunchConfigurationEquals(Condition):
+    """True where an argument has a value; None: where it is not set."""
+
+    def __init__(
+        self,
+        launch_configuration_name: str,
+        expected_value: SomeSubstitutionsType | None,
+        *,
+        equal: bool = True,
+    ) -> None:
+        def decide(context: LaunchContext) -> bool:
+            expected = None if expected_value is None else perform_substitutions(context, expected_value)
+            return (context.launch_configurations.get(launch_configuration_name) == expected) is equal
+
+        super().__init__(predicate=decide)
+
+
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """True where an argument has another value."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
+        super().__init__(launch_configuration_name, expected_value, equal=False)
+
+
+def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
+    """Read a text as true or false, with launch's complaint about any other."""
+    text = perform_substitutions(context, expression).strip().lower()
+    if text not in _WORDS:
+        raise InvalidConditionExpressionError(
+            f"invalid condition expression, given '{text}', expected one of {list(_WORDS)}"
+        )
+    return _WORDS[text]

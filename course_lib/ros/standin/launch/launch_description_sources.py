@@ -1,0 +1,43 @@
+"""Where descriptions come from: Python files."""
+
+from pathlib import Path
+from typing import Any
+
+from launch.launch_context import LaunchContext
+from launch.launch_description import LaunchDescription
+from launch.substitution import SomeSubstitutionsType, perform_substitutions
+
+
+class InvalidPythonLaunchFileError(Exception):
+    """A file describes no launch."""
+
+
+class LaunchDescriptionSource:
+    """A launch file."""
+
+    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
+        self._path = launch_file_path
+
+    def location(self, context: LaunchContext) -> Path:
+        """Give the file."""
+        return Path(perform_substitutions(context, self._path)).absolute()
+
+    def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
+        """Run the file and ask it for its description."""
+        file = self.location(context)
+        if file.suffix != ".py":
+            raise InvalidPythonLaunchFileError(
+                f"{file} is no Python file; other launch files do not run here."
+            )
+        names: dict[str, Any] = {"__name__": file.stem, "__file__": str(file)}
+        exec(compile(file.read_bytes(), str(file), "exec"), names)
+        if "generate_launch_description" not in names:
+            raise InvalidPythonLaunchFileError(
+                f"launch file at '{file}' does not contain the required function "
+                "'generate_launch_description()'"
+            )
+        description: LaunchDescription = names["generate_launch_description"]()
+        return description
+
+
+PythonLaunchDescriptionSource = AnyLaunchDescriptionSource = LaunchDescriptionSource

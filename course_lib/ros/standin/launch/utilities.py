@@ -1,0 +1,3 @@
+"""Helpers that launch files import."""
+
+from launch.substitution import perform_substitutions as perform_substitutions

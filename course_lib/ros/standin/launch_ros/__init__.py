@@ -1,0 +1,1 @@
+"""What launch files say about nodes; the kit's stand-in."""

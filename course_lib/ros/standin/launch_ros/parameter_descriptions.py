@@ -1,0 +1,88 @@
+"""Parameters of nodes: values and files."""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml  # type: ignore[import-untyped]  # it ships no types
+from launch.launch_context import LaunchContext
+from launch.substitution import SomeSubstitutionsType, has_substitution, perform_substitutions
+
+
+class ParameterValue:
+    """A value of a chosen type; substitutions without one are read as YAML."""
+
+    def __init__(self, value: Any, *, value_type: Any = None) -> None:
+        self._value, self._type = value, value_type
+
+    def evaluate(self, context: LaunchContext) -> Any:
+        """Give the value."""
+        value = evaluated(context, self._value, as_text=self._type is str)
+        return self._type(value) if isinstance(self._type, type) else value
+
+
+class ParameterFile:
+    """A YAML file of parameters."""
+
+    def __init__(self, param_file: SomeSubstitutionsType, *, allow_substs: Any = False) -> None:
+        self._file = param_file
+
+    def evaluate(self, context: LaunchContext) -> Path:
+        """Give its path; `$(…)` in files is not replaced here."""
+        file = Path(perform_substitutions(context, self._file))
+        if file.is_file() and "$(" in file.read_text(encoding="utf-8"):
+            raise RuntimeError(
+                f"{file} holds $(…), which is not replaced here; use values, or ReplaceString."
+            )
+        return file
+
+
+Parameter = ParameterValue
+
+
+def evaluated(context: LaunchContext, value: Any, *, as_text: bool = False) -> Any:
+    """Give a parameter's value: text with substitutions is read as YAML, as in ROS; other text stays."""
+    if isinstance(value, ParameterValue):
+        return value.evaluate(context)
+    if has_substitution(value):
+        text = perform_substitutions(context, value)
+        return text if as_text else _read(text)
+    if isinstance(value, list | tuple):
+        return [evaluated(context, part) for part in value]
+    return value
+
+
+def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
+    """Give one entry of a node's `parameters` as words behind --ros-args."""
+    if isinstance(parameters, Mapping):
+        for name, value in _flat(context, parameters, ""):
+            yield from ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")
+    else:
+        is_file = isinstance(parameters, ParameterFile)
+        yield from (
+            "--params-file",
+            str((parameters if is_file else ParameterFile(parameters)).evaluate(context)),
+        )
+
+
+def _flat(context: LaunchContext, values: Mapping[Any, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    for key, value in values.items():
+        name = prefix + perform_substitutions(context, key)
+        if isinstance(value, Mapping):
+            yield from _flat(context, value, f"{name}.")
+        else:
+            yield name, evaluated(context, value)
+
+
+def _read(text: str) -> Any:
+    try:
+        value = yaml.safe_load(text) if text else ""
+    except yaml.YAMLError:
+        value = None
+    if not isinstance(value, bool | int | float | str | list):
+        raise TypeError(
+            f"Unable to parse the value {text[:80]!r} as a parameter. If it is meant to be a string, try "
+            "wrapping it in launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+        )
+    return value

@@ -1,0 +1,145 @@
+"""The executables of ROS packages that the kit provides itself, for launch files."""
+
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph import current_graph
+
+_NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
+_RQT = (
+    "rqt_graph",
+    "rqt_plot",
+    "rqt_console",
+    "rqt_reconfigure",
+    "rqt_image_view",
+    "rqt_robot_monitor",
+    "rqt_topic",
+)
+
+
+def _rviz2() -> None:
+    """Show the layout behind `-d`: in the cell, or where there is none, say how it can be looked at."""
+    words = _own_words()
+    layout = Path(words[words.index("-d") + 1]) if "-d" in words[:-1] else None
+    if current_graph().notebook:
+        from IPython.display import display
+
+        from course_lib.displays.viewer import Viewer
+
+        display(Viewer.from_rviz(layout) if layout else Viewer())  # type: ignore[no-untyped-call]  # untyped there
+    else:
+        _tell_how_to_look(layout)
+    _spin()
+
+
+def _tell_how_to_look(layout: Path | None) -> None:
+    rviz = ""
+    if layout is not None:
+        from course_lib.displays.layout import read_layout
+
+        read_layout(layout)
+        rviz = f" --rviz {layout}"
+    sys.stdout.write(
+        "[rviz2]: There is no window here. Record the run with --bag DIR; then look at it with: "
+        f"course view --bag DIR{rviz}\n"
+    )
+
+
+def _robot_state_publisher() -> None:
+    from course_lib.robots.robot_state_publisher import RobotStatePublisher
+
+    files = [Path(word) for word in _own_words()]  # the former way to give the robot
+    _spin(RobotStatePublisher(files[0].read_text(encoding="utf-8") if files else ""))
+
+
+def _joint_state_publisher(*, sliders: bool = False) -> None:
+    from course_lib.robots.joint_state_publisher import JointStatePublisher
+    from course_lib.robots.sliders import joint_sliders
+
+    files = [Path(word) for word in _own_words()]
+    node = JointStatePublisher(files[0].read_text(encoding="utf-8") if files else "")
+    if sliders and current_graph().notebook:
+        from IPython.display import display
+
+        display(joint_sliders(node))  # type: ignore[no-untyped-call]  # untyped there
+    elif sliders:
+        node.get_logger().info("There is no window for sliders here; the joints stay where they begin.")
+    _spin(node)
+
+
+def _static_transform_publisher() -> None:
+    from course_lib.tools.ros2 import ros2
+    from course_lib.tools.sources import GraphSource
+
+    words = _own_words()
+    if len(words) == len(_NUMBERS) + 2 and "--frame-id" not in words:  # x y z yaw pitch roll frame child
+        flags = [word for pair in zip(_NUMBERS, words, strict=False) for word in pair]
+        words = [*flags, "--frame-id", words[-2], "--child-frame-id", words[-1]]
+    words = [
+        f"{flag}={value}" for flag, value in zip(words[::2], words[1::2], strict=True)
+    ]  # -0.5 is no flag
+    ros2(
+        ["run", "tf2_ros", "static_transform_publisher", *words],
+        GraphSource(current_graph()),
+        sys.stdout.write,
+    )
+    _spin()
+
+
+def _rqt(name: str) -> None:
+    """Say where it is: rqt's windows are in notebooks."""
+    sys.stdout.write(
+        f"[{name}]: There is no window here. In a notebook's cell: %rqt {name.removeprefix('rqt_')}\n"
+    )
+    _spin()
+
+
+def _own_words() -> list[str]:
+    """Give the program's own words, before what is for ROS."""
+    words = sys.argv[1:]
+    return words[: words.index("--ros-args")] if "--ros-args" in words else words
+
+
+def _spin(node: object = None) -> None:
+    import rclpy
+    from rclpy.executors import ExternalShutdownException
+
+    executor = rclpy.get_global_executor()
+    if node is not None:
+        executor.add_node(node)  # type: ignore[arg-type]  # a node of the kit's own
+    with suppress(KeyboardInterrupt, ExternalShutdownException):  # as ROS's own executables end
+        executor.spin()
+
+
+def _with_rclpy(work: Callable[[], None]) -> int:
+    """Do the work of an executable; what is wrong with its arguments is said in one line."""
+    import rclpy
+
+    rclpy.init()
+    try:
+        work()
+    except (CourseError, OSError) as error:
+        sys.stderr.write(f"[ERROR] [{sys.argv[0]}]: {error}\n")
+        return 1
+    return 0
+
+
+EXECUTABLES: dict[tuple[str, str], Callable[[], int]] = {
+    (package, name): partial(_with_rclpy, work)
+    for package, name, work in (
+        ("rviz2", "rviz2", _rviz2),
+        ("robot_state_publisher", "robot_state_publisher", _robot_state_publisher),
+        ("joint_state_publisher", "joint_state_publisher", _joint_state_publisher),
+        (
+            "joint_state_publisher_gui",
+            "joint_state_publisher_gui",
+            partial(_joint_state_publisher, sliders=True),
+        ),
+        ("tf2_ros", "static_transform_publisher", _static_transform_publisher),
+        *((name, name, partial(_rqt, name)) for name in _RQT),
+    )
+}
