@@ -79,7 +79,7 @@ def test_a_cut_in_a_compressed_chunk_gives_what_can_be_unpacked(tmp_path: Path, 
     file.write_bytes(data[: int(share * len(data))])
     part = read_bag(tmp_path / "bag")
     assert is_beginning(part, recording)
-    assert share * 20_000 * 0.8 < len(part.samples) < 20_000
+    assert share * 20_000 * 0.8 < len(part.samples)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9])
