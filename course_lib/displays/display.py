@@ -65,7 +65,6 @@ class Display(PropertyHolder):
         self.path = path
         self.statuses = Statuses()
         self.subscriptions: tuple[Subscription, ...] = ()
-        self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
         self.started = False
         self._grouped = True  # whether the groups it is in are ticked
 

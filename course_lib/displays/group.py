@@ -13,7 +13,7 @@ class Group:
 
     def __init__(self, name: str = "", config: Mapping[str, Any] | None = None, ticked: bool = True) -> None:
         self.name = name
-        self.config = config or {}  # of the layout it comes from
+        self.config = dict(config or {})  # of the layout it comes from
         self.ticked = ticked
         self.members: list[Display | Group] = []
 

@@ -1,111 +1,105 @@
 """RViz's layout files, .rviz: what is shown, and from where."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from course_lib.displays.group import GROUP
-from course_lib.displays.properties import Color, color
+from course_lib.displays.yaml_file import Parsed, parse_yaml
 from course_lib.errors import CourseError
+
+Config: TypeAlias = Mapping[str, Any]  # of one thing in a layout, by RViz's labels
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts of a layout that say what is drawn."""
+    """The parts of a layout that say what is drawn, but for what has another shape than in RViz's files."""
 
-    fixed_frame: str  # RViz's Fixed Frame
-    background: Color  # colour behind everything
-    frame_rate: int  # [Hz]
-    displays: tuple[Mapping[str, Any], ...]  # the configuration of each display and group, in order
-    view: Mapping[str, Any]  # the configuration of the current view
-    saved_views: tuple[Mapping[str, Any], ...]  # those of the saved ones
-    tools: tuple[Mapping[str, Any], ...]  # those of the tools
-    document: Mapping[str, Any]  # the whole file
+    options: Config = field(default_factory=dict)  # RViz's Global Options
+    displays: tuple[Config, ...] = ()  # the configuration of each display and group, in order
+    view: Config = field(default_factory=dict)  # the configuration of the current view
+    saved_views: tuple[Config, ...] = ()  # those of the saved ones
+    tools: tuple[Config, ...] = ()  # those of the tools
+    document: Config = field(default_factory=dict)  # the whole file
+    problems: tuple[str, ...] = ()  # what was left out, with line and column
 
 
 def read_layout(path: str | Path) -> Layout:
-    """Read an .rviz file.
+    """Read an .rviz file; like RViz, take of any YAML what is there.
 
     Raises:
-        CourseError: If there is no such file, if it is no YAML (with line and column), or if something in it
-            has another shape than in RViz's files.
+        CourseError: If there is no such file, or if it is no YAML; with line and column.
     """
-    document = _parsed(Path(path))
-    manager = _part(path, document, "Visualization Manager", dict, required=True)
-    options = _part(path, manager, "Global Options", dict)
-    displays = _displays(path, manager)
-    views = _part(path, manager, "Views", dict)
-    view, saved = _part(path, views, "Current", dict), _maps(path, views, "Saved")
     try:
-        background = color(options.get("Background Color", "48; 48; 48"))
-        frame_rate = max(int(options.get("Frame Rate", 30)), 1)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise CourseError(f"{path}: a value of Global Options is wrong: {error}.") from None
-    fixed_frame = str(options.get("Fixed Frame", "base_link")).removeprefix("/")
-    return Layout(
-        fixed_frame, background, frame_rate, displays, view, saved, _maps(path, manager, "Tools"), document
-    )
-
-
-def _displays(path: str | Path, group: Any) -> tuple[Mapping[str, Any], ...]:
-    """Return the displays and groups that are directly in a group; all below are looked at too."""
-    displays = _maps(path, group, "Displays")
-    for display in displays:
-        if display.get("Class") == GROUP:
-            _displays(path, display)
-    return displays
-
-
-def _maps(path: str | Path, parent: Any, name: str) -> tuple[Mapping[str, Any], ...]:
-    """Return a part of the layout that must be a list of maps."""
-    entries = _part(path, parent, name, list)
-    for index, entry in enumerate(entries):
-        if not isinstance(entry, dict):
-            raise _misshapen(path, entry, entries, index, f"{name.removesuffix('s')} {index + 1}", dict)
-    return tuple(entries)
-
-
-def _parsed(path: Path) -> dict[str, Any]:
-    """Parse YAML so that it can be written again as it was."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
-
-    yaml = YAML()
-    yaml.allow_duplicate_keys = True
-    try:
-        document = yaml.load(path.read_text(encoding="utf-8"))
+        parsed = parse_yaml(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise CourseError(f"{path} is no .rviz file: it is not even text.") from None
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise CourseError(f"{path}{where}: this is no YAML: {error.problem or error.context}.") from None
-    except YAMLError as error:
-        raise CourseError(f"{path}: this is no YAML: {error}.") from None
-    if not isinstance(document, dict):
-        raise CourseError(f"{path} is no .rviz file: it has no 'Visualization Manager'.")
-    return document
+    except CourseError as error:
+        raise CourseError(f"{path}, {error}") from None
+    return _Parts(parsed).layout(Path(path).name)
 
 
-def _part(path: str | Path, parent: Any, name: str, kind: type, required: bool = False) -> Any:
-    """Return a part of the layout that must be a map or a list; an absent one is empty."""
-    value = parent.get(name)
-    if value is None and not required:
-        return kind()
-    if not isinstance(value, kind):
-        raise _misshapen(path, value, parent, name, name, kind)
-    return value
+def text_at(config: Config, label: str) -> str:
+    """Return a text of a layout; empty if there is none."""
+    value = config.get(label)
+    return "" if value is None or isinstance(value, Mapping | list | tuple) else str(value)
 
 
-def _misshapen(path: str | Path, value: Any, parent: Any, key: Any, name: str, kind: type) -> CourseError:
-    """Say where a part of the layout is not what RViz writes."""
-    wanted = "a map (lines like 'Name: value')" if kind is dict else "a list (lines that begin with '- ')"
-    if value is None:
-        return CourseError(f"{path} is no .rviz file: it has no {name!r}.")
-    line, column = parent.lc.item(key) if isinstance(key, int) else parent.lc.value(key)
-    return CourseError(
-        f"{path}, line {line + 1}, column {column + 1}: {name!r} is {str(value)[:40]!r}, expected {wanted}."
-    )
+class _Parts:
+    """Looks up the parts of a file, and remembers which are not as RViz writes them."""
+
+    def __init__(self, parsed: Parsed) -> None:
+        self._parsed = parsed
+        self._problems: list[str] = []
+
+    def layout(self, name: str) -> Layout:
+        document = self._parsed.value if isinstance(self._parsed.value, dict) else {}
+        if not isinstance(document.get("Visualization Manager"), dict):
+            self._problems.append(f"{name} is no .rviz file: it has no map 'Visualization Manager'.")
+            return Layout(document=document, problems=tuple(self._problems))
+        above = "Visualization Manager"
+        return Layout(
+            options=self._part(above, "Global Options", kind=dict),
+            displays=self._displays(above),
+            view=self._part(above, "Views", "Current", kind=dict),
+            saved_views=self._maps(above, "Views", "Saved"),
+            tools=self._maps(above, "Tools"),
+            document=document,
+            problems=tuple(self._problems),
+        )
+
+    def _displays(self, *group: str | int) -> tuple[Config, ...]:
+        """Return the displays and groups that are directly in a group; what is in those is looked at, too."""
+        displays = self._maps(*group, "Displays")
+        for index, display in enumerate(displays):
+            if display.get("Class") == GROUP:
+                display["Displays"] = self._displays(*group, "Displays", index)
+        return displays
+
+    def _maps(self, *path: str | int) -> tuple[dict[str, Any], ...]:
+        """Return the maps of a list; an entry that is none makes an empty one."""
+        entries = self._part(*path, kind=list)
+        return tuple(self._part(*path, index, kind=dict) for index in range(len(entries)))
+
+    def _part(self, *path: str | int, kind: type) -> Any:
+        """Return the map or list at a path; an absent one is empty, and so is what is none."""
+        value = self._parsed.value
+        for index, key in enumerate(path):
+            value = value[key] if isinstance(key, int) else value.get(key)
+            wanted = kind if index == len(path) - 1 else (list if isinstance(path[index + 1], int) else dict)
+            if not isinstance(value, wanted):
+                if value is not None:
+                    self._problem(path[: index + 1], value, wanted)
+                return kind()
+        return value
+
+    def _problem(self, path: tuple[str | int, ...], value: Any, wanted: type) -> None:
+        line, column = self._parsed.places.get(path, (1, 1))
+        form = "a map (lines like 'Name: value')" if wanted is dict else "a list (lines that begin with '- ')"
+        name = path[-1] if isinstance(path[-1], str) else f"{str(path[-2]).removesuffix('s')} {path[-1] + 1}"
+        text = f"line {line}, column {column}: {name!r} is {str(value)[:40]!r}, expected {form}."
+        if text not in self._problems:
+            self._problems.append(text)

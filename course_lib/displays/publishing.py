@@ -5,6 +5,7 @@ from typing import Any
 
 from course_lib.displays.session import Session
 from course_lib.displays.tools import PublishPoint
+from course_lib.displays.topic_display import qos_of
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import serialize
@@ -19,7 +20,7 @@ class ToolNode:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._node: int | None = None
-        self._publishers: dict[tuple[str, str], int] = {}  # endpoints by topic and type
+        self._publishers: dict[tuple[str, str, Qos], int] = {}  # endpoints
 
     def publish(self, session: Session, label: str, done: Mapping[str, Any]) -> str:
         """Publish what a tool does, in the fixed frame and stamped now; returns what it was in words.
@@ -33,7 +34,7 @@ class ToolNode:
         tool = tools[label]
         message = tool.message(session.fixed_frame, self._graph.now_ns, done)
         topic = "/" + tool["Topic"].removeprefix("/")
-        self._graph.publish(self._publisher(topic, tool.type_name), serialize(message))
+        self._graph.publish(self._publisher(topic, tool.type_name, qos_of(tool)), serialize(message))
         return tool.said(topic, message)
 
     def close(self) -> None:
@@ -43,11 +44,10 @@ class ToolNode:
         self._node = None
         self._publishers.clear()
 
-    def _publisher(self, topic: str, type_name: str) -> int:
+    def _publisher(self, topic: str, type_name: str, qos: Qos) -> int:
         if self._node is None:
             self._node = self._graph.add_node(NODE, "/")
-        if (topic, type_name) not in self._publishers:
-            self._publishers[topic, type_name] = self._graph.add_publisher(
-                self._node, topic, type_name, Qos(depth=5)
-            )
-        return self._publishers[topic, type_name]
+        wanted = (topic, type_name, qos)
+        if wanted not in self._publishers:
+            self._publishers[wanted] = self._graph.add_publisher(self._node, *wanted)
+        return self._publishers[wanted]

@@ -17,7 +17,6 @@ from course_lib.displays.properties import (
     color,
     flag,
     frame,
-    integer,
     read_only,
     vector,
 )
@@ -97,7 +96,7 @@ def display_rows(session: Session) -> Rows:
     """Return the rows of the Displays panel."""
     rows = Rows()
     rows.put("options", "", "Global Options", open=True)
-    rows.put_properties(Options(session), "options")
+    rows.put_properties(session.options, "options")
     rows.put_statuses("status", "", "Global Status", session.global_rows())
     for member, parent in _members(session.tree, ""):
         _put_member(rows, session, member, parent)
@@ -114,34 +113,6 @@ def view_rows(session: Session) -> Rows:
 def worst_of(levels: Iterable[Level]) -> Level:
     """Return the level that matters most; hints of ours come after RViz's warnings."""
     return min(levels, key=_WORST_FIRST.index, default="ok")
-
-
-class Options(PropertyHolder):
-    """RViz's Global Options, as properties of a session."""
-
-    properties = (
-        Property("Fixed Frame", "map", frame),
-        Property("Background Color", (48, 48, 48), color),
-        Property("Frame Rate", 30, integer(1)),  # [Hz]
-    )
-
-    def __init__(self, session: Session) -> None:
-        super().__init__()
-        values = (session.fixed_frame, session.context.scene.background, session.frame_rate)
-        self._values = dict(zip(self._values, values, strict=True))
-        self._session = session
-
-    def __repr__(self) -> str:
-        return "Global Options"
-
-    def changed(self, label: str) -> None:
-        """Let the session have it."""
-        if label == "Fixed Frame":
-            self._session.fixed_frame = self[label]
-        elif label == "Background Color":
-            self._session.context.scene.background = self[label]
-        else:
-            self._session.frame_rate = self[label]
 
 
 def _members(group: Group, parent: str) -> Iterator[tuple[Display | Group, str]]:

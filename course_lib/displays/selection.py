@@ -1,7 +1,7 @@
 """What RViz's Selection panel says of an object: its display, its frame and its message."""
 
 from course_lib.displays.session import Session
-from course_lib.displays.writer import yaml_text
+from course_lib.displays.yaml_file import yaml_text
 from course_lib.ros.messages.plain import to_plain
 
 _LONGEST = 16  # list or text that is shown whole

@@ -8,10 +8,11 @@ from course_lib.displays.delivery import reaches, silence
 from course_lib.displays.display import Context, Display, Subscription, node_name
 from course_lib.displays.frames import NS, Frames
 from course_lib.displays.group import GROUP, Group
-from course_lib.displays.layout import Layout
+from course_lib.displays.layout import Layout, text_at
+from course_lib.displays.options import Options
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow
-from course_lib.displays.tools import all_tools
+from course_lib.displays.tools import all_tools, load_tools
 from course_lib.displays.views import Orbit, View, view_of
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import deserialize, message_class
@@ -42,9 +43,10 @@ class Session:
         self.frame_rate = 30  # [Hz]
         self.context = Context(scene, Frames(fixed_frame), start_ns, self.catch_up, self.refresh)
         self.tree = Group()  # of the displays
-        self.layout: Layout | None = None  # that was taken over last
+        self.layout = Layout()  # that was taken over last
         self.saved_views: list[View] = []
         self._view: View = Orbit()
+        self._view.touched = self.refresh
         self._camera: Camera | None = None  # where the view put it
         self.statuses = Statuses()  # Global Status
         self.latched: Callable[[], Iterable[Sample]] = tuple  # what publishers hold for latecomers
@@ -78,6 +80,11 @@ class Session:
         for display in self.displays:
             display.reset()
         self.refresh()
+
+    @property
+    def options(self) -> Options:
+        """RViz's Global Options, as they are now."""
+        return Options(self)
 
     @property
     def view(self) -> View:
@@ -133,23 +140,22 @@ class Session:
         for display in self.displays:
             self.remove(display)
         self.tree, self.layout = Group(), layout
-        self.fixed_frame = layout.fixed_frame
-        self.frame_rate = layout.frame_rate
-        self.context.scene.background = layout.background
+        options = self.options
+        options.load({option.label: option.default for option in options.properties})
+        self.statuses.hint("Layout", *layout.problems, *options.load(layout.options))
         self._fill(self.tree, layout.displays)
         self.view, *wrong = view_of(layout.view)
-        for tool in self.tools:
-            found = [config for config in layout.tools if config.get("Class") == tool.class_name]
-            wrong += tool.load(found[0] if found else {})
         self.saved_views = [view_of(config)[0] for config in layout.saved_views]
         self.statuses.hint("View", *wrong)
+        self.tools = all_tools()
+        self.statuses.hint("Tools", *load_tools(self.tools, layout.tools))
 
     def _fill(self, group: Group, configs: Iterable[Mapping[str, Any]]) -> None:
         for config in configs:
-            class_name = str(config.get("Class") or "")
-            name = str(config.get("Name") or class_name)
+            class_name = text_at(config, "Class") or "(no class name found)"  # RViz's words
+            name = text_at(config, "Name") or class_name
             if class_name == GROUP:
-                inner = Group(name, config, config.get("Enabled") is not False)
+                inner = Group(name, config, text_at(config, "Enabled").lower() != "false")
                 group.members.append(inner)
                 self._fill(inner, config.get("Displays") or ())
             else:

@@ -1,11 +1,13 @@
 """RViz's tools: what the tool bar has, and what those that publish say (rviz_default_plugins/tools)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import atan2, cos, sin
 from typing import Any
 
 from course_lib.displays.frames import NS
-from course_lib.displays.properties import Property, PropertyHolder, number, text
+from course_lib.displays.layout import text_at
+from course_lib.displays.properties import Property, PropertyHolder, color, flag, number
+from course_lib.displays.topic_display import with_qos
 from course_lib.ros.messages import message_class
 
 Message = Any  # of the generated classes, which are known by name only
@@ -19,31 +21,32 @@ class Tool(PropertyHolder):
         label: Of the button.
         key: That chooses it.
         gesture: What the page does with the mouse: "camera", "select", "focus", "measure", "pose", "point".
+        properties: Those that a tool of this class has.
     """
 
-    def __init__(self, short: str, label: str, key: str, gesture: str) -> None:
+    def __init__(self, short: str, label: str, key: str, gesture: str, *properties: Property) -> None:
+        self.properties += properties
         super().__init__()
         self.class_name = f"rviz_default_plugins/{short}"
-        self.config: Mapping[str, Any] = {}  # of the layout it comes from
         self.label, self.key, self.gesture = label, key, gesture
 
     def __repr__(self) -> str:
         return self.label
 
     def changed(self, label: str) -> None:
-        """Need nothing: properties are read when something is published."""
+        """Need nothing: properties are read when the tool is used."""
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout, and keep it."""
+        self.config = config
+        return super().load(config)
 
 
 class PublishPoint(Tool):
     """Publishes the point that is clicked."""
 
     type_name = "geometry_msgs/msg/PointStamped"
-    properties: tuple[Property, ...] = (Property("Topic", "/clicked_point", text),)
-
-    def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout, and keep it."""
-        self.config = config
-        return super().load(config)
+    properties = (*with_qos("/clicked_point"), Property("Single click", True, flag))
 
     def message(self, frame: str, stamp_ns: int, done: Mapping[str, Any]) -> Message:
         """Return what is published for a gesture in the fixed frame, at a robot time in [ns]."""
@@ -69,7 +72,7 @@ class SetGoal(PublishPoint):
     does = "Setting goal pose"
 
     type_name = "geometry_msgs/msg/PoseStamped"
-    properties: tuple[Property, ...] = (Property("Topic", "goal_pose", text),)
+    properties = with_qos("goal_pose")
 
     def said(self, topic: str, message: Message) -> str:
         """Say what RViz writes to its log."""
@@ -91,7 +94,7 @@ class SetInitialPose(SetGoal):
 
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
     properties = (
-        Property("Topic", "initialpose", text),
+        *with_qos("initialpose"),
         Property("Covariance x", 0.25, number(0.0)),  # [m^2]
         Property("Covariance y", 0.25, number(0.0)),  # [m^2]
         Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 in four bytes
@@ -106,15 +109,26 @@ class SetInitialPose(SetGoal):
 def all_tools() -> tuple[Tool, ...]:
     """Make the tools, in RViz's order and with its keys."""
     return (
-        Tool("Interact", "Interact", "i", "camera"),
+        Tool("Interact", "Interact", "i", "camera", Property("Hide Inactive Objects", True, flag)),
         Tool("MoveCamera", "Move Camera", "m", "camera"),
         Tool("Select", "Select", "s", "select"),
         Tool("FocusCamera", "Focus Camera", "c", "focus"),
-        Tool("Measure", "Measure", "n", "measure"),
+        Tool("Measure", "Measure", "n", "measure", Property("Line color", (128, 128, 0), color)),
         SetInitialPose("SetInitialPose", "2D Pose Estimate", "p", "pose"),
         SetGoal("SetGoal", "2D Goal Pose", "g", "pose"),
         PublishPoint("PublishPoint", "Publish Point", "u", "point"),
     )
+
+
+def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Give tools what a layout says of them, and say what is wrong with it."""
+    known = {tool.class_name: tool for tool in tools}
+    for config in reversed(configs):  # so that the first one of a class counts
+        wanted = text_at(config, "Class")
+        if wanted in known:
+            yield from known[wanted].load(config)
+        else:
+            yield f"There is no tool {wanted!r} here; the layout keeps its settings."
 
 
 def _place(pose: Message, point: Sequence[float], yaw: float) -> None:

@@ -1,78 +1,21 @@
-"""RViz's view controllers: from their properties to a camera."""
+"""RViz's view controllers, and the table of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from math import asin, atan2, cos, pi, sin
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.displays.frames import FIXED_FRAME, Frames, Matrix
-from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number, vector
+from course_lib.displays.first_person import FPS, FrameAligned
+from course_lib.displays.frames import Frames, Matrix
+from course_lib.displays.layout import text_at
+from course_lib.displays.properties import Property, number, vector
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Array, View, direction, point
 from course_lib.viewer.camera import Camera
 
-_PITCH = pi / 2 - 0.001  # [rad] RViz keeps the camera off the poles
+__all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "View", "XYOrbit"]
+
 _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
-
-_COMMON = (
-    Property("Target Frame", FIXED_FRAME, frame),
-    Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
-    Property("Invert Z Axis", False, flag),
-)
-
-Array = npt.NDArray[np.float64]
-
-
-class View(PropertyHolder):
-    """Base of all view controllers; what cannot be found in the scene is looked at from the fixed frame.
-
-    Args:
-        properties: By RViz's labels, or as Python names: ``Orbit(distance=6.0, focal_point=(0, 0, 0.5))``.
-    """
-
-    class_name: ClassVar[str]
-    properties: tuple[Property, ...] = _COMMON
-
-    def __init__(self, **properties: object) -> None:
-        super().__init__()
-        self._target: Matrix = np.eye(4)
-        self.config: Mapping[str, Any] = {}  # of the layout it comes from
-        self.name = "Current View"
-        self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
-        for label, value in properties.items():
-            self[label] = value
-
-    def changed(self, label: str) -> None:
-        """Have the change shown."""
-        self.touched()
-
-    def __repr__(self) -> str:
-        return self.class_name.rpartition("/")[2]
-
-    def camera(self, frames: Frames) -> Camera:
-        """Return the camera; it goes along with the target frame, as long as that is known."""
-        name = self["Target Frame"]
-        target = frames.transform(frames.fixed_frame if name == FIXED_FRAME else name)
-        self._target = self._target if target is None else target
-        return self._camera(self._target)
-
-    def take(self, camera: Camera) -> None:
-        """Have the properties that look as a view does which was turned by hand; nobody is told."""
-        taken = self._taken(camera, np.subtract(camera.target, camera.eye), self._target)
-        self._values |= {label: self._property(label).convert(value) for label, value in taken.items()}
-
-    def mimic(self, other: "View", frames: Frames) -> None:
-        """Look from where another view does, as well as this one can."""
-        self._values["Target Frame"] = other["Target Frame"]
-        self.camera(frames)  # finds the target frame
-        self.take(other.camera(frames))
-
-    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        raise NotImplementedError
-
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        """Return the properties of a camera, see `_camera`."""
-        raise NotImplementedError
 
 
 class Orbit(View):
@@ -80,10 +23,10 @@ class Orbit(View):
 
     class_name = "rviz_default_plugins/Orbit"
     properties = (
-        *_COMMON,
+        *COMMON,
         Property("Distance", 10.0, number(0.001)),  # [m]
         Property("Yaw", pi / 4, number()),
-        Property("Pitch", pi / 4, number(-_PITCH, _PITCH)),  # [rad]
+        Property("Pitch", pi / 4, number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad]
         Property("Focal Point", (0.0, 0.0, 0.0), vector),  # [m]
     )
 
@@ -92,11 +35,11 @@ class Orbit(View):
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
         turned, sign = self._turned(transform_target_to_fixed), self._sign()
-        away = turned @ _direction(sign * self["Yaw"], sign * self["Pitch"])
+        away = turned @ direction(sign * self["Yaw"], sign * self["Pitch"])
         lifted = self._lifted(away, self["Distance"])
         focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"]) + lifted
         eye = focus + self["Distance"] * away
-        return Camera(_point(eye), _point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
+        return Camera(point(eye), point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
 
     def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         turned, sign = self._turned(transform_target_to_fixed), self._sign()
@@ -104,7 +47,7 @@ class Orbit(View):
         x, y, z = away = turned.T @ -ahead / distance
         focus = camera.target - self._lifted(turned @ away, distance) - transform_target_to_fixed[:3, 3]
         yaw, pitch = sign * atan2(y, x) % (2 * pi), sign * asin(min(max(z, -1.0), 1.0))
-        return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": _point(turned.T @ focus)}
+        return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": point(turned.T @ focus)}
 
     def _turned(self, transform_target_to_fixed: Matrix) -> Array:
         x, y = transform_target_to_fixed[:2, 0]
@@ -127,34 +70,27 @@ class XYOrbit(Orbit):
     class_name = "rviz_default_plugins/XYOrbit"
     lift = 0.2
 
+    def mimic(self, other: View, frames: Frames) -> None:
+        """Look from where another view does, if the ground is ahead of that and below it; else start anew."""
+        super().mimic(other, frames)
+        camera = other.camera(frames)
+        eye = np.subtract(camera.eye, self._target[:3, 3])
+        _, up, back = camera.view_matrix()[:3, :3]
+        if camera.orthographic_scale is None and eye[2] * back[2] > 0 and eye[2] * up[2] > 0:
+            far, down = eye[2] / back[2], eye[2] / up[2]  # [m] to the ground, ahead and below
+            distance = far * down / (self.lift * far + down)
+            focus = (eye - self.lift * distance * up - distance * back) * [1, 1, 0]
+            turned = self._turned(self._target)
+            self._values |= {"Distance": float(distance), "Focal Point": point(turned.T @ focus)}
+        elif camera.orthographic_scale is None:
+            self.return_home()
 
-class ThirdPersonFollower(Orbit):
-    """An Orbit that turns about z with the target frame."""
+
+class ThirdPersonFollower(XYOrbit):
+    """An XYOrbit that turns about z with the target frame."""
 
     class_name = "rviz_default_plugins/ThirdPersonFollower"
     turns = True
-
-
-class FPS(View):
-    """Looks around from a point."""
-
-    class_name = "rviz_default_plugins/FPS"
-    properties = (
-        *_COMMON,
-        Property("Yaw", 1.25 * pi, number()),
-        Property("Pitch", atan2(10.0, 50.0**0.5), number(-_PITCH, _PITCH)),  # [rad] downward
-        Property("Position", (5.0, 5.0, 10.0), vector),  # [m]
-    )
-
-    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        eye = transform_target_to_fixed[:3, 3] + np.array(self["Position"])
-        ahead = _direction(self["Yaw"], -self["Pitch"])
-        return Camera(eye=_point(eye), target=_point(eye + ahead), near=self["Near Clip Distance"])
-
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        x, y, z = ahead / np.linalg.norm(ahead)
-        position = _point(camera.eye - transform_target_to_fixed[:3, 3])
-        return {"Yaw": atan2(y, x) % (2 * pi), "Pitch": -asin(min(max(z, -1.0), 1.0)), "Position": position}
 
 
 class TopDownOrtho(View):
@@ -162,7 +98,7 @@ class TopDownOrtho(View):
 
     class_name = "rviz_default_plugins/TopDownOrtho"
     properties = (
-        *_COMMON,
+        *COMMON,
         Property("Scale", 10.0, number(1e-6)),  # [px / m]
         Property("Angle", 0.0, number()),  # [rad]
         Property("X", 0.0, number()),  # [m]
@@ -186,30 +122,30 @@ class TopDownOrtho(View):
         scale = camera.orthographic_scale or self["Scale"]
         return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
+    def _keep_place(self, moved: Array) -> None:
+        self._values |= {"X": self["X"] + float(moved[0]), "Y": self["Y"] + float(moved[1])}
+
+
+class FailedView(Orbit):
+    """Stands for a view controller that cannot be made; its configuration is kept as it came."""
+
 
 VIEWS: dict[str, type[View]] = {
     view.class_name.rpartition("/")[2]: view
-    for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho)
+    for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned)
 }
 
 
 def view_of(config: Mapping[str, Any]) -> "tuple[View, *tuple[str, ...]]":
     """Return the view that a layout describes, and what was wrong with it."""
-    wanted = str(config.get("Class") or "Orbit").rpartition("/")[2]
-    view = VIEWS.get(wanted, Orbit)()
-    view.config, view.name = config, str(config.get("Name") or view.name)
-    unknown = () if wanted in VIEWS else (f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used.",)
-    return view, *unknown, *view.load(config)
+    wanted = text_at(config, "Class") or Orbit.class_name
+    package, _, short = wanted.rpartition("/")
+    known = short in VIEWS and package in ("", "rviz", "rviz_default_plugins")  # rviz: of ROS 1
+    view = VIEWS[short]() if known else FailedView()
+    view.name = text_at(config, "Name") or view.name
+    unknown = f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used, and its settings are kept."
+    return view, *(() if known else (unknown,)), *view.load(config)
 
 
 def _about_z(yaw: float) -> Array:
     return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
-
-
-def _direction(yaw: float, pitch: float) -> Array:
-    return np.array([cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch)])
-
-
-def _point(array: Array) -> tuple[float, float, float]:
-    x, y, z = array.tolist()
-    return x, y, z

@@ -4,6 +4,7 @@ import pytest
 
 from course_lib.displays.layout import read_layout
 from course_lib.displays.session import Session
+from course_lib.displays.writer import document
 from course_lib.errors import CourseError
 from course_lib.ros.qos import Qos
 from course_lib.viewer.scene import Scene
@@ -127,7 +128,7 @@ def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:
 
 
 def test_the_configuration_is_kept_with_what_we_do_not_know(session: Session) -> None:
-    assert session.displays[0].config["Value"] is True
+    assert session.displays[0].config["Value"] == "true"
 
 
 def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) -> None:
@@ -153,26 +154,13 @@ def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
 
 
 BROKEN = {
-    "no YAML": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is no YAML"),
+    "no end": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is no YAML"),
     "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is no YAML: found character '\\t'"),
-    "a list": ("- a\n- b\n", "is no .rviz file: it has no 'Visualization Manager'"),
-    "empty": ("", "is no .rviz file: it has no 'Visualization Manager'"),
-    "another file": ("a: 1\n", "is no .rviz file: it has no 'Visualization Manager'"),
-    "displays as text": (
-        "Visualization Manager:\n  Displays: none\n",
-        r"line 2, column 13: 'Displays' is 'none', expected a list",
-    ),
-    "a display as text": (
-        "Visualization Manager:\n  Displays:\n    - Grid\n",
-        r"line 3, column 7: 'Display 1' is 'Grid', expected a map",
-    ),
-    "a view as list": (
-        "Visualization Manager:\n  Views:\n    Current: []\n",
-        r"line 3, column 14: 'Current' is '\[\]', expected a map",
-    ),
-    "a colour": (
-        "Visualization Manager:\n  Global Options:\n    Background Color: dark; red\n",
-        "a value of Global Options is wrong: a colour like",
+    "a strange character": ("a: \n  b: \x07\n", "line 2, column 6: this is no YAML: the character 7"),
+    "a loop": ("a: &a [*a]\n", "this is no YAML: it is nested too deeply"),
+    "a bomb": (
+        "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]\n" for n in range(9)),
+        "this is no YAML: it has more than 500000 values",
     ),
 }
 
@@ -184,6 +172,39 @@ def test_what_is_broken_is_named_with_its_place(name: str, tmp_path: Path) -> No
     with pytest.raises(CourseError, match=BROKEN[name][1]) as caught:
         read_layout(path)
     assert str(path) in str(caught.value)
+
+
+ODD = {
+    "a list": ("- a\n- b\n", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
+    "empty": ("", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
+    "another file": ("a: 1\n", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
+    "displays as text": (
+        "Visualization Manager:\n  Displays: none\n",
+        "line 2, column 13: 'Displays' is 'none', expected a list (lines that begin with '- ').",
+    ),
+    "a display as text": (
+        "Visualization Manager:\n  Displays:\n    - Grid\n",
+        "line 3, column 7: 'Display 1' is 'Grid', expected a map (lines like 'Name: value').",
+    ),
+    "a view as list": (
+        "Visualization Manager:\n  Views:\n    Current: []\n",
+        "line 3, column 14: 'Current' is '[]', expected a map (lines like 'Name: value').",
+    ),
+    "a colour": (
+        "Visualization Manager:\n  Global Options:\n    Background Color: dark; red\n",
+        "Global Options: 'Background Color' is 'dark; red', expected a colour like '255; 0; 0'.",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_readable_yaml_is_taken_as_far_as_it_goes_and_the_rest_is_a_hint(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    path.write_text(ODD[name][0])
+    made = Session(Scene())
+    made.apply(read_layout(path))
+    assert ODD[name][1] in [row.text for row in made.rows() if (row.name, row.level) == ("Layout", "hint")]
+    assert document(made)
 
 
 def test_what_is_no_file_or_no_text_is_one_clear_line(tmp_path: Path) -> None:

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from course_lib.displays.frames import Frames
-from course_lib.displays.views import FPS, Orbit, ThirdPersonFollower, TopDownOrtho, View, XYOrbit
+from course_lib.displays.views import (
+    FPS,
+    FrameAligned,
+    Orbit,
+    ThirdPersonFollower,
+    TopDownOrtho,
+    View,
+    XYOrbit,
+    view_of,
+)
 from course_lib.errors import CourseError
 from tests.displays.test_frames import transform
 
@@ -36,9 +45,9 @@ def test_an_orbit_goes_along_with_the_position_of_its_target_frame_only() -> Non
 def test_a_third_person_follower_turns_with_its_target_frame() -> None:
     view = ThirdPersonFollower(target_frame="base", yaw=YAW, pitch=PITCH, distance=1.0)
     camera = view.camera(turned_frames())
-    np.testing.assert_allclose(
-        np.subtract(camera.eye, camera.target), [-AWAY[1], AWAY[0], AWAY[2]], atol=1e-9
-    )
+    away = np.subtract(camera.eye, camera.target)
+    np.testing.assert_allclose(away, [-AWAY[1], AWAY[0], AWAY[2]], atol=1e-9)
+    assert camera.target[2] > 0  # it is an XYOrbit, whose camera is lifted
 
 
 def test_an_xy_orbit_lifts_the_camera_by_a_fifth_of_its_distance() -> None:
@@ -83,6 +92,7 @@ MOVED = (
     XYOrbit(yaw=5.0, pitch=0.9, distance=4.0, focal_point=(1.0, -2.0, 0.0)),
     ThirdPersonFollower(yaw=0.3, pitch=0.2, focal_point=(0.5, 0.0, 0.1), target_frame="base"),
     FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base"),
+    FrameAligned(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base"),
     TopDownOrtho(x=0.5, y=-0.5, scale=70.0, angle=0.3, target_frame="base"),
 )
 
@@ -106,7 +116,7 @@ def test_another_type_of_view_looks_from_the_same_place(kind: type[View]) -> Non
     np.testing.assert_allclose(made.camera(frames).eye, former.camera(frames).eye, atol=1e-9)
 
 
-@pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho])
+@pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned])
 def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[View]) -> None:
     frames = turned_frames()
     made = view(target_frame="base")
@@ -122,3 +132,58 @@ def test_the_pitch_stays_off_the_poles() -> None:
 def test_an_unknown_property_of_a_view_names_what_there_is() -> None:
     with pytest.raises(CourseError, match="Orbit has no property 'dist', but 'Distance'"):
         Orbit(dist=3.0)
+
+
+@pytest.mark.parametrize("kind", [Orbit, XYOrbit, FPS, TopDownOrtho])
+def test_another_target_frame_leaves_the_camera_where_it_is(kind: type[View]) -> None:
+    frames, view = turned_frames(), kind()
+    before = view.camera(frames)
+    view["Target Frame"] = "base"
+    assert view.camera(frames) == before
+
+
+def test_the_focal_point_of_an_xy_orbit_is_on_the_ground_whatever_it_takes_over_from() -> None:
+    made, former = XYOrbit(), FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0))
+    made.mimic(former, Frames("map"))
+    assert made["Focal Point"][2] == 0.0
+    np.testing.assert_allclose(made.camera(Frames("map")).eye, former.camera(Frames("map")).eye, atol=1e-9)
+
+
+def test_an_xy_orbit_that_can_see_no_ground_starts_anew() -> None:
+    made = XYOrbit(distance=3.0)
+    made.mimic(FPS(pitch=-0.5), Frames("map"))
+    assert [made[label] for label in ("Distance", "Focal Point")] == [10.0, (0.0, 0.0, 0.0)]
+
+
+AXES = {"+x axis": (0, 1, 0), "-y axis": (1, 0, 0), "-z axis": (0, 0, -1)}  # of base in turned_frames
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_a_frame_aligned_view_looks_along_an_axis_of_its_frame(axis: str) -> None:
+    camera = FrameAligned(target_frame="base", point_towards=axis).camera(turned_frames())
+    np.testing.assert_allclose(camera.eye, [10, 0, 0])
+    np.testing.assert_allclose(np.subtract(camera.target, camera.eye), AXES[axis], atol=0.0011)
+
+
+def test_a_frame_aligned_view_says_which_axis_it_looks_along() -> None:
+    view = FrameAligned()
+    assert view["Point towards"] == "-z axis"
+    view["Pitch"] = 0.3
+    assert view["Point towards"] == "arbitrary"
+    view["Pitch"] = 0.0
+    assert view["Point towards"] == "+x axis"
+
+
+def test_a_view_that_returns_home_keeps_its_target_frame() -> None:
+    view = Orbit(distance=3.0, yaw=1.0, target_frame="base")
+    view.return_home()
+    assert [view[label] for label in ("Distance", "Yaw", "Target Frame")] == [10.0, pi / 4, "base"]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("rviz/FPS", "FPS"), ("XYOrbit", "XYOrbit"), ("my/Orbit", "FailedView")]
+)
+def test_views_of_ros_1_are_understood_and_others_are_orbits_that_say_so(name: str, kind: str) -> None:
+    view, *wrong = view_of({"Class": name})
+    assert type(view).__name__ == kind
+    assert bool(wrong) == (kind == "FailedView")

@@ -25,6 +25,11 @@ def saved(session: Session, path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
+def saved_path(session: Session, folder: Path) -> Path:
+    save_rviz(session, folder / "saved.rviz")
+    return folder / "saved.rviz"
+
+
 @pytest.fixture
 def layout(tmp_path: Path) -> Path:
     path = tmp_path / "view.rviz"
@@ -38,17 +43,60 @@ def test_saving_what_was_saved_changes_nothing(path: Path, tmp_path: Path) -> No
     assert saved(session_of(tmp_path / "once.rviz"), tmp_path / "twice.rviz") == once
 
 
-def test_what_is_not_known_is_kept(layout: Path) -> None:
-    foreign = {"Class": "my_plugins/Thing", "Odd": {"b": None, "a": ""}, "Enabled": True, "Name": "Thing"}
-    with layout.open() as file:
-        text = YAML(typ="safe").load(file)
-    text["Visualization Manager"]["Displays"].append(foreign)
-    text["Visualization Manager"]["Tools"] = [{"Class": "my_plugins/Tool", "Topic": "/x"}]
-    with layout.open("w") as file:
-        YAML().dump(text, file)
-    manager = document(session_of(layout))["Visualization Manager"]
-    assert manager["Displays"][-1] == foreign
-    assert manager["Tools"] == [{"Class": "my_plugins/Tool", "Topic": "/x"}]
+FOREIGN = """\
+    - Alpha: 1.0
+      Class: my_plugins/Thing
+      Enabled: True
+      Name: Thing
+      Odd:
+        a: ""
+        b: ~
+        c: 0x10
+        d: "~"
+        e:
+          {}
+"""
+TOOLS = """\
+  Tools:
+    - Class: my_plugins/Tool
+      Speed: 1.50
+    - Class: rviz_default_plugins/SetGoal
+      Topic:
+        Depth: 7
+        Durability Policy: Volatile
+        History Policy: Keep Last
+        Reliability Policy: Best Effort
+        Value: /my_goal
+      Unknown: 1e3
+    - Class: rviz_default_plugins/Measure
+      Line color: 1; 2; 3
+"""
+VIEW = """\
+    Current:
+      Class: my_plugins/Drone
+      Distance: 3.50
+      Name: Current View
+      Odd: ~
+"""
+
+
+def test_what_is_not_known_is_kept_letter_by_letter(layout: Path, tmp_path: Path) -> None:
+    before, view = LAYOUT.split("    Current:\n")
+    before = before.replace("  Enabled: true\n  Global", FOREIGN + "  Enabled: true\n  Global")
+    after = view[view.index("    Saved:") :]
+    layout.write_text(before.replace("  Views:", f"{TOOLS}  Views:") + VIEW + after)
+    text = saved(session_of(layout), tmp_path / "saved.rviz")
+    for kept in (FOREIGN.replace("True", "true"), TOOLS, VIEW):
+        assert kept in text
+
+
+def test_tools_are_saved_as_they_are_set(layout: Path, tmp_path: Path) -> None:
+    session = session_of(layout)
+    pose = next(tool for tool in session.tools if tool.class_name.endswith("SetInitialPose"))
+    pose["Covariance x"], pose["Reliability Policy"] = 0.5, "Best Effort"
+    again = session_of(saved_path(session, tmp_path))
+    same = next(tool for tool in again.tools if tool.class_name.endswith("SetInitialPose"))
+    assert (same["Covariance x"], same["Topic/Reliability Policy"]) == (0.5, "Best Effort")
 
 
 def test_groups_stay_groups(layout: Path) -> None:

@@ -47,7 +47,7 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
         """Take the properties of a layout, where Visibility has a Value of its own among the displays."""
         seen = config.get("Visibility")
         if isinstance(seen, Mapping):
-            flat = {name: on for name, on in seen.items() if name != "Value" and isinstance(on, bool)}
+            flat = {name: on for name, on in seen.items() if name != "Value" and not isinstance(on, Mapping)}
             config = {**config, "Visibility": {"Value": flat}}
         return super().load(config)
 

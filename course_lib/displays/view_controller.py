@@ -1,0 +1,106 @@
+"""What all of RViz's view controllers share: from their properties to a camera."""
+
+from collections.abc import Callable, Mapping
+from math import cos, pi, sin
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.displays.frames import FIXED_FRAME, Frames, Matrix
+from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number
+from course_lib.viewer.camera import Camera
+
+PITCH_LIMIT = pi / 2 - 0.001  # [rad] RViz keeps the camera off the poles
+
+COMMON = (
+    Property("Target Frame", FIXED_FRAME, frame),
+    Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
+    Property("Invert Z Axis", False, flag),
+)
+
+Array = npt.NDArray[np.float64]
+
+
+class View(PropertyHolder):
+    """Base of all view controllers; what cannot be found in the scene is looked at from the fixed frame.
+
+    Args:
+        properties: By RViz's labels, or as Python names: ``Orbit(distance=6.0, focal_point=(0, 0, 0.5))``.
+    """
+
+    class_name: ClassVar[str]
+    properties: tuple[Property, ...] = COMMON
+
+    def __init__(self, **properties: object) -> None:
+        super().__init__()
+        self._target: Matrix = np.eye(4)
+        self._followed = ""  # the target frame that the camera was last placed with
+        self.name = "Current View"
+        self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
+        for label, value in properties.items():
+            self[label] = value
+
+    def changed(self, label: str) -> None:
+        """Have the change shown."""
+        self.touched()
+
+    def __repr__(self) -> str:
+        return self.class_name.rpartition("/")[2]
+
+    def camera(self, frames: Frames) -> Camera:
+        """Return the camera; it goes along with the target frame, as long as that is known."""
+        name = self["Target Frame"]
+        target = frames.transform(frames.fixed_frame if name == FIXED_FRAME else name)
+        if target is not None:
+            before, self._target = self._target, target
+            if self._followed not in ("", name):
+                self._keep_place(before[:3, 3] - target[:3, 3])
+        self._followed = name
+        return self._camera(self._target)
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout, and keep it."""
+        self.config, self._followed = config, ""
+        return super().load(config)
+
+    def return_home(self) -> None:
+        """Look from where a new view of this type does, as RViz's key Z has it."""
+        kept = ("Target Frame", "Near Clip Distance", "Invert Z Axis")
+        self._values |= {p.label: p.default for p in self.properties if p.label not in kept}
+        self.touched()
+
+    def take(self, camera: Camera) -> None:
+        """Have the properties that look as a view does which was turned by hand; nobody is told."""
+        taken = self._taken(camera, np.subtract(camera.target, camera.eye), self._target)
+        self._values |= {label: self._property(label).convert(value) for label, value in taken.items()}
+
+    def mimic(self, other: "View", frames: Frames) -> None:
+        """Look from where another view does, as well as this one can."""
+        self._values["Target Frame"] = other["Target Frame"]
+        self.camera(frames)  # finds the target frame
+        self.take(other.camera(frames))
+
+    def _keep_place(self, moved: Array) -> None:
+        """Have the camera stay where it is when another target frame is chosen, which is [m] away."""
+        for label in ("Focal Point", "Position"):
+            if label in self._values:
+                self._values[label] = point(np.add(self[label], moved))
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        raise NotImplementedError
+
+    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        """Return the properties of a camera, see `_camera`."""
+        raise NotImplementedError
+
+
+def direction(yaw: float, pitch: float) -> Array:
+    """Return the unit vector with a yaw and an upward pitch, [rad]."""
+    return np.array([cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch)])
+
+
+def point(array: Array) -> tuple[float, float, float]:
+    """Return a vector as plain numbers."""
+    x, y, z = array.tolist()
+    return x, y, z
