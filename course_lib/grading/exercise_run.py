@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from course_lib.grading.catalog import Catalog
@@ -12,6 +12,7 @@ from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.runner import CellLog, Session
 from course_lib.grading.task import Task
+from course_lib.grading.usage import Usage
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class ExerciseRun:
     log: CellLog
     isolation: Isolation
     results: tuple[TaskResult, ...] = ()
+    usage: Usage = field(default_factory=Usage)
 
     @property
     def cell_errors(self) -> list[str]:
@@ -63,7 +65,7 @@ def run_scenarios(job: Job) -> ExerciseRun:
     personal = {step.task.id: personal_values(step.task, job.student) for step in job.steps}
     with closing(Session(job.cells, personal, job.limits, files=job.files)) as session:
         runs = [Run(s.scenario, session.run(s.task, s.scenario), s.hidden) for s in job.steps]
-    return ExerciseRun((), tuple(runs), session.log, session.isolation)
+    return ExerciseRun((), tuple(runs), session.log, session.isolation, usage=session.usage)
 
 
 def judge_exercise(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> ExerciseRun:

@@ -21,6 +21,7 @@ from course_lib.grading.report import write_report
 from course_lib.grading.result import Result, Status, row_of
 from course_lib.grading.store import pack, unpack
 from course_lib.grading.submission import Submission
+from course_lib.grading.usage import Usage, usage_path
 
 TRIES = 2
 _one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
@@ -39,6 +40,14 @@ class Course:
 def catalog_of(course: Course) -> Catalog:
     """The tasks with their hidden scenarios."""
     return load_catalog(course.exercises, course.solutions)
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What came out of a submission, and what it used."""
+
+    evidence: bytes
+    usage: Usage
 
 
 def evidence_path(out: Path, key: str) -> Path:
@@ -70,8 +79,8 @@ def demand(need: Need) -> None:
     shared_template().isolation.demand(need)
 
 
-def run_job(job: Job) -> bytes:
-    """Run a submission; returns its evidence, which is judged elsewhere.
+def run_job(job: Job) -> Ran:
+    """Run a submission; what comes out is judged elsewhere.
 
     Raises:
         CourseError: Too little of a sandbox.
@@ -87,7 +96,7 @@ def run_job(job: Job) -> bytes:
                 template.close()
             else:
                 if template.is_sound:
-                    return pack(run)
+                    return Ran(pack(run), run.usage)
                 template.close()  # it was killed, and the submission with it: what came out means nothing
     raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times")
 
@@ -182,11 +191,12 @@ def renew_report(submission: Submission, course: Course, out: Path) -> None:
         write_report(result.with_marks(marks), out, catalog_of(course).course)
 
 
-def keep_evidence(out: Path, key: str, evidence: bytes) -> None:
-    """Write evidence, whole or not at all.
+def keep_evidence(out: Path, key: str, ran: Ran) -> None:
+    """Write evidence, whole or not at all, and beside it what the run used.
 
     Raises:
         OutError: It can't be written.
     """
     with writing(out):
-        write_whole(evidence_path(out, key), evidence)
+        write_whole(usage_path(out, key), ran.usage.as_json().encode())
+        write_whole(evidence_path(out, key), ran.evidence)

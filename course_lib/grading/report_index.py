@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,13 @@ from zoneinfo import ZoneInfo
 from course_lib.course.whole_file import write_whole
 from course_lib.grading.gradebook import results_in
 from course_lib.grading.table import fill
+from course_lib.grading.usage import read_usage
 
 # Key in the result's row, heading; numbers are sorted as such.
 COLUMNS = (
     ("student", "student"), ("exercise", "exercise"), ("final", "mark"), ("max_score", "of"),
     ("score", "before late policy"), ("days_late", "days late"), ("status", "status"), ("reason", "reason"),
-    ("message", "message"),
+    ("message", "message"), ("cpu_seconds", "CPU [s]"), ("memory_megabytes", "memory [MB]"),
 )  # fmt: skip
 
 
@@ -40,12 +42,13 @@ def write_index(out: Path, zone: ZoneInfo) -> Path:
 
 
 def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
-    row = result["row"]
+    usage = read_usage(out, result["attempts"][-1]["key"])
+    row = {**result["row"], **(asdict(usage) if usage else {})}
     place = f"{row['student']}/{row['exercise']}.html"
     received = datetime.fromisoformat(result["received"]).astimezone(zone)
     return {
         "link": quote(place) if (out / "reports" / place).is_file() else "",
-        "cells": [f"{row[key]:g}" if isinstance(row[key], float) else row[key] for key, _ in COLUMNS],
+        "cells": [f"{v:g}" if isinstance(v, float) else v for v in (row.get(key, "") for key, _ in COLUMNS)],
         "received": received.isoformat(" ", "minutes"),
         "notes": result["notes"],
     }

@@ -12,6 +12,7 @@ from course_lib.grading.plain import is_plain
 from course_lib.grading.scenario import Stage, still_running
 from course_lib.grading.student_error import MAX_LENGTH
 from course_lib.grading.task import Scenario, Task
+from course_lib.grading.usage import Usage
 from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
 from course_lib.ros.channel import (
@@ -72,6 +73,7 @@ class Session:
         files: Mapping[str, str] | None = None,
     ) -> None:
         self.log = CellLog()
+        self.usage = Usage()  # of the workers that have ended
         self._template = template or shared_template()
         self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
@@ -100,14 +102,18 @@ class Session:
             self._hung.add(task.id)
         output = worker.take_output()
         if self._worker is None:
-            worker.close()
+            self._end(worker)
         return stage.evidence(outcome, output=output, stopped=stopped)
 
     def close(self) -> None:
         """Kill the worker that is there."""
         if self._worker is not None:
-            self._worker.close()
+            self._end(self._worker)
         self._worker = None
+
+    def _end(self, worker: WorkerProcess) -> None:
+        worker.close()
+        self.usage += worker.usage
 
     def _left(self) -> float:
         return self._deadline - wall.monotonic()

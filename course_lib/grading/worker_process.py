@@ -7,6 +7,7 @@ from select import select
 
 from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.launch import PIPE_HOLDS, START_SECONDS, TemplateProcess, WorkerError
+from course_lib.grading.usage import Usage
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 
@@ -31,6 +32,7 @@ class WorkerProcess:
 
     def __init__(self, template: TemplateProcess, limits: Limits, cells: Sequence[str]) -> None:
         self._template = template
+        self.usage = Usage()  # known once it is closed
         imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
         connection, output = template.start(limits, imports)
         self.channel = Channel(connection)
@@ -55,7 +57,7 @@ class WorkerProcess:
 
     def close(self) -> None:
         """End the worker with all that it has started; its scratch folder is gone then."""
-        self._template.stop()
+        self.usage = self._template.stop()
         self.channel.close()
         self._output.close()
 

@@ -50,5 +50,5 @@ def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> "subproce
 
 def fingerprint(out: Path) -> dict[str, str]:
     """All that must not depend on what happened meanwhile: marks, results and evidence, by their hashes."""
-    files = [out / "gradebook.csv", *out.glob("results/*/*.json"), *out.glob("evidence/*")]
+    files = [out / "gradebook.csv", *out.glob("results/*/*.json"), *out.glob("evidence/*.gz")]
     return {str(file.relative_to(out)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

@@ -19,6 +19,7 @@ import course_lib
 from course_lib.errors import CourseError
 from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.usage import Usage
 
 START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
 STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands
@@ -96,16 +97,15 @@ class TemplateProcess:
         """Whether nobody has killed it."""
         return self._process.poll() in (None, 0)
 
-    def stop(self) -> None:
-        """End the submission with all that it has started."""
+    def stop(self) -> Usage:
+        """End the submission with all that it has started; returns what it used."""
         try:
             self._control.settimeout(STOP_SECONDS)
             self._control.send(b"stop")
-            is_alive = self._control.recv(100) == b"stopped"
-        except OSError:
-            is_alive = False
-        if not is_alive:
+            return Usage(**json.loads(self._control.recv(200)))
+        except (OSError, ValueError):  # nothing, or half an answer: it was killed
             self.close()
+            return Usage()
 
     def close(self) -> None:
         """End the template."""

@@ -19,6 +19,7 @@ from pathlib import Path
 from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.layers import Place, enter, working_layers
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
+from course_lib.grading.usage import Usage, wait_any_child
 from course_lib.grading.worker import Worker, warm_up
 from course_lib.ros.channel import Channel
 
@@ -50,8 +51,7 @@ class Template:
             if not message:
                 break
             if message == b"stop":
-                self._stop()
-                self._control.send(b"stopped")
+                self._control.send(self._stop().as_json().encode())
             else:
                 wanted = json.loads(message)
                 for module in wanted["imports"]:  # the first submission pays for all that follow
@@ -82,18 +82,20 @@ class Template:
         if not problem:
             Worker(channel, self._shell).serve()
 
-    def _stop(self) -> None:
+    def _stop(self) -> Usage:
         """Kill the submission and all that it has started: orphans become children of this process."""
+        usage = Usage()
         while True:
             for pid in _children() or [self._submission]:
                 with suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
             try:
-                os.waitpid(-1, 0)
+                usage += wait_any_child()
             except ChildProcessError:
                 break
         for left in Path(self._place.scratch).iterdir():  # with namespaces nothing is
             shutil.rmtree(left, ignore_errors=True)
+        return usage
 
 
 def _keep_only(channel: int, output: int) -> Channel:

@@ -1,0 +1,37 @@
+from contextlib import closing
+from pathlib import Path
+
+from course_lib.grading.course_file import Limits
+from course_lib.grading.runner import Session
+from course_lib.grading.task import Scenario, Task
+from course_lib.grading.usage import Usage, read_usage, usage_path
+
+ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
+
+
+def used(*cells: str) -> Usage:
+    with closing(Session(cells, {ANSWER.id: {}}, Limits())) as session:
+        session.run(ANSWER, ANSWER.scenarios[0])
+    return session.usage
+
+
+def test_time_and_memory_of_a_submission_and_of_its_children_count() -> None:
+    idle = used("answer = 1")
+    busy = used("answer = sum(range(30_000_000))")
+    large = used("answer = len(bytearray(200_000_000))")
+    child = used(
+        "import os\nif os.fork() == 0:\n    sum(range(30_000_000)); os._exit(0)\nanswer = os.wait()[1]"
+    )
+    assert busy.cpu_seconds > 2 * idle.cpu_seconds
+    assert child.cpu_seconds > 2 * idle.cpu_seconds
+    assert large.memory_megabytes > idle.memory_megabytes + 190
+
+
+def test_usage_comes_back_from_its_file_and_a_broken_one_is_none(tmp_path: Path) -> None:
+    path = usage_path(tmp_path, "key")
+    assert read_usage(tmp_path, "key") is None
+    path.parent.mkdir()
+    path.write_text(Usage(1.5, 90.0).as_json())
+    assert read_usage(tmp_path, "key") == Usage(1.5, 90.0)
+    path.write_text('{"cpu": 1')
+    assert read_usage(tmp_path, "key") is None
