@@ -1,8 +1,8 @@
 """A wall to be painted, and how good the paint on it is."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.robots.painting import WIDTH
+from course_lib.robots.spline import Floats
 
 CELL = 0.002  # [m]: the wall is looked at in squares
 THICK = 0.1  # [m]
@@ -34,19 +35,22 @@ class Wall:
         """
         y, z = (np.arange(low + CELL / 2, high, CELL) for low, high in (self.y, self.z))
         painted = np.zeros((len(y), len(z)), bool)
-        for start, end in chain.from_iterable(map(pairwise, map(_checked, stripes))):
-            lines = [
-                slice(*np.searchsorted(cells, (min(ends) - width / 2, max(ends) + width / 2)))
-                for cells, ends in ((y, (start[1], end[1])), (z, (start[2], end[2])))
-            ]
-            cells = np.stack(np.meshgrid(y[lines[0]], z[lines[1]], indexing="ij"), axis=-1)
+        for start, end in filter(len, (self._near(piece, reach) for piece in _pieces(stripes))):
+            low, high = np.minimum(start, end) - width / 2, np.maximum(start, end) + width / 2
+            rows, columns = (slice(*np.searchsorted(c, (low[i], high[i]))) for i, c in enumerate((y, z)))
+            cells = np.stack(np.meshgrid(y[rows], z[columns], indexing="ij"), axis=-1)
             way = end - start
-            length = float(way[1:] @ way[1:]) or 1.0
-            portion = np.clip((cells - start[1:]) @ way[1:] / length, 0.0, 1.0)
-            nearest = start + portion[..., np.newaxis] * way
-            in_spot = np.linalg.norm(cells - nearest[..., 1:], axis=-1) <= width / 2
-            painted[lines[0], lines[1]] |= in_spot & (np.abs(nearest[..., 0] - self.x) <= reach)
+            portion = np.clip((cells - start) @ way / max(way @ way, 1e-12), 0.0, 1.0)
+            gap = cells - start - portion[..., np.newaxis] * way
+            painted[rows, columns] |= np.linalg.norm(gap, axis=-1) <= width / 2
         return float(painted.mean())
+
+    def _near(self, piece: Floats, reach: float) -> Floats:
+        """The ends, y and z, of the part of a piece that is near enough, shape (2, 2); or none."""
+        (away, *_), (change, *_) = piece[0] - (self.x, 0, 0), piece[1] - piece[0]
+        first, last = sorted(np.clip([(side - away) / (change or 1e-12) for side in (-reach, reach)], 0, 1))
+        portions = [first, last] if first < last else []
+        return np.array([piece[0, 1:] + portion * (piece[1, 1:] - piece[0, 1:]) for portion in portions])
 
     def marker(self) -> Marker:
         """Return what draws it."""
@@ -61,11 +65,13 @@ class Wall:
 
 def flatness(stripes: Iterable[Points]) -> float:
     """Return how far apart two planes across x are that have all the paint between them, [m]; 0 is flat."""
-    return float(np.ptp(np.concatenate([_checked(stripe)[:, 0] for stripe in stripes])))
+    return float(np.ptp([piece[:, 0] for piece in _pieces(stripes)] or 0.0))
 
 
-def _checked(stripe: Points) -> npt.NDArray[np.float64]:
-    points = np.asarray(stripe, float)
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise CourseError(f"A stripe has shape {points.shape}; give finite points x, y, z, shape (N, 3).")
-    return points
+def _pieces(stripes: Iterable[Points]) -> Iterator[Floats]:
+    """Yield the straight pieces of stripes, shape (2, 3)."""
+    for stripe in stripes:
+        points = np.asarray(stripe, float)
+        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+            raise CourseError(f"A stripe has shape {points.shape}; give finite points x, y, z, shape (N, 3).")
+        yield from map(np.array, pairwise(points))
