@@ -8,6 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 from typer.exceptions import TyperException
 
+from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
 
 HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
@@ -24,6 +25,7 @@ app = typer.Typer(
 )
 bag = typer.Typer(help="Look into recordings.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(bag, name="bag")
+app.add_typer(staff)
 
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
@@ -175,99 +177,6 @@ def submit(
     from course_lib.grading.submit import submit as pack
 
     typer.echo(pack(file, out).text())
-
-
-@app.command()
-def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
-    """Write the students' copy: installable, without solutions and hidden checks."""
-    from course_lib.course.release import release as write
-
-    paths = write(out)
-    typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
-
-
-@app.command()
-def collect(
-    source: Annotated[Path, typer.Argument(help="A folder or zip, as Moodle, Canvas or nbgrader gave it.")],
-    out: Annotated[Path, typer.Option(help="Where the submissions go: a folder per student.")],
-    roster: Annotated[
-        Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
-    ] = None,
-    id_column: Annotated[str, typer.Option(help="The heading of that ID in --roster.")] = "ID number",
-) -> None:
-    """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
-    from course_lib.course.files import exercises_dir
-    from course_lib.grading.collect import collect as sort
-    from course_lib.grading.course_file import read_course_file
-
-    zone = read_course_file(exercises_dir() / "course.toml").time_zone
-    done = sort(source, out, zone, roster, id_column)
-    for line in (*done.refused, done.summary(out)):
-        typer.echo(line)
-    raise typer.Exit(NOT_PASSED if done.refused else 0)
-
-
-@app.command()
-def grade(
-    submissions: Annotated[Path, typer.Argument(help="The folder with the submissions.")],
-    out: Annotated[Path, typer.Option(help="Where results, gradebook and reports go.")],
-    jobs: Annotated[int | None, typer.Option(min=1, help="Submissions at a time.")] = None,
-    only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
-    resume: Annotated[bool, typer.Option("--resume", help="Leave out what is graded already.")] = False,
-    rejudge: Annotated[
-        bool, typer.Option("--rejudge", help="Judge stored evidence again, without running anything.")
-    ] = False,
-    dask: Annotated[str | None, typer.Option(help="Run on the workers of this Dask scheduler.")] = None,
-    require_sandbox: Annotated[
-        bool, typer.Option("--require-sandbox", help="Refuse to run submissions in less than a full sandbox.")
-    ] = False,
-    trust: Annotated[
-        bool, typer.Option("--i-trust-these-submissions", help="Run them with your rights if need be.")
-    ] = False,
-) -> None:
-    """Grade a folder of submissions: results, gradebook.csv and one report per student."""
-    from course_lib.grading.grade import grade as grade_all
-    from course_lib.grading.jail.isolation import Need
-
-    need: Need = "full" if require_sandbox else "any" if trust else "partial"
-    passed = grade_all(
-        submissions, out, jobs=jobs, dask=dask, only=only, resume=resume, rejudge=rejudge, need=need
-    )
-    raise typer.Exit(0 if passed else NOT_PASSED)
-
-
-@app.command()
-def mark(
-    out: Annotated[Path, typer.Argument(help="Where `course grade` put gradebook.csv.")],
-    given: Annotated[
-        list[str] | None, typer.Argument(metavar="[STUDENT EXERCISE TASK POINTS]", help="By hand.")
-    ] = None,
-    row: Annotated[str, typer.Option(help="Of the rubric: its number, or how it begins.")] = "",
-    comment: Annotated[str, typer.Option(help="For the student's report.")] = "",
-    lms: Annotated[
-        Path | None, typer.Option(help="The CSV that Canvas, Moodle or another platform exported, to fill.")
-    ] = None,
-    exercise: Annotated[str, typer.Option(help="With --lms: whose marks, week01_exercise.")] = "",
-    column: Annotated[str, typer.Option(help="With --lms: the heading of the column to fill.")] = "",
-    id_column: Annotated[str, typer.Option(help="With --lms: the heading of the students' IDs.")] = "",
-    to: Annotated[Path | None, typer.Option(help="With --lms: write it here, otherwise unchanged.")] = None,
-    raw: Annotated[bool, typer.Option("--raw", help="The scores before the late policy.")] = False,
-) -> None:
-    """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
-    from course_lib.grading.lms import fill_lms
-    from course_lib.grading.mark_by_hand import mark_by_hand
-
-    if lms is not None and to is not None and exercise and column and id_column and not given:
-        lines = fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw)
-    elif lms is None and len(given or ()) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
-        lines = [mark_by_hand(out, *given or (), row=row, comment=comment)]
-    else:
-        raise CourseError(
-            "write: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] [--comment TEXT]; "
-            "or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
-        )
-    for line in lines:
-        typer.echo(line)
 
 
 def main() -> None:

@@ -18,7 +18,8 @@ ARROWS = {
     "tools": {"ros", "recording", "displays", "robots"},  # robots: what launch files start
     "grading": ALL,
     "demo": ALL | {"demo"},
-    "cli": ALL | {"demo"},
+    "cli": ALL | {"demo", "cli_staff"},
+    "cli_staff": ALL,
     "extension": ALL,
     "__main__": {"cli"},
     "__init__": ALL | {"extension"},

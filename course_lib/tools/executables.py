@@ -128,18 +128,12 @@ def _with_rclpy(work: Callable[[], None]) -> int:
     return 0
 
 
-EXECUTABLES: dict[tuple[str, str], Callable[[], int]] = {
-    (package, name): partial(_with_rclpy, work)
-    for package, name, work in (
-        ("rviz2", "rviz2", _rviz2),
-        ("robot_state_publisher", "robot_state_publisher", _robot_state_publisher),
-        ("joint_state_publisher", "joint_state_publisher", _joint_state_publisher),
-        (
-            "joint_state_publisher_gui",
-            "joint_state_publisher_gui",
-            partial(_joint_state_publisher, sliders=True),
-        ),
-        ("tf2_ros", "static_transform_publisher", _static_transform_publisher),
-        *((name, name, partial(_rqt, name)) for name in _RQT),
-    )
+_WORK: dict[tuple[str, str], Callable[[], None]] = {
+    ("rviz2", "rviz2"): _rviz2,
+    ("robot_state_publisher", "robot_state_publisher"): _robot_state_publisher,
+    ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
+    ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
+    ("tf2_ros", "static_transform_publisher"): _static_transform_publisher,
+    **{(name, name): partial(_rqt, name) for name in _RQT},
 }
+EXECUTABLES = {name: partial(_with_rclpy, work) for name, work in _WORK.items()}
