@@ -9,6 +9,7 @@ from course_lib.ros import driving
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.messages import deserialize
 from rclpy.constants import S_TO_NS
+from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.service_end import ServiceEnd
 from rclpy.task import Future
 
@@ -23,6 +24,7 @@ class Client(ServiceEnd):
         super().__init__(*args, asks=True)
         self._pending: dict[int, Future[Any]] = {}
         self._requests = 0
+        self.on_unexpected: Callable[[], object] = lambda: None  # a response came that nobody waits for
 
     def call_async(self, request: Any) -> Future[Any]:
         """Send a request; the future is done when the executor has taken the response.
@@ -69,26 +71,20 @@ class Client(ServiceEnd):
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
         """Wait until the service is there, [s]; None: without limit; returns whether it is."""
-        graph = self.node_handle.graph
-        end_ns = None if timeout_sec is None else graph.now_ns + round(timeout_sec * S_TO_NS)
-        with baton.known():
-            while self.node_handle.context.ok() and not self.service_is_ready():
-                if end_ns is not None and graph.now_ns >= end_ns:
-                    break
-                baton.sleep_until(graph.now_ns + POLL_NS, f"the service {self.full_name}")
-        return self.service_is_ready()
+        what = f"the service {self.full_name}"
+        return wait_for_partner(self.node_handle, self.service_is_ready, timeout_sec, what)
 
     def is_for_me(self, client: int) -> bool:
         """Say whether a response is to one of its own requests."""
         return client == self.id
 
     def take(self) -> Callable[[], object] | None:
-        """Take the oldest response; None if nobody waits for it any more."""
+        """Take the oldest response."""
         if not self._queue:
             return None
         _, number, cdr = self._queue.popleft()
         future = self._pending.pop(number, None)
-        return None if future is None else partial(self._bring, future, cdr)
+        return self.on_unexpected if future is None else partial(self._bring, future, cdr)
 
     def _bring(self, future: Future[Any], cdr: bytes) -> None:
         future._set_executor(self.node_handle.executor)
@@ -107,3 +103,17 @@ class Client(ServiceEnd):
     def _is_spun(self) -> bool:
         executor = self.node_handle.executor
         return executor is not None and any(n.handle is self.node_handle for n in executor.get_nodes())
+
+
+def wait_for_partner(
+    node: NodeHandle, is_ready: Callable[[], bool], timeout_sec: float | None, what: str
+) -> bool:
+    """Look again and again whether a partner is there, [s]; None: without limit; returns whether it is."""
+    graph = node.graph
+    end_ns = None if timeout_sec is None else graph.now_ns + round(timeout_sec * S_TO_NS)
+    with baton.known():
+        while node.context.ok() and not is_ready():
+            if end_ns is not None and graph.now_ns >= end_ns:
+                break
+            baton.sleep_until(graph.now_ns + POLL_NS, what)
+    return is_ready()

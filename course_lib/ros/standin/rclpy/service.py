@@ -29,3 +29,10 @@ class Service(ServiceEnd):
         if not isinstance(response, self.srv_type.Response):
             raise TypeError
         self.send(client, number, response)
+
+
+class LateService(Service):
+    """Gives its callback `(request, respond)`, to be answered whenever it likes."""
+
+    async def _answer(self, client: int, number: int, request: Any) -> None:
+        await await_or_execute(self.callback, request, partial(self.send, client, number))

@@ -89,16 +89,17 @@ class TopicEnd(Generic[MsgT]):
         self.handle.destroy()
 
 
-def require_type(given: Any, kind: Literal["message", "service"]) -> None:
-    """Raise what rclpy raises for a class that is no message type, or no service type."""
+def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:
+    """Raise what rclpy raises for a class that is no type of this kind."""
     if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
         raise AttributeError(
             f"type object '{type(given).__name__}' has no attribute '_TYPE_SUPPORT'"
             " This might be a ROS 1 message type but it should be a ROS 2 message type."
             " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
         )
-    if issubclass(given, Message) != (kind == "message"):
-        other = "service" if kind == "message" else "message"
+    found = "message" if issubclass(given, Message) else "service" if hasattr(given, "Request") else "action"
+    if found != kind:
+        first, second = (other for other in ("message", "service", "action") if other != kind)
         raise RuntimeError(
-            f"The {kind} type provided is not valid ({given}), this might be a {other} or action"
+            f"The {kind} type provided is not valid ({given}), this might be a {first} or {second}"
         )

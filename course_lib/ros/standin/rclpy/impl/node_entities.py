@@ -150,6 +150,10 @@ class NodeEntities(NodeGraph):
             self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self.handle.context
         )
 
+    def add_waitable(self, waitable: Any) -> None:
+        """Keep what has been made in the node; it is destroyed with it."""
+        self._created.append(waitable)
+
     def destroy_publisher(self, created: Any) -> bool:
         """End what the node has created; False if it has not, or it has ended already."""
         if created not in self._created:

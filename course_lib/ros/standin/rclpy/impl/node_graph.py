@@ -90,14 +90,15 @@ class NodeGraph:
 
 
 def _topics(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
-    return _sorted((info.topic, info.type_name) for info in endpoints if info.service is None)
+    return sorted_types((info.topic, info.type_name) for info in endpoints if info.service is None)
 
 
 def _services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
-    return _sorted(info.service for info in endpoints if info.service is not None)
+    return sorted_types(info.service for info in endpoints if info.service is not None)
 
 
-def _sorted(pairs: Iterable[tuple[str, str]]) -> NamesAndTypes:
+def sorted_types(pairs: Iterable[tuple[str, str]]) -> NamesAndTypes:
+    """Sort (name, type) pairs: each name once, with all its types."""
     types: dict[str, set[str]] = {}
     for name, type_name in pairs:
         types.setdefault(name, set()).add(type_name)

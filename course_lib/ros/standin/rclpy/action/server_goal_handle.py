@@ -1,0 +1,122 @@
+"""A goal as its server sees it: its state, and what may happen to it (rcl_action/goal_state_machine.c)."""
+
+from collections.abc import Callable
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalInfo, GoalStatus
+from unique_identifier_msgs.msg import UUID
+
+from rclpy.exceptions import RCLError
+from rclpy.time import Time
+
+if TYPE_CHECKING:
+    from rclpy.action.server import ActionServer
+
+
+class GoalEvent(Enum):
+    """What can happen to a goal."""
+
+    EXECUTE = 0
+    CANCEL_GOAL = 1
+    SUCCEED = 2
+    ABORT = 3
+    CANCELED = 4
+
+
+_STATES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+_ENDS = {GoalEvent.SUCCEED: GoalStatus.STATUS_SUCCEEDED, GoalEvent.ABORT: GoalStatus.STATUS_ABORTED}
+_CANCEL = {GoalEvent.CANCEL_GOAL: GoalStatus.STATUS_CANCELING}
+_TRANSITIONS = {
+    GoalStatus.STATUS_ACCEPTED: {GoalEvent.EXECUTE: GoalStatus.STATUS_EXECUTING, **_CANCEL},
+    GoalStatus.STATUS_EXECUTING: {**_ENDS, **_CANCEL},
+    GoalStatus.STATUS_CANCELING: {**_ENDS, GoalEvent.CANCELED: GoalStatus.STATUS_CANCELED},
+}
+
+
+class ServerGoalHandle:
+    """An accepted goal; what callbacks of an action server are given."""
+
+    def __init__(self, action_server: "ActionServer", goal_info: GoalInfo, goal_request: Any) -> None:
+        self._action_server = action_server
+        self._goal_info = goal_info
+        self._request = goal_request
+        self._status: int = GoalStatus.STATUS_ACCEPTED
+        self.accepted_ns = Time.from_msg(goal_info.stamp).nanoseconds
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ServerGoalHandle) and self.goal_id == other.goal_id
+
+    __hash__ = None  # type: ignore[assignment]  # as in rclpy
+
+    @property
+    def request(self) -> Any:
+        """The goal, as the client sent it."""
+        return self._request
+
+    @property
+    def goal_id(self) -> UUID:
+        """Which goal it is."""
+        return self._goal_info.goal_id
+
+    @property
+    def is_active(self) -> bool:
+        """Whether it has not come to an end."""
+        return self._status in _TRANSITIONS
+
+    @property
+    def is_cancelable(self) -> bool:
+        """Whether it can be asked to end."""
+        return GoalEvent.CANCEL_GOAL in _TRANSITIONS.get(self._status, {})
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        """Whether it was asked to end: then call `canceled` and return a result."""
+        return self._status == GoalStatus.STATUS_CANCELING
+
+    @property
+    def status(self) -> int:
+        """One of the constants of action_msgs/msg/GoalStatus."""
+        return self._status
+
+    def execute(self, execute_callback: Callable[["ServerGoalHandle"], Any] | None = None) -> None:
+        """Have the executor call the server's execute callback, or another one, with this goal."""
+        if not self.is_cancel_requested:  # else the callback sees that, and ends the goal
+            self._update_state(GoalEvent.EXECUTE)
+        self._action_server.notify_execute(self, execute_callback)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        """Tell the client how far it is; another type raises a TypeError without a word, as in rclpy."""
+        self._action_server.publish_feedback(self, feedback)
+
+    def succeed(self) -> None:
+        """End: the goal was reached."""
+        self._update_state(GoalEvent.SUCCEED)
+
+    def abort(self) -> None:
+        """End: the goal can not be reached."""
+        self._update_state(GoalEvent.ABORT)
+
+    def canceled(self) -> None:
+        """End: the client had asked for it."""
+        self._update_state(GoalEvent.CANCELED)
+
+    def destroy(self) -> None:
+        """Forget it: its state is unknown from now on, and nothing changes it."""
+        self._status = GoalStatus.STATUS_UNKNOWN
+
+    def to_message(self) -> GoalStatus:
+        """Give its state as it is published."""
+        return GoalStatus(goal_info=self._goal_info, status=self._status)
+
+    def _update_state(self, event: GoalEvent) -> None:
+        if self._status == GoalStatus.STATUS_UNKNOWN:
+            return
+        state = _TRANSITIONS.get(self._status, {}).get(event)
+        if state is None:
+            raise RCLError(
+                "Failed to update goal state: goal_handle attempted invalid transition from state "
+                f"{_STATES[self._status]} with event {event.name}"
+            )
+        self._status = state
+        self._action_server.notify_state(self)
