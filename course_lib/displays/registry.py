@@ -9,9 +9,11 @@ from course_lib.displays.images.camera import CameraDisplay
 from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.map.display import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
+from course_lib.displays.poses.odometry import OdometryDisplay
 from course_lib.displays.poses.path import PathDisplay
 from course_lib.displays.poses.pose import PoseDisplay
 from course_lib.displays.poses.pose_array import PoseArrayDisplay
+from course_lib.displays.poses.pose_with_covariance import PoseWithCovarianceDisplay
 from course_lib.displays.range import RangeDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
 from course_lib.displays.tf.display import TfDisplay
@@ -29,23 +31,40 @@ REGISTRY: dict[str, type[Display]] = {
         MapDisplay,
         MarkerArrayDisplay,
         MarkerDisplay,
+        OdometryDisplay,
         PathDisplay,
         PointCloud2Display,
         RobotModelDisplay,
         TfDisplay,
         PoseArrayDisplay,
         PoseDisplay,
+        PoseWithCovarianceDisplay,
         RangeDisplay,
     )
 }
 
-# What else RViz2 has (rviz_default_plugins/plugins_description.xml).
-_RVIZ_ONLY = (
-    "AccelStamped", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "GridCells",
-    "Illuminance", "InteractiveMarkers", "Odometry", "PointCloud",
-    "PointStamped", "Polygon", "PoseWithCovariance",
-    "RelativeHumidity", "Temperature", "TwistStamped", "Wrench",
-)  # fmt: skip
+# What else RViz2 has, with what it shows (rviz_default_plugins/plugins_description.xml).
+_RVIZ = {
+    f"{PACKAGE}/{name}": type_name
+    for name, type_name in {
+        "AccelStamped": "geometry_msgs/msg/AccelStamped",
+        "CameraInfo": "sensor_msgs/msg/CameraInfo",
+        "DepthCloud": "sensor_msgs/msg/Image",
+        "Effort": "sensor_msgs/msg/JointState",
+        "FluidPressure": "sensor_msgs/msg/FluidPressure",
+        "GridCells": "nav_msgs/msg/GridCells",
+        "Illuminance": "sensor_msgs/msg/Illuminance",
+        "InteractiveMarkers": "visualization_msgs/msg/InteractiveMarkerUpdate",
+        "PointCloud": "sensor_msgs/msg/PointCloud",
+        "PointStamped": "geometry_msgs/msg/PointStamped",
+        "Polygon": "geometry_msgs/msg/PolygonStamped",
+        "RelativeHumidity": "sensor_msgs/msg/RelativeHumidity",
+        "Temperature": "sensor_msgs/msg/Temperature",
+        "TwistStamped": "geometry_msgs/msg/TwistStamped",
+        "Wrench": "geometry_msgs/msg/WrenchStamped",
+    }.items()
+}
+RVIZ_ONLY = {name: type_name for name, type_name in _RVIZ.items() if name not in REGISTRY}
 
 
 class FailedDisplay(Display):
@@ -58,9 +77,8 @@ class FailedDisplay(Display):
     def reset(self) -> None:
         """Say why nothing is drawn: in RViz's words, if RViz would not draw it either."""
         super().reset()
-        package, _, short = self.wanted.rpartition("/")
-        if package == PACKAGE and short in _RVIZ_ONLY:
-            self.statuses.hint("Class", f"RViz2 draws {short}; this viewer does not, and keeps its settings.")
+        if self.wanted in RVIZ_ONLY:
+            self.statuses.hint("Class", not_drawn(self.wanted))
             return
         self.statuses.set(
             "error",
@@ -77,9 +95,16 @@ def make_display(context: Context, class_name: str, name: str, path: str) -> Dis
     return known(context, name, path) if known else FailedDisplay(context, name, path, class_name)
 
 
+def not_drawn(class_name: str) -> str:
+    """Say of a class that only RViz2 draws it."""
+    shows = f"{short_name(class_name)} ({RVIZ_ONLY[class_name]})"
+    return f"RViz2 draws {shows}; this viewer does not, and keeps its settings."
+
+
 def full_name(class_name: str) -> str:
-    """Return a class name with its package, which may be left out for RViz's own."""
-    return class_name if "/" in class_name else f"{PACKAGE}/{class_name}"
+    """Return a class name with its package, which may be left out."""
+    known = (name for name in REGISTRY if short_name(name) == class_name)
+    return class_name if "/" in class_name else next(known, f"{PACKAGE}/{class_name}")
 
 
 def short_name(class_name: str) -> str:
@@ -88,4 +113,4 @@ def short_name(class_name: str) -> str:
 
 
 def _declared() -> list[str]:
-    return sorted({*REGISTRY, *(f"{PACKAGE}/{name}" for name in _RVIZ_ONLY)})
+    return sorted({*REGISTRY, *RVIZ_ONLY})

@@ -1,0 +1,143 @@
+"""How uncertain poses are: an ellipsoid for the place, discs or a cone for the turn (CovarianceVisual).
+
+The shapes show one standard deviation, times the property Scale.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from course_lib.displays.frames import Matrix, placed
+from course_lib.displays.marker.shapes import ALONG_MINUS_X, placement
+from course_lib.displays.poses.arrow import numbers_of, rgba_of
+from course_lib.displays.properties import Property, PropertyHolder, color, flag, number, words
+from course_lib.viewer.drawables import Drawable, Solids
+
+_PLACE, _TURN = "Covariance/Position", "Covariance/Orientation"
+COVARIANCE_PROPERTIES = (
+    Property("Covariance", True, flag),
+    Property(_PLACE, True, flag),
+    Property(f"{_PLACE}/Color", (204, 51, 204), color),
+    Property(f"{_PLACE}/Alpha", 0.3, number(0.0, 1.0)),
+    Property(f"{_PLACE}/Scale", 1.0, number(0.0)),
+    Property(_TURN, True, flag),
+    Property(f"{_TURN}/Frame", "Local", words("Local", "Fixed")),  # the pose's axes, or its frame's
+    Property(f"{_TURN}/Color Style", "Unique", words("Unique", "RGB")),
+    Property(f"{_TURN}/Color", (255, 255, 127), color),
+    Property(f"{_TURN}/Alpha", 0.5, number(0.0, 1.0)),
+    Property(f"{_TURN}/Offset", 1.0, number(0.0)),  # [m], of the discs from the pose, or of the cone's base
+    Property(f"{_TURN}/Scale", 1.0, number(0.0)),
+)
+_THIN = 0.001  # [m]
+_STEEPEST = np.radians(89)  # angles are shown as their tangents, up to here
+_ROUNDING = 1e-12
+_CONE_MIDDLE = 0.49115  # share of its length at which RViz puts the middle of a cone that begins at the pose
+
+# For the discs across x, y and z: which of roll, pitch and yaw they show along their own two axes, and how
+# these and the normal lie in the pose's axes, as columns.
+_DISCS = (
+    ((1, 2), np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]])),
+    ((0, 2), np.array([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])),
+    ((0, 1), np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]])),
+)
+
+
+class Uncertain(NamedTuple):
+    """A pose with its covariance."""
+
+    pose: Matrix  # transform from the pose to the fixed frame, shape (4, 4)
+    transform_frame_to_fixed: Matrix  # of the frame the pose was given in, shape (4, 4)
+    covariance: Matrix  # of x, y, z in that frame [m^2], and of roll, pitch, yaw [rad^2], shape (6, 6)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether it is the pose of something that moves in a plane."""
+        return bool((self.covariance.diagonal()[2:5] <= 0).all())
+
+
+def uncertain(message: Any, transform_frame_to_fixed: Matrix) -> Uncertain:
+    """Return what a geometry_msgs/msg/PoseWithCovariance says."""
+    covariance = np.asarray(message.covariance, np.float64).reshape(6, 6).T  # Eigen's order
+    return Uncertain(placed(transform_frame_to_fixed, message.pose), transform_frame_to_fixed, covariance)
+
+
+def is_finite(message: Any) -> bool:
+    """Say whether all numbers of a geometry_msgs/msg/PoseWithCovariance are finite."""
+    return bool(np.isfinite(message.covariance).all() and np.isfinite(numbers_of([message.pose])).all())
+
+
+def covariances(poses: Sequence[Uncertain], holder: PropertyHolder) -> dict[str, Drawable]:
+    """Draw what the properties ask for."""
+    parts: dict[str, Drawable] = {}
+    if not holder["Covariance"] or not poses:
+        return parts
+    if holder[_PLACE]:
+        places = [_place(pose, holder[f"{_PLACE}/Scale"]) for pose in poses]
+        parts["place"] = Solids("sphere", places, rgba_of(holder, f"{_PLACE}/Color", f"{_PLACE}/Alpha"))
+    discs = [disc for pose in poses if not pose.is_flat for disc in _discs(pose, holder)]
+    cones = [_cone(pose, holder) for pose in poses if pose.is_flat]
+    if holder[_TURN] and discs:
+        colors = np.tile([_turn_color(holder, axis) for axis in range(3)], (len(discs) // 3, 1))
+        parts["discs"] = Solids("cylinder", discs, colors)
+    if holder[_TURN] and cones:
+        parts["cones"] = Solids("cone", cones, _turn_color(holder, 2))
+    return parts
+
+
+def _turn_color(holder: PropertyHolder, axis: int) -> tuple[float, ...]:
+    rgba = rgba_of(holder, f"{_TURN}/Color", f"{_TURN}/Alpha")
+    return (*np.eye(3)[axis], rgba[3]) if holder[f"{_TURN}/Color Style"] == "RGB" else rgba
+
+
+def _place(uncertain: Uncertain, scale: float) -> Matrix:
+    """Place the unit sphere: along the axes of the frame, whatever the pose's."""
+    size, turned = np.array([0.0, 0.0, _THIN]), np.eye(3)
+    across = 2 if uncertain.is_flat else 3
+    size[:across], turned[:across, :across] = _deviations(uncertain.covariance[:across, :across])
+    size[:across] *= scale
+    rotation = uncertain.transform_frame_to_fixed[:3, :3] @ turned
+    return placement(rotation, size, uncertain.pose[:3, 3])
+
+
+def _discs(uncertain: Uncertain, holder: PropertyHolder) -> Iterator[Matrix]:
+    """Place the unit cylinder across each axis, as wide as the tip of the axis may move."""
+    offset, base = holder[f"{_TURN}/Offset"], _base(uncertain, holder)
+    for axis, (angles, turned) in enumerate(_DISCS):
+        some = np.ix_(angles, angles)
+        spread, within = _deviations(uncertain.covariance[3:, 3:][some])
+        width = offset * _tangents(spread * holder[f"{_TURN}/Scale"])
+        rotation = turned @ np.block([[within, np.zeros((2, 1))], [np.zeros((1, 2)), np.ones((1, 1))]])
+        yield base @ placement(rotation, (*width, _THIN), offset * np.eye(3)[axis])
+
+
+def _cone(uncertain: Uncertain, holder: PropertyHolder) -> Matrix:
+    """Place the unit cone with its tip at the pose, open along x as wide as the yaw may be."""
+    offset = holder[f"{_TURN}/Offset"]
+    spread = 2 * np.sqrt(np.maximum(uncertain.covariance[5, 5], 0.0)) * holder[f"{_TURN}/Scale"]
+    size = (_THIN, offset * float(_tangents(spread)), offset)
+    return _base(uncertain, holder) @ placement(ALONG_MINUS_X, size, (_CONE_MIDDLE * offset, 0.0, 0.0))
+
+
+def _base(uncertain: Uncertain, holder: PropertyHolder) -> Matrix:
+    """Return where the orientation is shown: at the pose, along its own axes or those of its frame."""
+    if holder[f"{_TURN}/Frame"] == "Local":
+        return uncertain.pose
+    return placement(uncertain.transform_frame_to_fixed[:3, :3], 1.0, uncertain.pose[:3, 3])
+
+
+def _deviations(covariance: Matrix) -> tuple[Matrix, Matrix]:
+    """Return two standard deviations along the axes of an ellipse, and these as columns of a rotation.
+
+    Like Eigen it looks at the lower triangle alone; a covariance with a negative eigenvalue has no extent.
+    """
+    variances, axes = np.linalg.eigh(covariance)
+    if variances[0] < -_ROUNDING * variances[-1]:
+        return np.zeros(len(variances)), np.eye(len(variances))
+    axes[:, 0] *= np.sign(np.linalg.det(axes))  # right-handed
+    return 2 * np.sqrt(variances.clip(0)), axes
+
+
+def _tangents(angles: Matrix) -> Matrix:
+    """Return the width of what opens by angles, one metre away."""
+    return 2 * np.tan(np.minimum(angles / 2, _STEEPEST))

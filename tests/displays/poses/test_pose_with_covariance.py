@@ -1,0 +1,39 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+
+from course_lib.displays.poses.arrow import INVALID
+from tests.displays.bench import Bench
+from tests.displays.poses.test_poses import add, drawn, extent, pose
+
+
+def message(x: float = 0.0, **fields: Any) -> PoseWithCovarianceStamped:
+    made = PoseWithCovarianceStamped()
+    made.header.frame_id = "map"
+    made.pose.pose = pose(x, turned=True)
+    made.pose.covariance = fields.get("covariance", np.eye(6).ravel())
+    return made
+
+
+def test_the_pose_is_shown_with_its_covariance() -> None:
+    bench = Bench()
+    display = add(bench, "PoseWithCovariance")
+    bench.hear("/pose", message(2.0))
+    assert sorted(drawn(bench)) == ["discs", "head", "place", "shaft"]
+    assert extent(bench, "shaft")[0].tolist() == [2, 0, 0]
+    display["Shape"] = "Axes"
+    display["Covariance"] = False
+    assert sorted(drawn(bench)) == ["axes"]
+    display.reset()
+    assert not drawn(bench)
+
+
+@pytest.mark.parametrize("wrong", [message(np.nan), message(covariance=np.full(36, np.inf))])
+def test_what_is_not_finite_is_an_error(wrong: PoseWithCovarianceStamped) -> None:
+    bench = Bench()
+    display = add(bench, "PoseWithCovariance")
+    bench.hear("/pose", wrong)
+    assert bench.said(display, "Topic") == ("error", INVALID)
+    assert not drawn(bench)
