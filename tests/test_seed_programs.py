@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 
 from course_lib.recording import Recording, read_bag
+from course_lib.ros.clock import START_NS
+from tests.programs import painting_robot
 
 SECONDS = 5.0  # [s] of robot time
 DOCUMENTS = (
@@ -43,20 +45,23 @@ node.create_timer(1 / {rate}, lambda: publisher.publish(Image()))
 rclpy.spin(node)
 """
 
+ROBOT = Path(painting_robot.__file__)
+
 pytestmark = pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
 
 
 def program(name: str) -> str:
-    """Cut out the program with a node: from the #! line before it to its last line."""
+    """Cut out the program with a node: from the #! line or the first import before it to its last line."""
     text = next(t for document in DOCUMENTS if f"class {name}(Node)" in (t := document.read_text()))
     before, after = text.rsplit(f"class {name}(Node)", 1)
     ending = re.search(r"if __name__ == '__main__':\n *main\(\)\n", after)
     assert ending is not None
-    return before[before.rindex("#!") :] + f"class {name}(Node)" + after[: ending.end()]
+    start = before.rindex("#!" if "#!" in before else "import rclpy\n")
+    return before[start:] + f"class {name}(Node)" + after[: ending.end()]
 
 
-def run(bag: Path, *files: Path) -> Recording:
-    options = ["--seconds", f"{SECONDS}", "--bag", str(bag)]
+def run(bag: Path, *files: Path, seconds: float = SECONDS) -> Recording:
+    options = ["--seconds", f"{seconds}", "--bag", str(bag)]
     command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
@@ -96,3 +101,16 @@ def test_the_diagnostic_node_of_the_documents_runs_once_its_indentation_is_back(
     assert len(arrays) == SECONDS
     (status,) = arrays[-1].status
     assert (status.name, status.level, status.message) == ("Front Camera System", level, message)
+
+
+def test_the_paint_node_of_the_documents_paints_two_stripes_and_nothing_while_driving(tmp_path: Path) -> None:
+    (tmp_path / "paint.py").write_text(program("PaintPathNode"))
+    recording = run(tmp_path / "bag", tmp_path / "paint.py", ROBOT, seconds=12.0)
+    markers: list[tuple[float, Any]] = [
+        ((stamp_ns - START_NS) / 1e9, marker)
+        for stamp_ns, marker in recording.messages("/visualization_marker")
+    ]
+    points = {marker.id: len(marker.points) for _, marker in markers}
+    assert len(points) == 2
+    assert min(points.values()) >= 8
+    assert not [seconds for seconds, _ in markers if painting_robot.DRIVE <= seconds < painting_robot.SECOND]
