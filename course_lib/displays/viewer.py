@@ -4,6 +4,7 @@ import sys
 import weakref
 import webbrowser
 from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,7 +15,7 @@ from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.panel import Panel
-from course_lib.displays.registry import REGISTRY, full_name, short_name
+from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.summary import told
@@ -88,8 +89,11 @@ class Viewer:
         """
         wanted = full_name(class_name)
         if wanted not in REGISTRY:
-            known = ", ".join(map(short_name, REGISTRY))
-            raise CourseError(f"There is no display {class_name!r} here; add one of {known}.")
+            if wanted in RVIZ_ONLY:
+                raise CourseError(not_drawn(wanted))
+            known = [short_name(name) for name in REGISTRY]
+            near = ", ".join(get_close_matches(short_name(class_name), known, 3) or known)
+            raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")
         if topic is not None:
             properties[getattr(REGISTRY[wanted], "topic_label", "Topic")] = topic
         return self.session.add(wanted, name or short_name(wanted), {}, **properties)

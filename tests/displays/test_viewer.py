@@ -106,7 +106,7 @@ def test_remove_takes_a_display_away_with_what_it_drew(graph: Graph) -> None:
 
 
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
-    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of .*Grid"),
+    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of Marker, MarkerArray"),
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
     "name": (lambda v: v["Gird"], "No display is called 'Gird'; there is Grid"),

@@ -1,0 +1,153 @@
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Float32
+
+from course_lib.displays import own_display
+from course_lib.displays.display import Display
+from course_lib.displays.layout import read_layout
+from course_lib.displays.own_display import OwnDisplay, register, solid
+from course_lib.displays.registry import REGISTRY, FailedDisplay
+from course_lib.displays.session import Session
+from course_lib.displays.viewer import Viewer
+from course_lib.displays.writer import save_rviz
+from course_lib.errors import CourseError
+from course_lib.viewer.drawables import Drawable, Solids
+from course_lib.viewer.scene import Scene
+from tests.displays.bench import Bench
+
+CLASS = "my_robot/Battery"
+BAR = "displays/Battery/drawn/bar"
+
+
+@pytest.fixture(autouse=True)
+def registry() -> Iterator[None]:
+    before = dict(REGISTRY)
+    yield
+    REGISTRY.clear()
+    REGISTRY.update(before)
+
+
+@pytest.fixture
+def lesson() -> None:
+    """Run the code that the docstring shows, which is the lesson's, but for the viewer."""
+    shown = re.search(r"::\n\n(.*?)\n\n    viewer\.add", own_display.__doc__ or "", re.S)
+    assert shown
+    exec(dedent(shown[1]), {})
+
+
+def battery(percentage: float, frame: str = "base") -> BatteryState:
+    message = BatteryState(percentage=percentage)
+    message.header.frame_id = frame
+    return message
+
+
+def shown(bench: Bench, percentage: float = 0.5) -> Display:
+    display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
+    bench.transform("map", "base", (2.0, 0.0, 0.0))
+    bench.hear("/battery", battery(percentage))
+    bench.look()
+    return display
+
+
+def bar(bench: Bench) -> Solids:
+    found = bench.scene.objects()[BAR]
+    assert isinstance(found, Solids)
+    return found
+
+
+@pytest.mark.usefixtures("lesson")
+def test_it_draws_messages_where_their_frame_is() -> None:
+    bench = Bench()
+    display = shown(bench)
+    np.testing.assert_allclose(
+        bar(bench).placements[0], np.diag([0.1, 0.1, 0.5, 1]) + 0.25 * np.eye(4)[2][:, None] * np.eye(4)[3]
+    )
+    np.testing.assert_allclose(bench.scene.world_transform(BAR)[:3, 3], [2, 0, 0])
+    assert bench.said(display, "Topic") is not None
+    display["Height"] = 2.0
+    assert bar(bench).placements[0, 2, 2] == 1.0
+    display["Enabled"] = False
+    assert not bench.scene.visible("displays/Battery")
+
+
+@pytest.mark.usefixtures("lesson")
+def test_it_waits_for_its_frame() -> None:
+    bench = Bench()
+    display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
+    bench.hear("/battery", battery(0.5, "nowhere"))
+    bench.look()
+    assert BAR not in bench.scene.objects()
+    assert "wait for tf2" in bench.hints(display)[0]
+
+
+@pytest.mark.usefixtures("lesson")
+def test_a_layout_keeps_it_and_finds_it_again(tmp_path: Path) -> None:
+    bench = Bench()
+    shown(bench)["Height"] = 2.0
+    save_rviz(bench.session, tmp_path / "mine.rviz")
+    again = Session(Scene())
+    again.apply(read_layout(tmp_path / "mine.rviz"))
+    (display,) = (display for display in again.displays if display.name == "Battery")
+    assert (display.class_name, display["Height"], display["Topic"]) == (CLASS, 2.0, "/battery")
+    del REGISTRY[CLASS]
+    again.apply(read_layout(tmp_path / "mine.rviz"))
+    assert isinstance(again.displays[-1], FailedDisplay)
+
+
+@pytest.mark.usefixtures("lesson")
+def test_it_is_added_like_rviz_s_displays() -> None:
+    viewer = Viewer()
+    assert viewer.add("Battery", "/battery", height=0.5)["Height"] == 0.5
+    assert viewer.add(CLASS).name == "Battery"
+    viewer.close()
+
+
+def test_what_goes_wrong_in_a_drawing_is_a_status_and_all_else_goes_on() -> None:
+    @register
+    class Broken(OwnDisplay):
+        class_name = CLASS
+        type_name = "sensor_msgs/msg/BatteryState"
+
+        def drawing(self, message: Any) -> dict[str, Drawable]:
+            return {"bar": solid("box", size=(1, 1, 1 / message.percentage))}
+
+    bench = Bench()
+    display = shown(bench, 0.0)
+    level, text = bench.said(display, "Drawing") or ("", "")
+    assert level == "error"
+    assert "ZeroDivisionError" in text
+    assert "1 / message.percentage" in text
+    bench.hear("/battery", battery(0.5))
+    assert bench.said(display, "Drawing") is None
+    assert bar(bench).placements[0, 2, 2] == 2.0
+
+
+def test_messages_without_a_header_are_drawn_in_the_fixed_frame() -> None:
+    @register
+    class Speed(OwnDisplay):
+        class_name = CLASS
+        type_name = "std_msgs/msg/Float32"
+
+        def drawing(self, message: Any) -> dict[str, Drawable]:
+            return {"bar": solid("box", size=(message.data, 1, 1))}
+
+    bench = Bench()
+    bench.session.add(CLASS, "Battery", {"Topic": "/speed"})
+    bench.hear("/speed", Float32(data=3.0))
+    assert bar(bench).placements[0, 0, 0] == 3.0
+
+
+@pytest.mark.parametrize(("name", "said"), [("", "my_robot/Thing"), ("rviz_default_plugins/TF", "is RViz's")])
+def test_it_needs_a_name_of_its_own(name: str, said: str) -> None:
+    class ThingDisplay(OwnDisplay):
+        class_name = name
+
+    with pytest.raises(CourseError, match=said):
+        register(ThingDisplay)
