@@ -34,13 +34,13 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
         raise CourseError(
             f"Something is missing beside {' or '.join(sorted(set(signs)))}: ros2 {line.strip()}"
         )
-    if not signs or signs[-1] == "|":
+    arrows = [sign for sign in signs if sign != "|"]
+    if not arrows:
         return commands, None
-    if set(signs[:-1]) - {"|"} or len(commands[-1]) != 1:
-        raise CourseError(
-            f"Write one file, at the end: ros2 topic list {signs[-1]} topics.txt, not: ros2 {line}"
-        )
-    return commands[:-1], ("a" if signs[-1] == ">>" else "w", Path(commands.pop()[0]))
+    (file, *more) = commands.pop()
+    if signs[-1] == "|" or arrows[1:] or more:
+        raise CourseError(f"Write one file, at the end: ros2 topic list > topics.txt, not: ros2 {line}")
+    return commands, ("a" if arrows == [">>"] else "w", Path(file))
 
 
 def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:

@@ -1,0 +1,93 @@
+from collections.abc import Callable
+from dataclasses import astuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
+
+from course_lib.ros.graph import Graph
+from course_lib.ros.qos import Qos, incompatible
+from course_lib.tools.doctor import problems
+
+Run = Callable[[str], str]
+LIMITS = st.none() | st.integers(1, 3)
+POLICIES = st.builds(
+    Qos,
+    reliability=st.sampled_from(["reliable", "best_effort"]),
+    durability=st.sampled_from(["volatile", "transient_local"]),
+    deadline_ns=LIMITS,
+    liveliness=st.sampled_from(["automatic", "manual_by_topic"]),
+    lease_ns=LIMITS,
+)
+
+
+def test_nothing_wrong_is_five_checks_passed(run: Run, graph: Graph) -> None:
+    assert run("doctor") == "\nAll 5 checks passed\n\n"
+    assert run("wtf -ep") == "\nAll 4 checks passed\n\n"
+
+
+def test_lonely_ends_are_warnings(run: Run, talker: Node) -> None:
+    talker.create_subscription(String, "/deaf", print, 1)
+    talker.create_subscription(String, "/chatter", print, 1)
+    assert run("doctor") == (
+        "ros2doctor/api/topic.py: 45: UserWarning: Subscriber without publisher detected on /deaf.\n"
+        "ros2doctor/api/topic.py: 42: UserWarning: Publisher without subscriber detected on /place.\n"
+        "\nAll 5 checks passed\n\n"
+    )
+    assert run("doctor -iw").endswith("\n1/5 check(s) failed\n\nFailed modules: topic\n")
+
+
+def test_qos_that_keeps_ends_apart_is_an_error(run: Run, talker: Node) -> None:
+    best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    talker.create_publisher(String, "t", best_effort)
+    talker.create_subscription(String, "t", print, 10)
+    text = run("doctor -rf")
+    assert (
+        "UserWarning: ERROR: QoS compatibility error found on topic '/t': Best effort publisher and reliable "
+        "subscription;\n" in text
+    )
+    assert "\n1/5 check(s) failed\n\nFailed modules: middleware\n\n   RMW MIDDLEWARE\n" in text
+    assert text.endswith(
+        "\n   QOS COMPATIBILITY LIST\ntopic [type]            : /t [std_msgs/msg/String]\n"
+        "publisher node          : talker\nsubscriber node         : talker\n"
+        "compatibility status    : ERROR: Best effort publisher and reliable subscription;\n"
+    )
+
+
+def test_the_report_has_ros2doctor_s_sections(run: Run, talker: Node) -> None:
+    text = run("doctor --report")
+    assert [line.strip() for line in text.splitlines() if line.startswith("   ")] == [
+        "PLATFORM INFORMATION",
+        "ROS 2 INFORMATION",
+        "NETWORK CONFIGURATION",
+        "RMW MIDDLEWARE",
+        "TOPIC LIST",
+        "QOS COMPATIBILITY LIST",
+        "PACKAGE VERSIONS",
+    ]
+    assert "topic               : /chatter\npublisher count     : 1\nsubscriber count    : 0\n" in text
+    assert "compatibility status    : No publisher/subscriber pairs found\n" in text
+    assert "PACKAGE" not in run("doctor -r -ep")
+
+
+@given(POLICIES, POLICIES)
+def test_a_problem_is_told_exactly_where_nothing_flows(offered: Qos, requested: Qos) -> None:
+    assert bool(problems(offered, requested)) == (incompatible(offered, requested) is not None), (
+        astuple(offered),
+        astuple(requested),
+    )
+
+
+def test_every_problem_is_told() -> None:
+    worst = Qos(reliability="best_effort", deadline_ns=2, lease_ns=2)
+    strict = Qos(durability="transient_local", deadline_ns=1, lease_ns=1, liveliness="manual_by_topic")
+    assert problems(worst, strict).count("ERROR: ") == 5
+    assert problems(Qos(), Qos()) == ""
+
+
+@pytest.mark.parametrize("word", ["doctor", "wtf"])
+def test_help_is_argparse_s(run: Run, word: str) -> None:
+    assert run(f"{word} -h").startswith(f"usage: ros2 {word} [-h] [-r] [-rf] [-ep] [-iw]")

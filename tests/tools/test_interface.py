@@ -1,0 +1,91 @@
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording
+from course_lib.ros.messages.definitions import type_names
+from course_lib.tools.interface import interfaces
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import RecordingSource
+
+
+def output(line: str) -> str:
+    written: list[str] = []
+    ros2(["interface", *line.split()], RecordingSource(Recording(())), written.append)
+    return "".join(written)
+
+
+def test_show_nests_with_tabs() -> None:
+    assert output("show geometry_msgs/msg/PoseStamped") == (
+        "std_msgs/Header header\n\tbuiltin_interfaces/Time stamp\n\t\tint32 sec\n\t\tuint32 nanosec\n"
+        "\tstring frame_id\nPose pose\n\tPoint position\n\t\tfloat64 x\n\t\tfloat64 y\n\t\tfloat64 z\n"
+        "\tQuaternion orientation\n\t\tfloat64 x 0\n\t\tfloat64 y 0\n\t\tfloat64 z 0\n\t\tfloat64 w 1\n"
+    )
+
+
+def test_show_has_constants_and_arrays() -> None:
+    text = output("show diagnostic_msgs/msg/DiagnosticStatus")
+    assert text.startswith("byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\n")
+    assert text.endswith("KeyValue[] values\n\tstring key\n\tstring value\n")
+    assert "float64[36] covariance\n" in output("show geometry_msgs/msg/PoseWithCovariance")
+
+
+def test_show_of_a_service_has_both_parts() -> None:
+    assert output("show std_srvs/srv/SetBool --no-comments") == (
+        "bool data\n---\nbool success\nstring message\n"
+    )
+
+
+@pytest.mark.parametrize("kind", ["msg", "srv", "action"])
+def test_every_type_can_be_shown_and_has_a_prototype(kind: str) -> None:
+    for name in interfaces(kind):
+        assert output(f"show {name}").count("\n---\n") + output(f"show {name}").startswith("---\n") == {
+            "msg": 0, "srv": 1, "action": 2,
+        }[kind], name  # fmt: skip
+        assert output(f"proto {name}").startswith('"')
+
+
+def test_comments_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "example_interfaces" / "srv" / "AddTwoInts.srv"
+    file.parent.mkdir(parents=True)
+    file.write_text("# Adds.\n\nint64 a  # one\nint64 b\n---\nint64 sum\nstd_msgs/Header header # when\n")
+    monkeypatch.setattr("course_lib.tools.interface.INTERFACES", tmp_path)
+    name = "example_interfaces/srv/AddTwoInts"
+    shown = output(f"show {name}").splitlines()
+    assert [line for line in shown if not line.startswith("\t")] == file.read_text().splitlines()
+    assert output(f"show {name} --no-comments").splitlines()[:5] == [
+        "int64 a", "int64 b", "---", "int64 sum", "std_msgs/Header header",
+    ]  # fmt: skip
+
+
+def test_list_package_and_packages_agree() -> None:
+    listed = output("list").splitlines()
+    assert [line for line in listed if not line.startswith("    ")] == ["Messages:", "Services:", "Actions:"]
+    assert {line.strip() for line in output("list -m").splitlines()[1:]} == set(interfaces("msg"))
+    packages = output("packages").splitlines()
+    names = [name for package in packages for name in output(f"package {package}").splitlines()]
+    assert sorted(names) == sorted(line.strip() for line in listed if line.startswith("    "))
+    assert output("packages -s").splitlines() == sorted({name.split("/")[0] for name in interfaces("srv")})
+    assert set(interfaces("msg")) <= set(type_names())
+
+
+def test_proto_is_yaml_in_quotes() -> None:
+    assert output("proto std_srvs/srv/SetBool") == '"data: false\n"\n'
+    assert output("proto std_msgs/msg/String --no-quotes") == "data: ''\n\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("show std_msgs/String", r"^Invalid name 'std_msgs/String'\. Expected three parts separated by '/'\."
+         r" Did you mean std_msgs/msg/String\?$"),
+        ("show std_msgs/msg/Strng", r"^Could not find the interface 'std_msgs/msg/Strng'\. Did you mean "),
+        ("show std_msg/msg/String", r"^Unknown package 'std_msg'\. Did you mean std_msgs\?$"),
+        ("package sensor_msg", r"^Unknown package 'sensor_msg'\. Did you mean sensor_msgs\?$"),
+        ("proto nav_msgs/srv/GetPath", r"^Could not find the interface 'nav_msgs/srv/GetPath'\. Did you"),
+    ],
+)  # fmt: skip
+def test_an_unknown_type_is_answered_with_the_nearest(line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text):
+        output(line)

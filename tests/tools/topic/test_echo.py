@@ -1,0 +1,103 @@
+"""`ros2 topic echo` on nodes: it drives those that run live."""
+
+from collections.abc import Callable
+from functools import partial
+
+import pytest
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Bool, String
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import running_nodes
+from course_lib.ros.graph import Graph
+from course_lib.ros.messages import serialize
+
+Run = Callable[[str], str]
+
+
+def test_once_prints_the_next_message(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --once") == "data: hello 1\n---\n"
+    assert run("topic echo chatter --once --field data") == "hello 2\n---\n"
+
+
+def test_without_a_page_echo_ends_and_says_so(run: Run, talker: Node) -> None:
+    lines = run("topic echo /chatter").splitlines()
+    assert lines[:3] == ["data: hello 1", "---", "data: hello 2"]
+    assert lines.count("---") == 49  # the fiftieth message is on its way
+    assert lines[-1] == "No page is watching: ros2 topic echo stopped after 5 s of robot time."
+
+
+def test_a_timeout_ends_quietly(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --timeout 0.25") == "data: hello 1\n---\ndata: hello 2\n---\n"
+
+
+def test_echo_leaves_no_node_behind(run: Run, graph: Graph, talker: Node) -> None:
+    run("topic echo /chatter --once")
+    assert [node.name for node in graph.nodes()] == ["talker"]
+
+
+def test_a_latched_message_reaches_echo(run: Run, talker: Node) -> None:
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    talker.create_publisher(String, "map", latched).publish(String(data="kept"))
+    assert run("topic echo /map --once") == "data: kept\n---\n"
+
+
+def test_a_silent_topic_is_one_sentence_that_says_why(run: Run, talker: Node) -> None:
+    talker.create_subscription(String, "silent", partial(print), 10)
+    with pytest.raises(CourseError, match=r"No message came on /silent in 5 s .* Nobody publishes on it\."):
+        run("topic echo /silent")
+    with pytest.raises(CourseError, match=r"incompatible QoS: DURABILITY\. Topics here: /chatter, "):
+        run("topic echo /chatter --qos-durability transient_local")
+    running_nodes().clear()
+    with pytest.raises(CourseError, match=r"No node is running: start one"):
+        run("topic echo /chatter --once")
+
+
+def test_mixed_publishers_are_all_heard(run: Run, talker: Node) -> None:
+    talker.create_publisher(String, "chatter", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
+    assert run("topic echo /chatter --once") == (
+        "Some, but not all, publishers are offering QoSReliabilityPolicy.RELIABLE. Falling back to "
+        "QoSReliabilityPolicy.BEST_EFFORT as it will connect to all publishers\ndata: hello 1\n---\n"
+    )
+
+
+def test_a_publisher_of_another_type_is_named(run: Run, talker: Node) -> None:
+    talker.create_publisher(String, "/other", 1)
+    talker.create_publisher(Bool, "/other", 1)
+    with pytest.raises(CourseError, match=r"more than one type: \[std_msgs/msg/Bool, std_msgs/msg/String\]"):
+        run("topic echo /other")
+
+
+def test_without_rclpy_echo_says_how_to_start(run: Run) -> None:
+    with pytest.raises(CourseError, match=r"rclpy is not started: call rclpy.init\(\)"):
+        run("topic echo /rosout --once")
+
+
+def test_the_filter_sees_the_message_or_the_field(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --once --filter m.data.endswith('3')") == "data: hello 3\n---\n"
+    assert run("topic echo /chatter --once --field data --filter '6'in(m)") == "hello 6\n---\n"
+    with pytest.raises(CourseError, match=r"--filter 'm.dat' fails: AttributeError: 'String' object has no"):
+        run("topic echo /chatter --filter m.dat")
+    with pytest.raises(CourseError, match=r"--filter 'm\(' is no Python expression"):
+        run("topic echo /chatter --filter m(")
+
+
+def test_raw_shows_the_bytes_on_the_wire(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --once --raw") == f"{serialize(String(data='hello 1'))!r}\n---\n"
+
+
+def test_message_info_is_a_block_or_columns_before_the_message(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --once -i") == (
+        "publication_sequence_number: null\nreceived_timestamp: 1700000000101000000\n"
+        "reception_sequence_number: null\nsource_timestamp: 1700000000100000000\n---\ndata: hello 1\n---\n"
+    )
+    assert run("topic echo /chatter --once -i --csv") == (
+        "1700000000200000000,1700000000201000000,None,None,hello 2\n"
+    )
+
+
+def test_a_preset_of_qos_is_taken_and_changed(run: Run, talker: Node) -> None:
+    assert run("topic echo /chatter --once --qos-profile parameters --qos-depth 1") == "data: hello 1\n---\n"
+    with pytest.raises(CourseError, match="argument --qos-profile: invalid choice: 'sensor'"):
+        run("topic echo /chatter --qos-profile sensor")

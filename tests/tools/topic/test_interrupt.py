@@ -1,0 +1,32 @@
+"""■ ends every tool that goes on for ever, quietly."""
+
+from collections.abc import Callable
+
+import pytest
+from rclpy.node import Node
+
+Run = Callable[[str], str]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "topic echo /chatter",
+        "topic hz /chatter",
+        "topic hz /nope",
+        "topic bw /chatter",
+        "topic delay /place",
+        "topic pub /a std_msgs/msg/String",
+        "topic pub -w 3 /a std_msgs/msg/String",
+    ],
+)
+def test_an_interrupt_ends_quietly(
+    run: Run, talker: Node, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    def press() -> None:
+        raise KeyboardInterrupt
+
+    talker.create_timer(1.5, press)
+    run(line)
+    assert capsys.readouterr().out == "Stopped after 1.5 s of robot time.\n"
+    assert talker.get_node_names() == ["talker"]

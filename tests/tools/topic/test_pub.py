@@ -1,0 +1,80 @@
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph import Graph
+
+Run = Callable[[str], str]
+
+
+def heard_by(node: Node, kind: type, topic: str) -> list[Any]:
+    heard: list[Any] = []
+    node.create_subscription(kind, topic, heard.append, 10)
+    return heard
+
+
+def test_once_publishes_one_message_in_ros2cli_s_words(run: Run, graph: Graph, talker: Node) -> None:
+    heard = heard_by(talker, String, "ear")
+    assert run("topic pub --once /ear std_msgs/msg/String {data: hi}") == (
+        "publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hi')\n\n"
+    )
+    assert heard == [String(data="hi")]
+    assert [node.name for node in graph.nodes()] == ["talker"]
+
+
+def test_times_and_rate_and_print_say_how_often(run: Run, graph: Graph, talker: Node) -> None:
+    heard, start_ns = heard_by(talker, String, "ear"), graph.now_ns
+    text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/msg/String {data: hi}")
+    assert len(heard) == 5
+    assert [line.split(":")[0] for line in text.splitlines() if line] == [
+        "publisher", "publishing #2", "publishing #4",
+    ]  # fmt: skip
+    assert graph.now_ns - start_ns == 1_100_000_000  # four pauses, and --keep-alive's
+
+
+def test_without_a_page_it_stops_and_says_so(run: Run, talker: Node) -> None:
+    text = run("topic pub /nobody std_msgs/msg/String")
+    assert text.count("publishing #") == 6
+    assert text.endswith("No page is watching: ros2 topic pub stopped after 5 s of robot time.\n")
+
+
+def test_now_and_auto_are_the_time_of_each_message(run: Run, talker: Node) -> None:
+    heard = heard_by(talker, PoseStamped, "goal")
+    run("topic pub -t 2 /goal geometry_msgs/msg/PoseStamped {header: auto, pose: {position: {x: 1}}}")
+    run("topic pub --once /goal geometry_msgs/msg/PoseStamped {header: {stamp: now, frame_id: map}}")
+    seconds = [one.header.stamp.sec + one.header.stamp.nanosec * 1e-9 - 1.7e9 for one in heard]
+    assert seconds == pytest.approx([0.0, 1.0, 1.1])
+    assert [heard[0].pose.position.x, heard[0].pose.orientation.w, heard[2].header.frame_id] == [1, 1, "map"]
+
+
+def test_it_waits_for_whom_it_was_asked_to(run: Run, talker: Node) -> None:
+    with pytest.raises(
+        CourseError, match=r"^Timed out waiting for subscribers: Expected 1 subcribers but only got 0 subsc"
+    ):
+        run("topic pub --once --max-wait-time-secs 1.5 /ear std_msgs/msg/String")
+    assert run.written == "Waiting for at least 1 matching subscription(s)...\n" * 2  # type: ignore[attr-defined]
+    with pytest.raises(CourseError, match=r"^--max-wait-time-secs option is only effective with"):
+        run("topic pub --max-wait-time-secs 1 /ear std_msgs/msg/String")
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("/a std_msgs/msg/Strin", "No message type 'std_msgs/msg/Strin' here. Did you mean std_msgs/msg/Str"),
+        ("a/ std_msgs/msg/String", "Invalid topic name: topic name must not end with a forward slash"),
+        ("/a std_msgs/msg/String -r 0", "argument -r/--rate: Value must be positive"),
+        (
+            "/a std_msgs/msg/String {dat: 1}",
+            "Failed to populate field: 'String' object has no attribute",
+        ),
+    ],
+)
+def test_mistakes_are_told_before_anything_is_sent(run: Run, talker: Node, line: str, text: str) -> None:
+    with pytest.raises(CourseError) as raised:
+        run(f"topic pub {line}")
+    assert text in str(raised.value)

@@ -1,0 +1,16 @@
+from collections.abc import Callable
+
+from rclpy.node import Node
+from std_msgs.msg import Bool, String
+
+Run = Callable[[str], str]
+
+
+def test_type_prints_each_type_and_find_each_topic(run: Run, talker: Node) -> None:
+    talker.create_publisher(Bool, "/chatter", 1)
+    talker.create_publisher(String, "/_hidden", 1)
+    assert run("topic type /chatter") == "std_msgs/msg/Bool\nstd_msgs/msg/String\n"
+    assert run("topic type /nope") == ""
+    assert run("topic find std_msgs/msg/String") == "/chatter\n"
+    assert run("topic find std_msgs/msg/String --include-hidden-topics -c") == "2\n"
+    assert run("topic find std_msgs/msg/Int8") == ""
