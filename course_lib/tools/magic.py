@@ -1,5 +1,6 @@
-"""`%ros2 …` in a notebook."""
+"""`%ros2 …` and `%rqt …` in a notebook."""
 
+import shlex
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -8,6 +9,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
+from course_lib.tools.rqt.rqt import rqt
 from course_lib.tools.sources import GraphSource
 from course_lib.tools.verb import Write
 
@@ -20,6 +22,7 @@ def register(shell: "InteractiveShell") -> None:
     from IPython.core.magic import no_var_expand  # braces are YAML's
 
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
+    shell.register_magic_function(rqt_magic, "line", "rqt")  # type: ignore[arg-type]  # as above
 
 
 def ros2_magic(line: str) -> None:
@@ -34,4 +37,14 @@ def ros2_magic(line: str) -> None:
     try:
         run_piped(line, run, sys.stdout.write)
     except (CourseError, ValueError, OSError) as error:  # an open quotation mark; a file, a program
+        raise UsageError(str(error)) from None
+
+
+def rqt_magic(line: str) -> None:
+    """Show a view of this notebook's nodes, like %rqt graph."""
+    from IPython.core.error import UsageError
+
+    try:
+        rqt(shlex.split(line))
+    except (CourseError, ValueError) as error:  # an open quotation mark
         raise UsageError(str(error)) from None

@@ -1,0 +1,134 @@
+"""`%rqt bag FOLDER`: a recording on a time line, its messages, and played to the nodes."""
+
+import asyncio
+from bisect import bisect_right
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from course_lib.errors import CourseError
+from course_lib.recording import read_bag
+from course_lib.ros import wall
+from course_lib.ros.messages import deserialize, message_class
+from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.rqt.markup import drawing, tag, text
+from course_lib.tools.rqt.view import View
+from course_lib.tools.sources import PLAYER
+
+_LEFT, _WIDTH, _ROW = 190, 560, 22  # [px] names, time line, height of a topic
+_STEP = 0.05  # [s] of the wall clock between two steps of playing
+
+
+class BagView(View):
+    """A row per topic with a mark where messages are; a cursor, and the message below it."""
+
+    name, title = "bag", "Bag"
+
+    def build(self) -> None:
+        """Read the bag; raises a CourseError if there is none."""
+        from ipywidgets import FloatSlider
+
+        if len(self.words) != 1:
+            raise CourseError("Say which bag: %rqt bag FOLDER, the folder that ros2 bag record has written.")
+        self._recording = read_bag(Path(self.words[0]))
+        self._samples = self._recording.samples
+        self._times = np.array([s.stamp_ns for s in self._samples], np.int64) - self._recording.start_ns
+        self._topics = {topic.name: topic for topic in self._recording.topics()}
+        self._node: int | None = None
+        self._publishers: dict[str, int] = {}
+        self._at = 0.0  # [s] of the cursor
+        self._task: asyncio.Task[None] | None = None
+        length = (self._recording.end_ns - self._recording.start_ns) * 1e-9
+        slider = FloatSlider(0, min=0, max=max(length, 1e-3), step=max(length / 1000, 1e-3))
+        slider.description, slider.layout.width, slider.readout_format = "Time [s]", "480px", ".3f"
+        self.add(slider, self._move)
+        self.add_check("Play", action=self._play)
+        self.add_check("Publish", on=True)
+        self.add_choice("Message of", list(self._topics), None)
+
+    def stop(self) -> None:
+        """End playing, and leave the graph."""
+        super().stop()
+        if self._task is not None:
+            self._task.cancel()
+        if self._node is not None:
+            self.graph.remove_node(self._node)
+
+    def picture(self) -> str:
+        """Draw the time line, and write the last message before the cursor."""
+        length = self.controls["Time [s]"].max
+        x, height = _LEFT + self._at / length * _WIDTH, _ROW * len(self._topics) + 22
+        shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
+        shapes += text("0 s", _LEFT, height - 4) + text(f"{length:.1f} s", _LEFT + _WIDTH, height - 4, "end")
+        shapes += tag("path", d=f"M{x:.1f} 0v{height - 16}", stroke="#c9281f", stroke_width=2)
+        said = f"{len(self._samples)} messages of {len(self._topics)} topics, the cursor at {self._at:.2f} s"
+        return drawing(shapes, _LEFT + _WIDTH + 90, height, said) + self._message()
+
+    def _line(self, row: int, topic: str) -> str:
+        """Draw one topic: its name, a mark per pixel that has messages, how many there are."""
+        stamps = self._times[[s.topic == topic for s in self._samples]] * 1e-9
+        pixels = np.unique((stamps / self.controls["Time [s]"].max * _WIDTH).round()).astype(int)
+        marks = "".join(f"M{_LEFT + pixel} {_ROW * row + 5}v12" for pixel in pixels.tolist())
+        y = _ROW * row + 15
+        line = tag("path", d=f"M{_LEFT} {y - 4}h{_WIDTH}", stroke="var(--rqt-line)")
+        ends = text(topic[-26:], _LEFT - 8, y, "end") + text(str(len(stamps)), _LEFT + _WIDTH + 8, y)
+        return line + tag("path", d=marks, stroke="#0072b2") + ends
+
+    def _message(self) -> str:
+        before = self._samples[: self._index(self._at)]
+        sample = next((s for s in reversed(before) if s.topic == self["Message of"]), None)
+        if sample is None:
+            return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
+        stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
+        words = escape(to_yaml(deserialize(sample.cdr, message_class(sample.type_name)), Style()))
+        head = f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p>"
+        return head + tag("div", f"<pre>{words}</pre>", tabindex=0, **{"class": "rqt-scroll"})
+
+    def _index(self, seconds: float) -> int:
+        """Say how many messages there are up to a time [s]."""
+        return bisect_right(self._times.tolist(), round(seconds * 1e9))
+
+    def _move(self) -> None:
+        """Take the cursor to where the slider is."""
+        if abs(self["Time [s]"] - self._at) > self.controls["Time [s]"].step:
+            self._at = self["Time [s]"]
+        self.refresh()
+
+    def _play(self) -> None:
+        if (
+            self._loop is not None
+            and self.controls["Play"].value
+            and (self._task is None or self._task.done())
+        ):
+            self._task = self._loop.create_task(self._keep_playing())
+
+    async def _keep_playing(self) -> None:
+        """Move the cursor with the wall clock, from the start again if it is at the end."""
+        slider, last = self.controls["Time [s]"], wall.monotonic()
+        if self._at >= slider.max:
+            self._at = 0.0
+        while self["Play"] and self._at < slider.max:
+            await asyncio.sleep(_STEP)
+            now = wall.monotonic()
+            self.play_to(min(self._at + now - last, slider.max))
+            last, slider.value = now, self._at
+        self.controls["Play"].value = False
+
+    def play_to(self, seconds: float) -> None:
+        """Move the cursor on to a time [s]; publishes what lies between, if that is wanted."""
+        first = self._index(self._at) if self._at > 0 else 0
+        if self["Publish"]:
+            self._publish(range(first, self._index(seconds)))
+        self._at = seconds
+
+    def _publish(self, indices: Sequence[int]) -> None:
+        if self._node is None:
+            self._node = self.graph.add_node(PLAYER, "/")
+            for topic in self._topics.values():
+                self._publishers[topic.name] = self.graph.add_publisher(
+                    self._node, topic.name, topic.type_name, topic.offered[0]
+                )
+        for index in indices:
+            self.graph.publish(self._publishers[self._samples[index].topic], self._samples[index].cdr)

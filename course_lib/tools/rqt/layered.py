@@ -1,0 +1,145 @@
+"""Draws directed graphs in layers from left to right, groups of nodes in lanes of their own."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from statistics import fmean
+
+Edge = tuple[str, str]
+Point = tuple[float, float]
+ROW = 44.0  # [px] from one node to the next below it
+_PAD = 26.0  # [px] between lanes, and round them
+_SWEEPS = 4
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Where nodes (centres), edges (points to pass) and groups (x, y, width, height) are drawn, [px]."""
+
+    places: Mapping[str, Point]
+    routes: Mapping[Edge, Sequence[Point]]
+    boxes: Mapping[str, tuple[float, float, float, float]]
+    size: Point
+
+
+def layered(
+    widths: Mapping[str, float], edges: Iterable[Edge], groups: Mapping[str, str], gap: float
+) -> Layers:
+    """Place nodes so that edges lead to the right where they can, and cross little.
+
+    Args:
+        widths: Of the nodes, by name, [px].
+        edges: From a node to another one.
+        groups: The group of each node; "" is none.
+        gap: Between two layers, [px].
+    """
+    edges = [edge for edge in dict.fromkeys(edges) if edge[0] != edge[1]]
+    depths = _depths(list(widths), edges)
+    chains = {edge: _chain(edge, depths) for edge in edges}
+    links = [link for chain in chains.values() for link in pairwise(chain)]
+    depth_of = {name: depth for chain in chains.values() for name, depth in chain} | depths
+    lane_of = {name: groups[chain[0][0]] for chain in chains.values() for name, _ in chain} | dict(groups)
+    cells: dict[tuple[str, int], list[str]] = {}
+    for name in sorted(depth_of):
+        cells.setdefault((lane_of[name], depth_of[name]), []).append(name)
+    _untangle(cells, [(one[0], other[0]) for one, other in links])
+    return _placed(cells, widths, chains, groups, gap)
+
+
+def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
+    """Give each node the length of the longest way to it; edges that close a circle do not count."""
+    after: dict[str, list[str]] = {name: [] for name in names}
+    for start, end in edges:
+        after[start].append(end)
+    order: list[str] = []
+    state: dict[str, int] = {}  # 1: being visited, 2: done
+    forward: list[Edge] = []
+
+    def visit(name: str) -> None:
+        state[name] = 1
+        for end in after[name]:
+            if state.get(end) != 1:
+                forward.append((name, end))
+            if end not in state:
+                visit(end)
+        state[name] = 2
+        order.insert(0, name)
+
+    ends = {end for _, end in edges}
+    for name in sorted(names, key=lambda name: name in ends):  # sources first
+        if name not in state:
+            visit(name)
+    depths = dict.fromkeys(names, 0)
+    for name in order:
+        for start, end in forward:
+            if start == name:
+                depths[end] = max(depths[end], depths[name] + 1)
+    return depths
+
+
+def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
+    """List the cells that an edge goes through, from left to right: long ones bend round other nodes."""
+    left, right = sorted(edge, key=lambda name: depths[name])
+    between = range(depths[left] + 1, depths[right])
+    bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
+    return [(left, depths[left]), *bends, (right, depths[right])]
+
+
+def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
+    """Sort each cell by where its neighbours are."""
+    near: dict[str, list[str]] = {}
+    for one, other in links:
+        near.setdefault(one, []).append(other)
+        near.setdefault(other, []).append(one)
+    for sweep in range(_SWEEPS):
+        rank = {name: index - len(cell) / 2 for cell in cells.values() for index, name in enumerate(cell)}
+        for key in sorted(cells, key=lambda key: key[1], reverse=bool(sweep % 2)):
+            middle = {name: fmean([rank[n] for n in near.get(name, [name])]) for name in cells[key]}
+            cells[key].sort(key=lambda name, middle=middle: (middle[name], name))  # type: ignore[misc]  # bound now
+            rank |= {name: index - len(cells[key]) / 2 for index, name in enumerate(cells[key])}
+
+
+def _placed(
+    cells: Mapping[tuple[str, int], list[str]],
+    widths: Mapping[str, float],
+    chains: Mapping[Edge, Sequence[tuple[str, int]]],
+    groups: Mapping[str, str],
+    gap: float,
+) -> Layers:
+    columns = range(1 + max((depth for _, depth in cells), default=-1))
+    wide = [
+        max(widths.get(n, 0.0) for (_, at), c in cells.items() if at == depth for n in c) for depth in columns
+    ]
+    left = [_PAD + sum(wide[:depth]) + gap * depth for depth in columns]
+    places: dict[str, Point] = {}
+    boxes: dict[str, tuple[float, float, float, float]] = {}
+    y = 0.0
+    for lane in sorted({lane for lane, _ in cells}):
+        rows = max(len(cell) for (of, _), cell in cells.items() if of == lane)
+        y += _PAD
+        for (of, depth), cell in cells.items():
+            top = y + ROW * (rows - len(cell)) / 2
+            if of == lane:
+                places |= {
+                    n: (left[depth] + wide[depth] / 2, top + ROW * (i + 0.5)) for i, n in enumerate(cell)
+                }
+        members = [(places[n][0], widths[n] / 2) for n, group in groups.items() if lane and group == lane]
+        if members:
+            start = min(x - half for x, half in members) - 12
+            boxes[lane] = start, y - 10, max(x + half for x, half in members) + 12 - start, ROW * rows + 14
+        y += ROW * rows
+    routes = {edge: _route(edge, chain, places, widths) for edge, chain in chains.items()}
+    size = (max((x + w for x, w in zip(left, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
+    return Layers({name: places[name] for name in widths}, routes, boxes, size)
+
+
+def _route(
+    edge: Edge, chain: Sequence[tuple[str, int]], places: Mapping[str, Point], widths: Mapping[str, float]
+) -> list[Point]:
+    """Lead an edge from the border of its start to that of its end; one that goes back keeps a bit lower."""
+    back = chain[0][0] != edge[0]
+    points = [places[name] for name, _ in chain]
+    (x0, y0), (x1, y1) = points[0], points[-1]
+    points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * back
+    points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * back
+    return points[::-1] if back else points

@@ -1,0 +1,80 @@
+"""HTML and SVG of the views, for light and dark pages."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+STYLE = """<style>
+.rqt { --rqt-text: var(--jp-ui-font-color1, CanvasText); --rqt-dim: var(--jp-ui-font-color2, GrayText);
+  --rqt-back: var(--jp-layout-color1, Canvas); --rqt-line: var(--jp-border-color1, #8888);
+  border: 1px solid var(--rqt-line); border-radius: 4px; padding: 4px 8px; color: var(--rqt-text); }
+.rqt .rqt-title { font-size: 15px; }
+.rqt .widget-html { flex-shrink: 1; }
+.rqt .widget-html-content { line-height: 1.4; }
+.rqt .widget-checkbox { margin-right: 8px; }
+.rqt p { margin: 3px 0; }
+.rqt .rqt-notice { background: #fff3cd; color: #222; padding: 3px 8px; border-left: 4px solid #d98200; }
+.rqt .rqt-scroll { max-height: 360px; overflow: auto; }
+.rqt table { border-collapse: collapse; width: 100%; font-size: 12.5px; }
+.rqt thead th { position: sticky; top: 0; background: var(--jp-layout-color2, Canvas); }
+.rqt th, .rqt td { padding: 2px 8px; border-bottom: 1px solid var(--rqt-line); text-align: left;
+  vertical-align: top; overflow-wrap: anywhere; }
+.rqt pre { margin: 0; font-size: 12px; line-height: 1.35; white-space: pre-wrap; color: inherit; }
+.rqt svg { display: block; max-width: 100%; height: auto; font: 12px system-ui, sans-serif; }
+.rqt svg text { fill: var(--rqt-text); }
+.rqt svg.rqt-icon { display: inline; vertical-align: -2px; margin-right: 5px; }
+.rqt .rqt-dim { color: var(--rqt-dim); }
+.rqt mark { background: #fff3cd; color: #222; font-weight: bold; }
+.rqt .rqt-topic { text-align: left; }
+.rqt .widget-hbox { align-items: center; }
+.rqt .rqt-cells { display: grid; grid-template-columns: 230px 80px 55px 1fr; column-gap: 8px; }
+.rqt .rqt-cells span { overflow: hidden; white-space: nowrap; text-overflow: ellipsis; }
+</style>"""
+
+_SIGNS = {  # a shape for each, so that its colour is not all that tells
+    "info": ("#2b6cb0", "<circle cx='7' cy='7' r='6.5'/>", "M7 3V4.8M7 6.2V11"),
+    "ok": ("#1a8a3a", "<circle cx='7' cy='7' r='6.5'/>", "M3.5 7.2 6 9.7 10.5 4.6"),
+    "warn": ("#d98200", "<path d='M7 .5 13.8 13H.2z'/>", "M7 4.6V8.6M7 10.3V11.4"),
+    "error": ("#c9281f", "<path d='M4 .5H10L13.5 4V10L10 13.5H4L.5 10V4z'/>", "M4.5 4.5l5 5m0-5l-5 5"),
+    "stale": ("#6b7280", "<rect x='.5' y='.5' width='13' height='13' rx='2'/>", "M4 7H10"),
+}
+
+
+def icon(sign: str) -> str:
+    """Draw the sign of a level; what it means must stand beside it in words."""
+    colour, shape, line = _SIGNS[sign]
+    stroke = tag("path", d=line, stroke="white", stroke_width=1.8, fill="none")
+    box = {"class": "rqt-icon", "viewBox": "0 0 14 14", "aria_hidden": "true"}
+    return tag("svg", shape + stroke, width=14, height=14, fill=colour, **box)
+
+
+def colour_of(sign: str) -> str:
+    """Give the colour of a sign."""
+    return _SIGNS[sign][0]
+
+
+def tag(name: str, inside: str = "", /, **attributes: object) -> str:
+    """Write an element; numbers with one decimal, ``stroke_width`` as ``stroke-width``."""
+    words = ""
+    for key, value in attributes.items():
+        short = f"{value:.1f}" if isinstance(value, float) else str(value)
+        words += f' {key.replace("_", "-")}="{escape(short)}"'
+    return f"<{name}{words}>{inside}</{name}>"
+
+
+def text(words: str, x: float, y: float, anchor: str = "start", /, **attributes: object) -> str:
+    """Write words into a picture."""
+    return tag("text", escape(words), x=x, y=y, text_anchor=anchor, **attributes)
+
+
+def drawing(shapes: str, width: float, height: float, said: str) -> str:
+    """Write a picture, with words for those who cannot see it."""
+    box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": said}
+    return tag("svg", shapes, role="img", width=width, **box)
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:
+    """Write a table that scrolls; its cells are HTML."""
+    head = "".join(tag("th", name, scope="col") for name in heads)
+    body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
+    inside = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return tag("div", inside, role="region", tabindex="0", aria_label=said, **{"class": "rqt-scroll"})

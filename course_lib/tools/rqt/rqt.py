@@ -1,0 +1,126 @@
+"""`%rqt …`: a table of its views, and perspectives: which views there are, as a file."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.ros import pace
+from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
+from course_lib.ros.graph import Graph, current_graph
+from course_lib.tools.rqt.bag import BagView
+from course_lib.tools.rqt.console import ConsoleView
+from course_lib.tools.rqt.graph import GraphView
+from course_lib.tools.rqt.plot import PlotView
+from course_lib.tools.rqt.reconfigure import ReconfigureView
+from course_lib.tools.rqt.robot_monitor import RobotMonitorView
+from course_lib.tools.rqt.service_caller import ServiceCallerView
+from course_lib.tools.rqt.topic import TopicView
+from course_lib.tools.rqt.view import View, near
+
+_CLASSES = (
+    GraphView,
+    PlotView,
+    ConsoleView,
+    BagView,
+    TopicView,
+    ServiceCallerView,
+    ReconfigureView,
+    RobotMonitorView,
+)
+VIEWS: Mapping[str, type[View]] = {view.name: view for view in _CLASSES}
+_USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt save FILE."
+
+
+def rqt(words: Sequence[str]) -> None:
+    """Do what `rqt <words>` does: show views below the cell.
+
+    Raises:
+        CourseError: No such view, or what the view or the file finds wrong.
+    """
+    match [word for word in words if word != "--force-discover"]:
+        case ["--perspective-file", file]:
+            _show([_restored(one, file) for one in _read(Path(file))])
+        case ["save" | "--save-config", file]:
+            _save(Path(file))
+        case [name, *rest] if not name.startswith("-"):
+            _show([_view_class(name)(current_graph(), rest)])
+        case _:
+            raise CourseError(_USAGE)
+
+
+def _view_class(name: str) -> type[View]:
+    plain = name.removeprefix("rqt_")
+    if plain not in VIEWS:
+        raise CourseError(f"rqt has no view {name!r} here. {near(plain, list(VIEWS))}")
+    return VIEWS[plain]
+
+
+def _open_views(graph: Graph) -> dict[tuple[str, ...], View]:
+    """Give the views that follow the graph, by what they were called with."""
+    views: dict[tuple[str, ...], View] = graph.state.setdefault("rqt.views", {})
+    return views
+
+
+def _show(views: Sequence[View]) -> None:
+    """Show views that follow the run; without a page, their pictures after a while of it."""
+    from IPython.display import HTML, display
+
+    graph = current_graph()
+    is_fast, opened = pace.wanted() == "fast", _open_views(graph)
+    for view in views:
+        key = (view.name, *view.words)
+        if key in opened:  # a cell that is run again
+            opened.pop(key).close()
+        opened[key] = view
+    if not is_fast:
+        for view in views:
+            display(view.widget())  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        return
+    for view in views:
+        view.listen()
+    if running_nodes() and any(view.listens for view in views):
+        wait_for(lambda: False, seconds=SECONDS_WITHOUT_A_PAGE)
+        say(f"No page is watching: rqt listened for {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+    for view in views:
+        display(HTML(view.static()))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        view.stop()
+
+
+def _save(file: Path) -> None:
+    """Write the views that are open, with their words and what their controls say."""
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+    views = [view for view in _open_views(current_graph()).values() if not view.closed]
+    about = [{"view": v.name, "words": v.words, "controls": v.settings()} for v in views]
+    try:
+        file.write_text(yaml.safe_dump(about, sort_keys=False, allow_unicode=True), encoding="utf-8")
+    except OSError as error:
+        raise CourseError(f"Can't write {file}: {error.strerror}. Choose another file.") from error
+    say(f"Saved {', '.join(view.name for view in views) or 'no view: none is open'} in {file}.")
+
+
+def _read(file: Path) -> list[Any]:
+    import yaml
+
+    try:
+        views = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CourseError(f"Can't read {file}: {error.strerror}. `%rqt save {file}` writes one.") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise CourseError(f"{file} is no perspective: {error}") from error
+    if not isinstance(views, list) or not all(isinstance(one, dict) for one in views):
+        raise CourseError(f"{file} is no perspective of %rqt: `%rqt save {file}` writes one.")
+    return views
+
+
+def _restored(about: dict[str, Any], file: str) -> View:
+    """Make a view as a perspective says."""
+    try:
+        view = _view_class(str(about["view"]))(
+            current_graph(), [str(word) for word in about.get("words", [])]
+        )
+        view.restore(about.get("controls", {}))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise CourseError(f"{file}: {about!r} is no view: write view, words and controls.") from error
+    return view

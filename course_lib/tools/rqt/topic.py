@@ -1,0 +1,109 @@
+"""`%rqt topic`: what is published, how much, how often, and the values."""
+
+from collections import deque
+from html import escape
+from typing import Any
+
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import deserialize, message_class
+from course_lib.tools.message_text import Style, to_csv, to_yaml
+from course_lib.tools.rqt.markup import table, tag
+from course_lib.tools.rqt.view import View
+from course_lib.tools.sources import GraphSource
+
+_WINDOW_NS = 5 * 10**9  # of robot time
+_COLUMNS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
+
+
+class TopicView(View):
+    """A row per topic; its button opens the whole value below it."""
+
+    name, title, listens = "topic", "Topic Monitor", True
+
+    def build(self) -> None:
+        """Begin without rows; words are topics to open."""
+        from ipywidgets import VBox
+
+        self._heard: dict[str, deque[tuple[int, int]]] = {}  # (time [ns], bytes) by topic
+        self._last: dict[str, Sample] = {}
+        self._rows: dict[str, Any] = {}
+        self._table = VBox()
+        self.add_text("Filter", hint="part of a name")
+
+    def body(self) -> list[Any]:
+        """Show a head line above the rows."""
+        return [self.screen, self._table]
+
+    def hear(self, sample: Sample) -> None:
+        """Count a message."""
+        window = self._heard.setdefault(sample.topic, deque(maxlen=10_000))
+        window.append((sample.stamp_ns, len(sample.cdr)))
+        self._last[sample.topic] = sample
+
+    def refresh(self) -> None:
+        """Bring the rows up to date."""
+        self.screen.value = f"<b style='display:block;margin-left:214px'>{_cells(_COLUMNS[1:])}</b>"
+        for topic in (topics := self._topics()):
+            if topic not in self._rows:
+                self._rows[topic] = self._row(topic)
+            line, value = self._rows[topic].children
+            button, about = line.children
+            about.value = _cells(self._about(topic, topics[topic]))
+            button.icon = "caret-down" if button.value else "caret-right"
+            value.value = f"<pre>{escape(self._value(topic))}</pre>" if button.value else ""
+        self._table.children = tuple(self._rows[topic] for topic in topics)
+
+    def picture(self) -> str:
+        """Write all as a table."""
+        rows = ([topic, *map(escape, self._about(topic, types))] for topic, types in self._topics().items())
+        return table(_COLUMNS, rows, "Topics")
+
+    def _topics(self) -> dict[str, list[str]]:
+        topics = GraphSource(self.graph).topics(hidden=False)
+        return {topic: types for topic, types in topics.items() if self["Filter"] in topic}
+
+    def _row(self, topic: str) -> Any:
+        from ipywidgets import HTML, HBox, ToggleButton, VBox
+
+        button = ToggleButton(topic in self.words, description=topic, tooltip=f"Value of {topic}")
+        button.layout.width = "210px"
+        button.add_class("rqt-topic")
+        button.observe(lambda _: self.soon(self.refresh), "value")
+        return VBox([HBox([button, HTML(layout={"flex": "1"})]), HTML(layout={"margin": "0 0 0 24px"})])
+
+    def _about(self, topic: str, types: list[str]) -> list[str]:
+        """Give a topic's cells behind its name."""
+        since = self.graph.now_ns - _WINDOW_NS
+        window = [(at, size) for at, size in self._heard.get(topic, ()) if at >= since]
+        seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
+        rates = ["", ""]
+        if seconds:
+            rates = [
+                _amount(sum(size for _, size in window[1:]) / seconds),
+                f"{(len(window) - 1) / seconds:.2f}",
+            ]
+        value = (
+            to_csv(self._message(topic), Style(truncate=8))[:200] if topic in self._last else "not heard yet"
+        )
+        return [", ".join(types), *rates, value]
+
+    def _message(self, topic: str) -> Any:
+        sample = self._last[topic]
+        return deserialize(sample.cdr, message_class(sample.type_name))
+
+    def _value(self, topic: str) -> str:
+        return to_yaml(self._message(topic), Style()) if topic in self._last else "nothing came yet"
+
+
+def _cells(texts: tuple[str, ...] | list[str]) -> str:
+    cells = "".join(tag("span", escape(words), title=words) for words in texts)
+    return tag("div", cells, **{"class": "rqt-cells"})
+
+
+def _amount(rate: float) -> str:
+    """Write bytes per second as `ros2 topic bw` does."""
+    for unit in ("B/s", "KB/s"):
+        if rate < 1000:
+            return f"{rate:.2f} {unit}"
+        rate /= 1000
+    return f"{rate:.2f} MB/s"

@@ -1,0 +1,224 @@
+"""What all views of rqt have in common: named controls, and a picture that follows the run."""
+
+import asyncio
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from html import escape
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from course_lib.errors import CourseError
+from course_lib.ros import wall
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import Graph, Sample
+from course_lib.tools.rqt.markup import STYLE
+
+if TYPE_CHECKING:
+    from ipywidgets import VBox
+
+PERIOD = 0.25  # [s] of the wall clock between two pictures
+
+
+class View:
+    """One view: its controls by name, its picture as HTML; subclasses say what is in them.
+
+    Args:
+        graph: The nodes to look at.
+        words: What stands behind the view's name.
+    """
+
+    name: ClassVar[str]  # behind %rqt
+    title: ClassVar[str]  # as in rqt
+    listens: ClassVar[bool] = False  # whether it shows what came since it was opened
+
+    def __init__(self, graph: Graph, words: Sequence[str]) -> None:
+        from ipywidgets import HTML
+
+        self.graph = graph
+        self.words = list(words)
+        self.controls: dict[str, Any] = {}
+        self.screen = HTML()
+        self.notice = HTML()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._late: asyncio.TimerHandle | None = None
+        self._drawn = 0.0  # [s] of the wall clock
+        self._stops: list[Callable[[], None]] = []
+        self._frame: Any = None
+        self.closed = False
+        self.build()
+
+    def build(self) -> None:
+        """Make the controls; raises a CourseError if the words behind the view's name are wrong."""
+
+    def hear(self, sample: Sample) -> None:
+        """Take a message that was published."""
+
+    def picture(self) -> str:
+        """Draw the present state as HTML."""
+        raise NotImplementedError
+
+    def refresh(self) -> None:
+        """Bring what a page shows up to date."""
+        self.screen.value = self.picture()
+
+    def __getitem__(self, name: str) -> Any:
+        """Return what a control says."""
+        return self.controls[name].value
+
+    def add(self, control: Any, action: Callable[[], None] | None = None) -> Any:
+        """Add a control by its name; each change draws a new picture, or does its own action."""
+        self.controls[control.description] = control
+        control.style.description_width = "initial"
+        control.observe(lambda _: self.soon(action or self.refresh), "value")
+        return control
+
+    def add_check(self, name: str, *, on: bool = False, action: Callable[[], None] | None = None) -> None:
+        """Add a check box."""
+        from ipywidgets import Checkbox
+
+        self.add(Checkbox(on, description=name, indent=False, layout={"width": "auto"}), action)
+
+    def add_text(self, name: str, value: str = "", *, hint: str = "") -> None:
+        """Add a line of text."""
+        from ipywidgets import Text
+
+        self.add(Text(value, description=name, placeholder=hint, layout={"width": "190px"}))
+
+    def add_choice(
+        self, name: str, options: Sequence[str], value: str | None, action: Callable[[], None] | None = None
+    ) -> None:
+        """Add a list to choose from; None is no choice."""
+        from ipywidgets import Dropdown
+
+        self.add(
+            Dropdown(options=options, value=value, description=name, layout={"max_width": "420px"}), action
+        )
+
+    def offer(self, name: str, options: Sequence[str]) -> None:
+        """Change what there is to choose from; the choice stays if it can."""
+        control, kept = self.controls[name], self[name]
+        if control.options != tuple(options):
+            control.options = tuple(options)
+            control.value = kept if kept in options else None
+
+    def button(self, name: str, icon: str, action: Callable[[], None]) -> Any:
+        """Make a button with a name and an action, after which the picture is drawn anew."""
+        from ipywidgets import Button
+
+        def act() -> None:
+            action()
+            self.refresh()
+
+        button = Button(description=name, icon=icon, tooltip=name, layout={"width": "auto"})
+        button.on_click(lambda _: self.soon(act))
+        return button
+
+    def buttons(self) -> list[Any]:
+        """List the buttons that stand behind the controls."""
+        return [self.button("Refresh", "refresh", lambda: None)]
+
+    def body(self) -> list[Any]:
+        """List what stands below the controls."""
+        return [self.screen]
+
+    def listen(self) -> None:
+        """Follow the graph until it is closed."""
+        self._stops = [self.graph.tap(self._take), self.graph.watch_time(lambda _: self._tick())]
+
+    def stop(self) -> None:
+        """Follow the graph no more."""
+        while self._stops:
+            self._stops.pop()()
+
+    def wanted(self) -> str | None:
+        """Give the full name of the node or service that the first word names, if there is one."""
+        return "/" + self.words[0].strip("/") if self.words else None
+
+    def close(self) -> None:
+        """Follow the graph no more, and leave the page."""
+        self.stop()
+        self.closed = True
+        if self._frame is not None:
+            self._frame.close()
+
+    def settings(self) -> dict[str, Any]:
+        """Give what the controls say, by their names."""
+        return {name: self[name] for name in self.controls}
+
+    def restore(self, settings: Mapping[str, Any]) -> None:
+        """Set controls; what is not there now, like a node, is said above the picture.
+
+        Raises:
+            CourseError: There is no such control.
+        """
+        from traitlets import TraitError
+
+        for name, value in settings.items():
+            if name not in self.controls:
+                raise CourseError(f"{self.title} has no control {name!r}. {near(name, self.controls)}")
+            try:
+                self.controls[name].value = value
+            except TraitError:
+                self.say(f"{name} can't be {value!r} now.")
+
+    def widget(self) -> "VBox":
+        """Make what a cell shows, which follows the graph from now on."""
+        from ipywidgets import HTML, HBox, VBox
+
+        self._loop = asyncio.get_running_loop()
+        self.listen()
+        title = HTML(f"{STYLE}<b class='rqt-title'>{self.title}</b>", layout={"flex": "1"})
+        head = HBox([title, *self.buttons(), self.button("Close", "times", self.close)])
+        controls = HBox(list(self.controls.values()), layout={"flex_flow": "row wrap"})
+        self._frame = VBox([head, controls, self.notice, *self.body()])
+        self._frame.add_class("rqt")
+        self._act(self.refresh)
+        return self._frame
+
+    def static(self) -> str:
+        """Write what a page without widgets shows."""
+        return f"{STYLE}<div class='rqt'><b class='rqt-title'>{self.title}</b>{self.picture()}</div>"
+
+    def say(self, text: str) -> None:
+        """Show a line of text above the picture; "" takes it away."""
+        self.notice.value = f"<div role='status' class='rqt-notice'>{escape(text)}</div>" if text else ""
+
+    def soon(self, action: Callable[[], None]) -> None:
+        """Do something in the kernel's main thread: a page's words may come in another one."""
+        if self._loop is None:
+            action()
+        else:
+            self._loop.call_soon_threadsafe(self._act, action)
+
+    def _act(self, action: Callable[[], None]) -> None:
+        try:
+            action()
+        except CourseError as error:
+            self.say(str(error))
+
+    def _take(self, sample: Sample) -> None:
+        self.hear(sample)
+        self._tick()
+
+    def _tick(self) -> None:
+        """Draw what is new, not too often; the last news, too, if nothing comes after it."""
+        left = self._drawn + PERIOD - wall.monotonic()
+        if left <= 0:
+            self._draw()
+        elif self._loop is not None and self._late is None:
+            self._late = self._loop.call_later(left, self._draw)
+
+    def _draw(self) -> None:
+        if self._late is not None:
+            self._late.cancel()
+        self._late, self._drawn = None, wall.monotonic()
+        if self._stops:
+            with baton.unknown():  # a page's matters are none of the program's
+                self._act(self.refresh)
+
+
+def near(name: str, names: Iterable[str]) -> str:
+    """Name what may have been meant, else all there is, as a sentence."""
+    known = list(names)
+    if close := get_close_matches(name, known, 3):
+        return f"Did you mean {' or '.join(close)}?"
+    return f"There are: {', '.join(known) or 'none'}."
