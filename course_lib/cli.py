@@ -15,6 +15,7 @@ HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing 
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
 SECONDS_HELP = "Robot time to run; default: 5, notebooks to their end."
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
+LONG = 1e6  # [s] of robot time, where something else ends the run
 
 app = typer.Typer(
     help=HELP,
@@ -160,6 +161,22 @@ def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]
     typer.echo(bag_info(folder))
 
 
+@bag.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+def play(
+    words: Annotated[list[str], typer.Argument(help="The recording's folder, then as in `ros2 bag play`.")],
+    run: Annotated[
+        list[Path] | None, typer.Option(help="A program that listens; may be given again.")
+    ] = None,
+) -> None:
+    """Play a recording to programs, which end with it."""
+    from course_lib.tools.ros2 import ros2_over
+    from course_lib.tools.run import with_fixed_hashes
+
+    with_fixed_hashes()
+    nobody = None if run else Path(words[0])
+    raise typer.Exit(ros2_over(["bag", "play", *words], files=run or [], bag=nobody, seconds=LONG))
+
+
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="Your exercise notebook.")]) -> None:
     """Run the public checks of an exercise."""
@@ -177,6 +194,21 @@ def submit(
     from course_lib.grading.submit import submit as pack
 
     typer.echo(pack(file, out).text())
+
+
+@app.command()
+def status(
+    work_dir: Annotated[
+        Path | None, typer.Argument(help="Your folder; default: here, or ./my_course.")
+    ] = None,
+) -> None:
+    """Show how far you are, and what comes next."""
+    from rich.console import Console
+
+    from course_lib.course.status import status as look
+
+    table, then = look(work_dir)
+    Console().print(table, then, sep="\n")
 
 
 def main() -> None:

@@ -48,15 +48,33 @@ def _week(lesson: Path, settings: dict[str, Any]) -> Week:
     )
 
 
-def progress(week: Week, state: State) -> str:
-    """How far the public checks of a week are passed, e.g. "2 of 4 tasks"; empty without tasks."""
-    kept = state.section("progress")
-    done = [task for task in week.points if _full(kept.get(f"{week.name}.{task}", {}))]
-    return f"{len(done)} of {len(week.points)} tasks" if week.points else ""
+@dataclass(frozen=True)
+class Progress:
+    """How far the public checks of a week are passed, and what was packed to hand in."""
+
+    done: tuple[str, ...]  # tasks with all their points
+    open: tuple[str, ...]
+    points: float  # by the public checks; hidden ones come on top when graded
+    packed: datetime | None  # when `course submit` last made a file of it
+
+    @property
+    def tasks(self) -> str:
+        """E.g. "2 of 4 tasks"; empty without tasks."""
+        count = len(self.done) + len(self.open)
+        return f"{len(self.done)} of {count} tasks" if count else ""
 
 
-def _full(result: dict[str, float]) -> bool:
-    return bool(result) and result["score"] >= result["of"]
+def progress(week: Week, state: State) -> Progress:
+    """What the student's folder remembers of a week."""
+    kept, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
+    results = {task: kept.get(f"{week.name}.{task}", {"score": 0.0, "of": 1.0}) for task in week.points}
+    done = tuple(task for task, result in results.items() if result["score"] >= result["of"])
+    return Progress(
+        done=done,
+        open=tuple(task for task in results if task not in done),
+        points=sum(result["score"] for result in results.values()),
+        packed=datetime.fromisoformat(packed) if packed else None,
+    )
 
 
 def contents_page(state: State) -> str:
@@ -77,12 +95,13 @@ def contents_page(state: State) -> str:
             f"{week.minutes}",
             exercise,
             deadline,
-            progress(week, state),
+            progress(week, state).tasks,
         )
         lines.append(f"| {' | '.join(cells)} |")
     lines += [
         "",
-        "Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`.",
+        "Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`. "
+        "How far you are now: `course status`.",
         "",
     ]
     return "\n".join(lines)

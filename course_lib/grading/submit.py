@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.identity import current_identity
+from course_lib.course.state import State, find_student_folder
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.submission import NO_EXERCISE, RECEIPT, content_hash, unpack
@@ -61,4 +62,7 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
                 archive.writestr(FOLDER + name, text)
     except OSError as error:
         raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out FILE") from error
+    folder = find_student_folder(path.parent)
+    if folder is not None:
+        State(folder).put("packed", notebook.exercise, receipt["time"])
     return Receipt(out, receipt)

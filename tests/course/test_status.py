@@ -1,0 +1,69 @@
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import pytest
+from rich.console import Console
+
+from course_lib.course import contents, status
+from course_lib.course.contents import load_weeks
+from course_lib.course.state import State
+from course_lib.course.status import _due
+from course_lib.errors import CourseError
+
+
+@pytest.fixture
+def state(tmp_path: Path) -> State:
+    state = State(tmp_path)
+    state.put("identity", "student", "s1")
+    return state
+
+
+def printed(folder: Path) -> str:
+    console = Console(width=200, record=True, quiet=True)
+    console.print(*status.status(folder))
+    return console.export_text()
+
+
+def finish(state: State, name: str) -> None:
+    week = next(week for week in load_weeks() if week.name == name)
+    for task, points in week.points.items():
+        state.put("progress", f"{name}.{task}", {"score": points, "of": points})
+
+
+def test_a_new_student_is_told_to_begin_with_the_first_task(state: State, tmp_path: Path) -> None:
+    assert "Next: begin with red_cube in week01_exercise.ipynb" in printed(tmp_path)
+
+
+def test_what_passed_counts_and_what_is_done_is_to_be_handed_in_next(state: State, tmp_path: Path) -> None:
+    state.put("progress", "week01.red_cube", {"score": 20.0, "of": 20.0})
+    said = printed(tmp_path)
+    assert "1 of 4 tasks" in said
+    assert "20 of 100" in said
+    assert "Next: go on with blue_cylinder" in said
+    finish(state, "week01")
+    assert "Next: hand in week01: course submit week01_exercise.ipynb" in printed(tmp_path)
+    state.put("packed", "week01_exercise", "2027-03-01T10:00:00+00:00")
+    assert "Next: begin with joint_wave" in printed(tmp_path)
+
+
+def test_when_all_is_packed_it_says_so(state: State, tmp_path: Path) -> None:
+    for week in load_weeks():
+        finish(state, week.name)
+        state.put("packed", f"{week.name}_exercise", "2027-03-01T10:00:00+00:00")
+    assert "All exercises are done and packed." in printed(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("left", "told"), [(-1, "over"), (5, "5 h left"), (71, "71 h left"), (24 * 9 + 1, "9 days left")]
+)
+def test_a_deadline_is_local_time_of_the_course_and_told_by_what_is_left(left: float, told: str) -> None:
+    zone, deadline = ZoneInfo("Asia/Amman"), datetime(2027, 3, 7, 23, 59)
+    now = (deadline.replace(tzinfo=zone) - timedelta(hours=left)).astimezone(UTC)
+    assert _due(deadline, now, zone) == f"07 Mar 23:59, {told}"
+
+
+def test_elsewhere_it_says_what_to_type(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="type course lab first"):
+        status.status(tmp_path)
+    assert contents.progress(load_weeks()[0], State(None)).tasks == ""
