@@ -198,9 +198,7 @@ def submit(
 
 @app.command()
 def status(
-    work_dir: Annotated[
-        Path | None, typer.Argument(help="Your folder; default: here, or ./my_course.")
-    ] = None,
+    work_dir: Annotated[Path | None, typer.Argument(help="Your folder; default: ./my_course.")] = None,
 ) -> None:
     """Show how far you are, and what comes next."""
     from rich.console import Console
@@ -208,7 +206,8 @@ def status(
     from course_lib.course.status import status as look
 
     table, then = look(work_dir)
-    Console().print(table, then, sep="\n")
+    Console().print(table)
+    typer.echo(then)
 
 
 def main() -> None:

@@ -1,4 +1,5 @@
 from datetime import UTC, datetime, timedelta
+from io import StringIO
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
@@ -20,7 +21,7 @@ def state(tmp_path: Path) -> State:
 
 
 def printed(folder: Path) -> str:
-    console = Console(width=200, record=True, quiet=True)
+    console = Console(width=200, file=StringIO(), record=True)
     console.print(*status.status(folder))
     return console.export_text()
 
