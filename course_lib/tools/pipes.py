@@ -62,7 +62,7 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
         words = ["".join(told).strip() if word == "-" else word for word in filters.pop(0)[1:]]
     with ExitStack() as stack:
         if target is not None:
-            write = stack.enter_context(target[1].open(target[0])).write
+            write = stack.enter_context(target[1].open(target[0], encoding="utf-8")).write
         if filters:
             write = stack.enter_context(through(filters, write))
         with suppress(BrokenPipeError):  # `head` has enough
@@ -77,6 +77,7 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
     """
     for name in (command[0] for command in commands if shutil.which(command[0]) is None):
         raise CourseError(f"There is no program {name} on this machine: leave out `| {name} …`.")
+    at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []  # lines come as in a terminal
     running: list[subprocess.Popen[bytes]] = []
     with ExitStack() as stack:
         result = Path(stack.enter_context(TemporaryDirectory()), "result")
@@ -85,7 +86,15 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
         for command in commands:
             source = running[-1].stdout if running else subprocess.PIPE
             to = out if command is commands[-1] else subprocess.PIPE
-            running.append(subprocess.Popen(command, stdin=source, stdout=to, stderr=out))
+            running.append(
+                subprocess.Popen(
+                    [*at_once, *command],
+                    stdin=source,
+                    stdout=to,
+                    stderr=out,
+                    start_new_session=True,  # ■ is not for them
+                )
+            )
             if running[1:] and running[-2].stdout:
                 running[-2].stdout.close()  # now the next command alone holds it
         first = running[0].stdin
@@ -96,16 +105,18 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
             first.flush()
             _pass_on(come, write)
 
-        yield feed
-        with suppress(BrokenPipeError):
-            first.close()
-        for process in running:
-            process.wait()
-        _pass_on(come, write)
+        try:
+            yield feed
+        finally:
+            with suppress(BrokenPipeError):
+                first.close()
+            for process in running:
+                process.wait()
+            _pass_on(come, write)
 
 
 def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
-    """End what goes on when ■ was pressed; those that have ended do not mind."""
+    """End what goes on when ■ was pressed again; those that have ended do not mind."""
     for process in running:
         process.kill()
         process.wait()
