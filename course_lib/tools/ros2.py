@@ -9,12 +9,17 @@ from typing import NoReturn
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
+from course_lib.tools.action import ACTION_VERBS
+from course_lib.tools.bag.info import BAG_INFO
+from course_lib.tools.bag.play import BAG_PLAY
+from course_lib.tools.bag.record import BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.interface import INTERFACE_VERBS
 from course_lib.tools.node import NODE_VERBS
-from course_lib.tools.param import PARAM_GET, PARAM_LIST, PARAM_SET
+from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.run import run_beside
+from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource, Source
 from course_lib.tools.tf2.echo import TF2_ECHO
 from course_lib.tools.tf2.monitor import TF2_MONITOR
@@ -44,9 +49,12 @@ VERBS = (
     TF2_MONITOR,
     STATIC_TRANSFORM_PUBLISHER,
     VIEW_FRAMES,
-    PARAM_LIST,
-    PARAM_GET,
-    PARAM_SET,
+    BAG_INFO,
+    BAG_PLAY,
+    BAG_RECORD,
+    *PARAM_VERBS,
+    *SERVICE_VERBS,
+    *ACTION_VERBS,
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
@@ -78,7 +86,7 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     Raises:
         CourseError: No such command or argument, or what the command itself finds wrong.
     """
-    verb = next((verb for verb in VERBS if verb.words == list(words[: len(verb.words)])), None)
+    verb = _verb(words)
     if verb is None:
         _explain(list(words), write)
         return
@@ -101,15 +109,20 @@ def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, 
     Raises:
         CourseError: Nowhere to look, or in two places; otherwise as `ros2`.
     """
-    asks_for_help = not words or bool(HELP & set(words))
-    if bool(files) + (bag is not None) != 1 and not asks_for_help:
+    verb = _verb(words)
+    needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
+    if bool(files) + (bag is not None) != 1 and not needs_nothing:
         ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
         raise CourseError(f"Say where to look: {', or '.join(ways)}")
-    if files and not asks_for_help:
+    if files and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
         return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
     ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
     return 0
+
+
+def _verb(words: Sequence[str]) -> Verb | None:
+    return next((verb for verb in VERBS if verb.words == list(words[: len(verb.words)])), None)
 
 
 class _Parser(ArgumentParser):

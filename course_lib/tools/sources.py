@@ -187,7 +187,7 @@ class RecordingSource(Source):
 
     def __init__(self, recording: Recording) -> None:
         super().__init__(Graph(start_ns=recording.start_ns), {})
-        self._recording = recording
+        self.recording = recording
         player = self.graph.add_node(PLAYER, "/")
         for topic in recording.topics():
             for qos in topic.offered:
@@ -207,10 +207,10 @@ class RecordingSource(Source):
         seconds: float | None = None,
     ) -> Iterator[tuple[int, Arrival | None]]:
         """Yield what was recorded; a recording keeps nobody waiting."""
-        tick_ns, end_ns = self._recording.start_ns, self._recording.end_ns
+        tick_ns, end_ns = self.recording.start_ns, self.recording.end_ns
         if seconds is not None:
             end_ns = tick_ns + round(seconds * 1e9)
-        for sample in self._recording.samples:
+        for sample in self.recording.samples:
             while every is not None and tick_ns < min(sample.stamp_ns, end_ns + 1):
                 yield tick_ns, None
                 tick_ns += round(every * 1e9)

@@ -40,7 +40,7 @@ class Verb:
     """What `ros2 <command> <name>` does, with its arguments; an executable's command is `run <package>`.
 
     A command without verbs, like `ros2 doctor`, has no name. Verbs that listen hear a run `from_start` on;
-    others first give its nodes a moment to come up.
+    others first give its nodes a moment to come up. What `looks` at neither nodes nor a recording runs alone.
     """
 
     command: str
@@ -49,6 +49,7 @@ class Verb:
     options: tuple[Option, ...]
     run: Callable[[Source, Namespace, Write], None]
     from_start: bool = False
+    looks: bool = True
 
     @property
     def words(self) -> list[str]:

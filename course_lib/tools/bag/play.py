@@ -1,0 +1,145 @@
+"""`ros2 bag play`."""
+
+from argparse import ArgumentTypeError, Namespace
+from collections.abc import Iterator
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording, read_bag
+from course_lib.ros.driving import until_interrupted
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import message_class, serialize
+from course_lib.ros.qos import Qos
+from course_lib.tools.bag.options import READER, pattern, several
+from course_lib.tools.sources import PLAYER, Source
+from course_lib.tools.tf2.heard import log_line
+from course_lib.tools.verb import Verb, Write, flag, positive, value
+
+CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
+GRACE = 0.1  # [s] at the end, for the last message to arrive
+
+
+def run(source: Source, arguments: Namespace, write: Write) -> None:
+    """Publish what a bag holds, in its order and at its pace.
+
+    Raises:
+        CourseError: There is no bag, nothing is left to play, or nobody to play it to.
+    """
+    if not source.live:
+        raise CourseError(
+            f"Nobody listens: course bag play --run program.py {arguments.bag_path}, "
+            f"or look at it: course view --bag {arguments.bag_path}"
+        )
+    recording = read_bag(arguments.bag_path)
+    start_ns = recording.start_ns + round(arguments.start_offset * 1e9)
+    samples = list(_chosen(recording, start_ns, arguments))
+    if not samples:
+        raise CourseError(
+            f"Nothing of {arguments.bag_path} is left to play: see `ros2 bag info` for its topics."
+        )
+    source.wait(lambda: True, 0.0)  # says if rclpy is not started
+    for text in (f"Set rate to {arguments.rate:g}", "Playback until timestamp: -1"):
+        write(log_line(PLAYER, source.graph.now_ns, text))
+    graph = source.graph
+    node = graph.add_node(PLAYER, "/")
+    try:
+        publishers = {
+            key: graph.add_publisher(node, *key)
+            for key in dict.fromkeys((s.topic, s.type_name, s.qos) for s in samples)
+        }
+        with until_interrupted():
+            events = [
+                (s.stamp_ns - start_ns, publishers[s.topic, s.type_name, s.qos], s.cdr) for s in samples
+            ]
+            _play(source, arguments, write, events)
+    finally:
+        graph.remove_node(node)
+
+
+def _play(source: Source, arguments: Namespace, write: Write, events: list[tuple[int, int, bytes]]) -> None:
+    """Publish (after so long [ns], by whom, what), once or until ■; without a page for a while."""
+    graph, limit = source.graph, source.limit()
+    zero_ns = graph.now_ns
+    while True:
+        source.wait(lambda: False, arguments.delay)
+        start_ns = graph.now_ns
+        for after_ns, publisher, cdr in events:
+            due_ns = start_ns + round(after_ns / arguments.rate)
+            source.wait(lambda: False, max(0, due_ns - graph.now_ns) * 1e-9)
+            if graph.ended:
+                return
+            graph.publish(publisher, cdr)
+        source.wait(lambda: False, GRACE)
+        if not arguments.loop or graph.ended:
+            return
+        if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:
+            write(f"No page is watching: ros2 bag play stopped after {limit:g} s of robot time.\n")
+            return
+
+
+def _chosen(recording: Recording, start_ns: int, arguments: Namespace) -> Iterator[Sample]:
+    """Yield what is to be played, under the names that were asked for, ticks of /clock between it."""
+    end_ns = recording.end_ns
+    if arguments.playback_duration >= 0:
+        end_ns = start_ns + round(arguments.playback_duration * 1e9)
+    names = dict(arguments.remap)
+    tick_ns = start_ns
+    for sample in recording.samples:
+        if not start_ns <= sample.stamp_ns <= end_ns or not _wants(arguments, sample.topic):
+            continue
+        while arguments.clock and tick_ns <= sample.stamp_ns:
+            yield _tick(tick_ns)
+            tick_ns += round(1e9 / arguments.clock * arguments.rate)
+        topic = names.get(sample.topic, sample.topic)
+        yield Sample(sample.stamp_ns, topic, sample.type_name, sample.cdr, sample.qos, node=0)
+
+
+def _tick(stamp_ns: int) -> Sample:
+    time = message_class("builtin_interfaces/msg/Time")(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
+    return Sample(
+        stamp_ns, "/clock", CLOCK_TYPE, serialize(message_class(CLOCK_TYPE)(clock=time)), Qos(), node=0
+    )
+
+
+def _wants(arguments: Namespace, topic: str) -> bool:
+    """Choose as rosbag2's storages do: a regular expression must fit the whole name."""
+    chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
+    if not chosen and arguments.regex:
+        chosen = bool(arguments.regex.fullmatch(topic))
+    if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
+        return False
+    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == "/clock")
+
+
+def _rule(text: str) -> tuple[str, str]:
+    old, assign, new = text.partition(":=")
+    if not (assign and old.startswith("/") and new.startswith("/")):
+        raise ArgumentTypeError(f"{text!r}: write /old_topic:=/new_topic")
+    return old, new
+
+
+BAG_PLAY = Verb(
+    "bag",
+    "play",
+    "Play back ROS data from a bag",
+    (
+        *READER,
+        value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
+        several("--topics", help="Topics to play"),
+        value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
+        value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
+        several("--exclude-topics", help="Topics not to play"),
+        flag("-l", "--loop", help="Start again at the end, until stopped"),
+        value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
+        value("--clock", nargs="?", type=positive(float), const=40, help="Publish /clock so often, in Hz"),
+        value(
+            "-d",
+            "--delay",
+            type=positive(float),
+            default=0.0,
+            help="Sleep before play (each loop), in seconds",
+        ),
+        value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
+        value("--playback-duration", type=float, default=-1.0, help="Play so many seconds; negative: all"),
+    ),
+    run,
+)

@@ -1,0 +1,135 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording
+from course_lib.ros.clock import START_NS
+from course_lib.ros.driving import running_nodes
+from course_lib.ros.graph import Graph
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import RecordingSource
+from tests.tools.bag.conftest import BAG_START
+
+Run = Callable[[str], str]
+Heard = list[tuple[float, str, str]]
+
+
+@pytest.fixture
+def heard(graph: Graph) -> Heard:
+    """What a live node hears: seconds since its start, topic, text."""
+    heard: Heard = []
+    node = Node("ear")
+
+    def hear(topic: str) -> Callable[[Any], None]:
+        def take(message: Any) -> None:
+            heard.append(((graph.now_ns - START_NS) * 1e-9, topic, message.data))
+
+        return take
+
+    for topic in ("/a", "/b", "/c"):
+        node.create_subscription(String, topic, hear(topic), 10)
+    running_nodes().append(node)
+    return heard
+
+
+def texts(heard: Heard) -> str:
+    return "".join(text for _, _, text in heard)
+
+
+def test_a_bag_is_played_in_its_order_and_at_its_pace(bag: Path, run: Run, heard: Heard) -> None:
+    said = run("play five")
+    assert [(topic, text) for _, topic, text in heard] == [(("/a", "/b")[i % 2], str(i)) for i in range(6)]
+    assert [at for at, _, _ in heard] == pytest.approx([i + 0.001 for i in range(6)])
+    at = "[INFO] [1700000000.000000000] [rosbag2_player]: "
+    assert said == f"{at}Set rate to 1\n{at}Playback until timestamp: -1\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "played", "first"),
+    [
+        ("--rate 2", "012345", 0.0),
+        ("-d 3", "012345", 3.0),
+        ("--start-offset 2.5", "345", 0.5),
+        ("--start-offset 1 --playback-duration 2", "123", 0.0),
+        ("--topics /b", "135", 1.0),
+        ("-e /[ax]", "024", 0.0),
+        ("-x .*b", "024", 0.0),
+        ("--exclude-topics /a", "135", 1.0),
+    ],
+)
+def test_options_choose_what_is_played_and_when(
+    bag: Path, run: Run, heard: Heard, options: str, played: str, first: float
+) -> None:
+    run(f"play five {options}")
+    assert texts(heard) == played
+    assert heard[0][0] == pytest.approx(first + 0.001)
+
+
+def test_the_rate_shortens_the_pauses(bag: Path, run: Run, heard: Heard) -> None:
+    run("play five -r 4")
+    assert [at for at, _, _ in heard] == pytest.approx([i / 4 + 0.001 for i in range(6)])
+
+
+def test_topics_get_other_names(bag: Path, run: Run, heard: Heard) -> None:
+    run("play five --topics /b --remap /b:=/c")
+    assert {topic for _, topic, _ in heard} == {"/c"}
+
+
+def test_without_a_page_a_loop_ends(bag: Path, run: Run, heard: Heard) -> None:
+    said = run("play five --loop -r 2")
+    assert texts(heard) == "012345" * 2
+    assert said.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
+
+
+def test_the_bags_own_time_is_published_on_clock(bag: Path, graph: Graph, run: Run) -> None:
+    times: list[int] = []
+    node = Node("watch")
+    node.create_subscription(
+        Clock, "/clock", lambda m: times.append(m.clock.sec * 10**9 + m.clock.nanosec), 99
+    )
+    running_nodes().append(node)
+    run("play five --clock 2")
+    assert times == [BAG_START + i * 5 * 10**8 for i in range(11)]
+    times.clear()
+    run("play five --clock -r 2")
+    assert len(times) == 5 * 40 // 2 + 1
+
+
+def test_latched_topics_are_played_latched(bag: Path, graph: Graph, run: Run) -> None:
+    seen: list[Any] = []
+    node = Node("watch")
+    node.create_timer(2.0, lambda: seen.extend(node.get_publishers_info_by_topic("/b")) if not seen else None)
+    running_nodes().append(node)
+    run("play five")
+    (info,) = seen
+    assert isinstance(info.qos_profile, QoSProfile)
+    assert (info.node_name, info.qos_profile.durability.name) == ("rosbag2_player", "TRANSIENT_LOCAL")
+    assert "rosbag2_player" not in {node.name for node in graph.nodes()}
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("play nowhere", "argument bag_path: Bag path 'nowhere' does not exist!"),
+        ("play five -r 0", "argument -r/--rate: Value must be positive"),
+        ("play five -m a:=b", "write /old_topic:=/new_topic"),
+        ("play five --topics /z", r"Nothing of five is left to play: see `ros2 bag info`"),
+    ],
+)
+def test_mistakes_are_one_line(bag: Path, run: Run, line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text):
+        run(line)
+
+
+def test_over_a_recording_nobody_listens(bag: Path) -> None:
+    with pytest.raises(
+        CourseError, match=r"Nobody listens: course bag play --run program.py /.*five, or look"
+    ):
+        ros2(["bag", "play", str(bag)], RecordingSource(Recording(())), print)

@@ -1,0 +1,73 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.recording import read_bag
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import RecordingSource
+
+Run = Callable[[str], str]
+
+
+def counts(folder: str | Path) -> dict[str, int]:
+    return {topic.name: topic.count for topic in read_bag(folder).topics()}
+
+
+def test_what_was_chosen_is_recorded_and_said_as_rosbag2_does(talker: Node, run: Run) -> None:
+    text = run("record /chatter nobody -o my_bag")
+    assert counts("my_bag") == {"/chatter": 10}
+    at = "[INFO] [1700000000.000000000] [rosbag2_recorder]: "
+    end = "[INFO] [1700000005.000000000] [rosbag2_recorder]: "
+    assert text == (
+        f"{at}Listening for topics...\n{at}Subscribed to topic '/chatter'\n{at}Recording...\n"
+        f"{end}Recording stopped\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "topics"),
+    [
+        ("-a", {"/chatter", "/camera/image"}),
+        ("--all --include-hidden-topics", {"/chatter", "/camera/image", "/_x"}),
+        ("-e cam", {"/camera/image"}),
+        ("--regex ^/c --exclude-regex image$", {"/chatter"}),
+        ("-a --exclude-topics chatter", {"/camera/image"}),
+        ("--topic-types std_msgs/msg/String", {"/chatter", "/camera/image"}),
+        ("-a --exclude-topic-types std_msgs/msg/String", set()),
+        ("--topics /chatter --exclude-topics /chatter", set()),
+    ],
+)
+def test_topics_are_chosen_by_rosbag2s_rules(talker: Node, run: Run, options: str, topics: set[str]) -> None:
+    run(f"record {options} -o chosen")
+    assert set(counts("chosen")) - {"/parameter_events", "/rosout"} == topics
+
+
+def test_without_a_name_the_bag_is_called_by_the_time(talker: Node, run: Run) -> None:
+    run("record -a")
+    assert counts("rosbag2_2023_11_14-22_13_20")["/chatter"] == 10
+
+
+def test_a_bag_is_filtered_into_another_one(bag: Path) -> None:
+    ros2(
+        ["bag", "record", "-e", "b", "-o", str(bag.parent / "b")],
+        RecordingSource(read_bag(bag)),
+        lambda _: None,
+    )
+    assert counts(bag.parent / "b") == {"/b": 3}
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("record", r"\[ERROR\] \[ros2bag\]: Need to specify at least one option out of --all, --all-topics"),
+        ("record -a -o five", r"^\[ERROR\] \[ros2bag\]: Output folder 'five' already exists\.$"),
+        ("record -e ([", r"argument -e/--regex: '\(\[' is no regular expression"),
+        ("record -a -s sqlite3", "invalid choice: 'sqlite3'"),
+    ],
+)
+def test_mistakes_have_ros2s_words(bag: Path, run: Run, line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text):
+        run(line)
