@@ -4,6 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 import numpy as np
+from control_msgs.action import FollowJointTrajectory
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node, NodeOptions
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -11,16 +14,18 @@ from trajectory_msgs.msg import JointTrajectory
 
 from course_lib.errors import CourseError
 from course_lib.robots.simulated_joints import SimulatedJoints
-from course_lib.robots.spline import Waypoint, sample
+from course_lib.robots.spline import Floats, Waypoint, sample
 from course_lib.robots.trajectory import waypoints_of
+from course_lib.robots.trajectory_goal import PREEMPTED, REACHED, TrajectoryGoal
 from course_lib.robots.urdf import parse_urdf
 
 
 class JointTrajectoryController(Node):
     """Moves a robot's joints along trajectories, and publishes /joint_states.
 
-    It takes them on the topic ~/joint_trajectory. A new one replaces the one that runs, and goes on from
-    where the joints are and how fast they are. What it refuses it logs, in the controller's words.
+    It takes them on the topic ~/joint_trajectory, and as goals of the action ~/follow_joint_trajectory. A new
+    one replaces the one that runs, and goes on from where the joints are and how fast they are; a new goal
+    also aborts the old one. What it refuses it logs, in the controller's words.
 
     Args:
         robot_description: The text of a URDF, `mobile_manipulator().urdf`.
@@ -45,18 +50,46 @@ class JointTrajectoryController(Node):
         self._period = 1.0 / rate  # [s]
         self._new: tuple[Time, Sequence[Waypoint]] | None = None  # begins with the next update
         self._start_ns = self.get_clock().now().nanoseconds
+        self._goal: TrajectoryGoal | None = None
         self._hold()
         self._states = self.create_publisher(JointState, "joint_states", 10)
         self.create_subscription(JointTrajectory, "~/joint_trajectory", self._on_trajectory, 10)
+        ActionServer(
+            self,
+            FollowJointTrajectory,
+            "~/follow_joint_trajectory",
+            self._follow,
+            goal_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+        )
         self.create_timer(self._period, self._update)
 
-    def _on_trajectory(self, message: JointTrajectory) -> None:
+    def _on_trajectory(self, message: JointTrajectory) -> bool:
+        """Take a trajectory, or log what is wrong with it; says whether it was taken."""
         try:
             waypoints = waypoints_of(message, self._joints.names, self.get_clock().now())
         except CourseError as problem:
             self.get_logger().error(str(problem))
-        else:
-            self._new = Time.from_msg(message.header.stamp), waypoints
+            return False
+        self._new = Time.from_msg(message.header.stamp), waypoints
+        return True
+
+    def _on_goal(self, goal: FollowJointTrajectory.Goal) -> GoalResponse:
+        self.get_logger().info("Received new action goal")
+        if not self._on_trajectory(goal.trajectory):
+            return GoalResponse.REJECT
+        self.get_logger().info("Accepted new action goal")
+        return GoalResponse.ACCEPT
+
+    def _on_cancel(self, _: ServerGoalHandle) -> CancelResponse:
+        self.get_logger().info("Got request to cancel goal")
+        return CancelResponse.ACCEPT
+
+    async def _follow(self, handle: ServerGoalHandle) -> FollowJointTrajectory.Result | None:
+        if self._goal:
+            self._goal.end(PREEMPTED)
+        self._goal = TrajectoryGoal(handle, self._joints.names, self.get_logger())
+        return await self._goal.result
 
     def _update(self) -> None:
         now = self.get_clock().now()
@@ -64,16 +97,38 @@ class JointTrajectoryController(Node):
         if self._new:
             self._begin(*self._new, now)
         seconds = (now.nanoseconds - self._start_ns) / 1e9
+        if self._goal:
+            self._look_after(self._goal, now, seconds)
         command = sample(self._waypoints, seconds + self._period)[0]
         for warning in self._joints.follow(command, self._period):
             self.get_logger().warning(warning, throttle_duration_sec=1.0)
 
+    def _look_after(self, goal: TrajectoryGoal, now: Time, seconds: float) -> None:
+        """Report on a goal, and bring it to its end if that is due."""
+        desired, actual = sample(self._waypoints, seconds)[:2], self._state()
+        goal.report(now, desired, actual)
+        end = goal.judge((desired - actual)[0], seconds - self._waypoints[-1].seconds)
+        if goal.handle.is_cancel_requested:
+            self.get_logger().info("Canceling active action goal because cancel callback received.")
+            goal.cancel()
+        elif end:
+            (self.get_logger().info if end is REACHED else self.get_logger().warning)(end.logs)
+            goal.end(end)
+        else:
+            return
+        self._goal = None
+        if end is not REACHED:
+            self._hold()
+
     def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
         """Go on from here along waypoints; a start of 0 is now."""
         self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
-        state = [self._joints.positions, self._joints.velocities, np.zeros_like(self._joints.positions)]
-        here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.array(state))
+        still: Floats = np.zeros_like(self._joints.positions)
+        here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), still]))
         self._waypoints = [here, *waypoints]
+
+    def _state(self) -> Floats:
+        return np.array([self._joints.positions, self._joints.velocities])
 
     def _hold(self) -> None:
         """Stay where the joints are."""
