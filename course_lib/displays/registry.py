@@ -9,6 +9,8 @@ from course_lib.displays.images.camera import CameraDisplay
 from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.map.display import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
+from course_lib.displays.point_stamped import PointStampedDisplay
+from course_lib.displays.polygon import PolygonDisplay
 from course_lib.displays.poses.odometry import OdometryDisplay
 from course_lib.displays.poses.path import PathDisplay
 from course_lib.displays.poses.pose import PoseDisplay
@@ -16,6 +18,7 @@ from course_lib.displays.poses.pose_array import PoseArrayDisplay
 from course_lib.displays.poses.pose_with_covariance import PoseWithCovarianceDisplay
 from course_lib.displays.range import RangeDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
+from course_lib.displays.screws import AccelStampedDisplay, TwistStampedDisplay, WrenchDisplay
 from course_lib.displays.tf.display import TfDisplay
 
 PACKAGE = "rviz_default_plugins"
@@ -23,6 +26,7 @@ PACKAGE = "rviz_default_plugins"
 REGISTRY: dict[str, type[Display]] = {
     display.class_name: display
     for display in (
+        AccelStampedDisplay,
         AxesDisplay,
         CameraDisplay,
         GridDisplay,
@@ -34,12 +38,16 @@ REGISTRY: dict[str, type[Display]] = {
         OdometryDisplay,
         PathDisplay,
         PointCloud2Display,
+        PointStampedDisplay,
+        PolygonDisplay,
         RobotModelDisplay,
         TfDisplay,
         PoseArrayDisplay,
         PoseDisplay,
         PoseWithCovarianceDisplay,
         RangeDisplay,
+        TwistStampedDisplay,
+        WrenchDisplay,
     )
 }
 

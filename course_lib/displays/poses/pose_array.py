@@ -47,11 +47,8 @@ class PoseArrayDisplay(DrawnDisplay):
         """Show poses."""
         if not is_finite(message.poses):
             self.statuses.set("error", "Topic", INVALID)
-            return
-        transform = self.transform_at(message.header)
-        if transform is not None:
+        elif self.put_in_frame(message.header):
             self._poses = matrices(numbers_of(message.poses))
-            self.context.scene.set_transform(f"{self.path}/drawn", transform)
             self.draw()
 
     def parts(self) -> Mapping[str, Drawable]:

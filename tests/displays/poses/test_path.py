@@ -72,8 +72,8 @@ def test_arrows_stand_at_the_poses_with_a_colour_of_their_own() -> None:
     bench = Bench()
     add(bench, pose_style="Arrows", pose_color=(0, 0, 255), alpha=0.1)
     bench.hear("/path", path(*START, turned=True))
-    np.testing.assert_allclose(np.array(extent(bench, "shaft", 1)), [[1, 0, 0], [1, 0.1, 0]], atol=1e-6)
-    np.testing.assert_allclose(np.array(extent(bench, "head", 2)), [[2, 0.1, 0], [2, 0.3, 0]], atol=1e-6)
+    np.testing.assert_allclose(np.array(extent(bench, "shaft", 1)), [[1.0, 0, 0], [1.0, 0.1, 0]], atol=1e-6)
+    np.testing.assert_allclose(np.array(extent(bench, "head", 2)), [[2.0, 0.1, 0], [2.0, 0.3, 0]], atol=1e-6)
     assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 1]
 
 
