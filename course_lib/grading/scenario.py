@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.image_room import ImageRoom
 from course_lib.grading.message_data import build
 from course_lib.grading.perform import Outcome, Part, perform
 from course_lib.grading.plain import plain
@@ -37,6 +38,7 @@ class Stage:
         self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
         self._ours = self.graph.add_node(INPUT_NODE, "/")
         self._samples: list[Sample] = []
+        self._room = ImageRoom()
         self.graph.tap(self._record)
         for message in scenario.inputs:
             cdr = serialize(build(message, personal))
@@ -63,7 +65,7 @@ class Stage:
 
     def _record(self, sample: Sample) -> None:
         if sample.node != self._ours and sample.topic not in NOT_EVIDENCE:
-            self._samples.append(sample)
+            self._samples.append(self._room.fitted(sample))
 
 
 def run_here(
