@@ -1,50 +1,61 @@
-"""`ros2 param list|get|set`: asks the nodes' parameter services, as ROS does."""
+"""`ros2 param list|get|set|describe|dump|load|delete`: asks the nodes' parameter services, as ROS does."""
 
+import re
 from argparse import Namespace
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import running_nodes, wait_for
-from course_lib.tools.sources import NODE_NAME, Source
-from course_lib.tools.verb import Verb, Write, value
+from course_lib.tools.asking import answer, own_node
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.sources import Source
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+
+if TYPE_CHECKING:
+    from rclpy.task import Future
 
 PATIENCE = 5.0  # [s] for an answer
 
 
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the names of one node's parameters, or of all nodes'."""
-    from rcl_interfaces.srv import ListParameters
-
-    for node in [_found(source, arguments.node_name)] if arguments.node_name else _nodes(source):
-        if not arguments.node_name:
-            write(f"{node}:\n")
-        for name in sorted(_ask(ListParameters, node, "list_parameters").result.names):
-            write(f"  {name}\n")
+    wanted, pattern = arguments.node_name, re.compile(arguments.filter or "")
+    for node_name in [_found(source, wanted)] if wanted else _nodes(source):
+        with _asked(source, node_name) as ask:
+            names = ask("list_parameters", arguments.param_prefixes).result.names
+            names = [name for name in sorted(names) if pattern.match(name)]
+            types = ask("describe_parameters", names).descriptors if arguments.param_type else []
+        if names and not wanted:
+            write(f"{node_name}:\n")
+        kinds = {one.name: f" (type: {_kind(one.type)})" for one in types}
+        write("".join(f"  {name}{kinds.get(name, '')}\n" for name in names))
 
 
 def get(source: Source, arguments: Namespace, write: Write) -> None:
     """Print a parameter's value."""
-    from rcl_interfaces.srv import GetParameters
     from rclpy.parameter import Parameter
 
-    node, name = _found(source, arguments.node_name), arguments.parameter_name
-    values = _ask(GetParameters, node, "get_parameters", names=[name]).values
-    if not values:
-        raise CourseError(f"Parameter not set. `ros2 param list {node}` shows what there is.")
+    name = arguments.parameter_name
+    with _asked(source, arguments.node_name) as ask:
+        values = ask("get_parameters", [name]).values
+        if not values:
+            there = ask("list_parameters").result.names
+            raise CourseError(f"Parameter not set: {name}{did_you_mean(name, there)}")
     kind = Parameter.Type(values[0].type)
-    if kind is Parameter.Type.NOT_SET:
-        write("Parameter not set.\n")
-        return
-    found = getattr(values[0], f"{kind.name.lower()}_value")
     many = kind.name.endswith("_ARRAY")
     word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
-    write(f"{word} {'values are' if many else 'value is'}: {list(found) if many else found}\n")
+    shown = _plain(values[0])
+    if kind is Parameter.Type.NOT_SET:
+        write("None\n" if arguments.hide_type else "Parameter not set.\n")
+    elif arguments.hide_type:
+        write(f"{shown}\n")
+    else:
+        write(f"{word} {'values are' if many else 'value is'}: {shown}\n")
 
 
 def set_one(source: Source, arguments: Namespace, write: Write) -> None:
     """Set a parameter; the value's type is that of its YAML."""
-    from rcl_interfaces.srv import SetParameters
     from rclpy.impl.parameter_yaml import read_value
     from rclpy.parameter import Parameter
 
@@ -52,37 +63,89 @@ def set_one(source: Source, arguments: Namespace, write: Write) -> None:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))
     except ValueError as error:
         raise CourseError(f"{arguments.value!r} is no value of a parameter: {error}") from error
-    node = _found(source, arguments.node_name)
-    (result,) = _ask(SetParameters, node, "set_parameters", parameters=[new.to_parameter_msg()]).results
-    reason = f": {result.reason}" if result.reason else ""
-    write("Set parameter successful\n" if result.successful else f"Setting parameter failed{reason}\n")
+    with _asked(source, arguments.node_name) as ask:
+        (result,) = ask("set_parameters", [new]).results
+    words = "Set parameter successful" if result.successful else "Setting parameter failed"
+    write(_with_reason(words, result))
 
 
-def _ask(kind: Any, node_name: str, service: str, **request: Any) -> Any:
-    """Ask one of a node's services with a node of our own, which drives those that run live."""
-    from rclpy.node import Node
+def describe(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print what is known of parameters besides their values."""
+    with _asked(source, arguments.node_name) as ask:
+        descriptors = ask("describe_parameters", arguments.parameter_names).descriptors
+    for one in descriptors:
+        lines = [f"Parameter name: {one.name}", f"  Type: {_kind(one.type)}"]
+        lines += [f"  Description: {one.description}"] if one.description else []
+        lines += ["  Constraints:"] + (["    Read only: true"] if one.read_only else [])
+        for limits in [*one.floating_point_range, *one.integer_range][:1]:
+            lines += [f"    Min value: {limits.from_value}", f"    Max value: {limits.to_value}"]
+            lines += [f"    Step: {limits.step}"] if limits.step else []
+        more = one.additional_constraints
+        lines += [f"    Additional constraints: {more}"] if more else []
+        write("".join(f"{line}\n" for line in lines))
 
-    node = Node(NODE_NAME, start_parameter_services=False, enable_rosout=False)
-    running_nodes().append(node)
+
+def dump(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print all parameters of a node as the YAML that `load` and `--params-file` take."""
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+    node_name, parameters = _found(source, arguments.node_name), dict[str, Any]()
+    with _asked(source, node_name) as ask:
+        names = sorted(ask("list_parameters").result.names)
+        values = ask("get_parameters", names).values
+    for name, one in zip(names, values, strict=True):
+        *groups, last = name.split(".")
+        place = parameters
+        for group in groups:
+            place = place.setdefault(group, {})
+        place[last] = _plain(one)
+    write(f"{yaml.dump({node_name: {'ros__parameters': parameters}}, default_flow_style=False)}\n")
+
+
+def load(source: Source, arguments: Namespace, write: Write) -> None:
+    """Set what a YAML file holds."""
+    from rclpy.parameter import parameter_dict_from_yaml_file
+
     try:
-        future = node.create_client(kind, f"{node_name}/{service}").call_async(kind.Request(**request))
-        if not wait_for(future.done, seconds=PATIENCE):
-            raise CourseError(f"{node_name} does not answer: is it running? Start it, like run_live(node).")
-        return future.result()
-    finally:
-        running_nodes().remove(node)
-        node.destroy_node()
+        found = parameter_dict_from_yaml_file(arguments.parameter_file, not arguments.no_use_wildcard)
+    except (OSError, RuntimeError) as error:
+        raise CourseError(f"{error}. `ros2 param dump` writes such a file.") from error
+    with _asked(source, arguments.node_name) as ask:
+        results = ask("set_parameters", list(found.values())).results
+    for name, result in zip(found, results, strict=True):
+        words = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
+        write(_with_reason(words, result))
+
+
+def delete(source: Source, arguments: Namespace, write: Write) -> None:
+    """Unset a parameter."""
+    with _asked(source, arguments.node_name) as ask:
+        (result,) = ask("delete_parameters", [arguments.parameter_name]).results
+    words = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
+    write(_with_reason(words, result))
+
+
+@contextmanager
+def _asked(source: Source, node_name: str) -> Iterator[Any]:
+    """Give what calls a method of an AsyncParameterClient of a node, and waits for the answer."""
+    from rclpy.parameter_client import AsyncParameterClient
+
+    full = _found(source, node_name)
+    with own_node(source) as node:
+        client = AsyncParameterClient(node, full)
+
+        def ask(method: str, *arguments: Any) -> Any:
+            future: Future[Any] = getattr(client, method)(*arguments)
+            return answer(source, future, full, PATIENCE)
+
+        yield ask
 
 
 def _nodes(source: Source) -> Sequence[str]:
     """List the full names of nodes that offer their parameters."""
-    import rclpy
-
-    from course_lib.ros.graph import current_graph
-
-    if not source.live or not rclpy.ok():
+    if not source.live:
         raise CourseError("Parameters belong to nodes that run: start one, like run_live(MyNode()).")
-    services = {e.service[0] for e in current_graph().endpoints() if e.is_service and e.service}
+    services = {e.service[0] for e in source.graph.endpoints() if e.is_service and e.service}
     end = "/list_parameters"
     return sorted(name.removesuffix(end) for name in services if name.endswith(end))
 
@@ -94,16 +157,63 @@ def _found(source: Source, name: str) -> str:
     return full
 
 
+def _plain(message: Any) -> Any:
+    """Give the value that a message holds; as in ROS a list as one of Python's."""
+    from rclpy.parameter import Parameter
+
+    kind = Parameter.Type(message.type)
+    if kind is Parameter.Type.NOT_SET:
+        return None
+    found = getattr(message, f"{kind.name.lower()}_value")
+    return list(found) if kind.name.endswith("_ARRAY") else found
+
+
+def _kind(number: int) -> str:
+    """Name a type in ros2cli's words: "integer array"."""
+    from rclpy.parameter import Parameter
+
+    return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
+
+
+def _with_reason(words: str, result: Any) -> str:
+    return f"{words}: {result.reason}\n" if result.reason else f"{words}\n"
+
+
 _NODE = value("node_name", help="Name of the ROS node")
 _NAME = value("parameter_name", help="Name of the parameter")
-PARAM_LIST = Verb(
-    "param",
-    "list",
-    "Output a list of available parameters",
-    (value("node_name", nargs="?", help="Name of the ROS node"),),
-    list_all,
+_WAIT = value(
+    "--timeout", metavar="N", type=int, default=1, help="Wait for N seconds until node is available"
 )
-PARAM_GET = Verb("param", "get", "Get parameter", (_NODE, _NAME), get)
-PARAM_SET = Verb(
-    "param", "set", "Set parameter", (_NODE, _NAME, value("value", help="Value of the parameter")), set_one
+_LIST = (
+    value("node_name", nargs="?", help="Name of the ROS node"),
+    value("--filter", help="Only parameters matching the regex expression will be showed"),
+    value("--param-prefixes", nargs="+", default=[], help="Only list parameters with these prefixes"),
+    flag("--param-type", help="Print parameter types with parameter names"),
+)
+_LOAD = (
+    value("parameter_file", help="Parameter file"),
+    flag("--no-use-wildcard", help="Do not load parameters in the '/**' namespace into the node"),
+)
+_NAMES = value("parameter_names", nargs="+", help="Names of the parameters")
+PARAM_VERBS = tuple(
+    Verb("param", name, about, (*NODE_OPTIONS, *options), run)
+    for name, about, options, run in (
+        ("delete", "Delete parameter", (_NODE, _NAME, _WAIT), delete),
+        (
+            "describe",
+            "Show descriptive information about declared parameters",
+            (_NODE, _NAMES, _WAIT),
+            describe,
+        ),
+        ("dump", "Show all of the parameters of a node in a YAML file format", (_NODE, _WAIT), dump),
+        ("get", "Get parameter", (_NODE, _NAME, flag("--hide-type", help="Hide the type"), _WAIT), get),
+        ("list", "Output a list of available parameters", _LIST, list_all),
+        ("load", "Load parameter file for a node", (_NODE, *_LOAD, _WAIT), load),
+        (
+            "set",
+            "Set parameter",
+            (_NODE, _NAME, value("value", help="Value of the parameter"), _WAIT),
+            set_one,
+        ),
+    )
 )

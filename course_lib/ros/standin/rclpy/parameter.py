@@ -7,6 +7,8 @@ from typing import Any
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterValue
 
+from rclpy.impl.parameter_yaml import read_file
+
 
 class Parameter:
     """A name, a type and a value; the type is found from the value, or has to agree with it."""
@@ -92,3 +94,31 @@ class Parameter:
 
 
 _ELEMENTS: dict[str, type] = {"BOOL": bool, "INTEGER": int, "DOUBLE": float, "STRING": str, "BYTE": bytes}
+
+
+def parameter_dict_from_yaml_file(
+    parameter_file: str,
+    use_wildcard: bool = False,
+    target_nodes: list[str] | None = None,
+    namespace: str = "",
+) -> dict[str, ParameterMsg]:
+    """Read a file as `--params-file` takes it; those of `target_nodes`, or of all nodes, by name.
+
+    Raises:
+        RuntimeError: It is no such file, or says nothing about these nodes; with rclpy's text.
+    """
+    try:
+        nodes = dict(read_file(parameter_file))
+    except ValueError as error:
+        raise RuntimeError(f"{parameter_file} is not a valid ROS parameter file: {error}") from error
+    missing = [name for name in target_nodes or () if name not in nodes]
+    if missing:
+        raise RuntimeError(
+            f"Param file does not contain parameters for {missing[0]},only for nodes: {list(nodes)} "
+        )
+    wanted = ["/**"] if use_wildcard and "/**" in nodes else []
+    wanted += target_nodes or [name for name in nodes if name != "/**"]
+    if not wanted:
+        raise RuntimeError("Param file does not contain selected parameters")
+    values = {f"{namespace}{name}": value for node in wanted for name, value in nodes[node].items()}
+    return {name: Parameter(name, value=value).to_parameter_msg() for name, value in values.items()}

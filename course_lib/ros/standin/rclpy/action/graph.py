@@ -14,7 +14,7 @@ _TOPIC, _TYPE = "/_action/feedback", "_FeedbackMessage"  # each action has such 
 
 def get_action_names_and_types(node: "Node") -> NamesAndTypes:
     """List all actions with their types."""
-    return _actions(node.handle.graph.endpoints())
+    return actions(node.handle.graph.endpoints())
 
 
 def get_action_server_names_and_types_by_node(
@@ -34,10 +34,11 @@ def get_action_client_names_and_types_by_node(
 def _by_node(node: "Node", name: str, namespace: str, kind: Literal["pub", "sub"]) -> NamesAndTypes:
     graph = node.handle.graph
     ids = {one.id for one in graph.nodes() if (one.name, one.namespace) == (name, namespace)}
-    return _actions(info for info in graph.endpoints() if info.node in ids and info.kind == kind)
+    return actions(info for info in graph.endpoints() if info.node in ids and info.kind == kind)
 
 
-def _actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+def actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+    """List the actions that endpoints serve or use."""
     return sorted_types(
         (info.topic.removesuffix(_TOPIC), info.type_name.removesuffix(_TYPE))
         for info in endpoints

@@ -37,7 +37,7 @@ class NodeGraph:
 
     def get_service_names_and_types(self) -> NamesAndTypes:
         """List all services with their types; as in ROS also those that are only asked for."""
-        return _services(self.handle.graph.endpoints())
+        return services(self.handle.graph.endpoints())
 
     def count_publishers(self, topic_name: str) -> int:
         """Count the publishers on a topic."""
@@ -93,7 +93,8 @@ def _topics(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
     return sorted_types((info.topic, info.type_name) for info in endpoints if info.service is None)
 
 
-def _services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+def services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
+    """List the services that endpoints answer or ask."""
     return sorted_types(info.service for info in endpoints if info.service is not None)
 
 

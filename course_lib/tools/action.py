@@ -1,0 +1,130 @@
+"""`ros2 action list|info|type|send_goal`."""
+
+import sys
+from argparse import Namespace
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import until_interrupted
+from course_lib.ros.messages import Message, action_class
+from course_lib.tools.asking import answer, kind_of, own_node
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.message_fields import fill
+from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.sources import Source
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+
+PATIENCE = 60.0  # [s] for a goal to come to its end, if nobody can press ■
+_STATUSES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+
+
+def list_all(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the actions' names."""
+    found = _actions(source)
+    if arguments.count_actions:
+        write(f"{len(found)}\n")
+        return
+    for name, types in found.items():
+        write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
+
+
+def types_of(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print an action's types; as in ROS nothing if there is no such action."""
+    for name in _actions(source).get(arguments.action_name, ()):
+        write(f"{name}\n")
+
+
+def info(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the nodes that use an action, and those that serve it."""
+    name = arguments.action_name
+    write(f"Action: {name}\n")
+    nodes = {node.id: f"{node.namespace.rstrip('/')}/{node.name}" for node in source.graph.nodes()}
+    for title, kind in (("clients", "sub"), ("servers", "pub")):
+        ends = [
+            e for e in source.graph.endpoints() if e.kind == kind and e.topic == f"{name}/_action/feedback"
+        ]
+        write(f"Action {title}: {len(ends)}\n")
+        for end in () if arguments.count else ends:
+            shown = f" [{end.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
+            write(f"    {nodes[end.node]}{shown}\n")
+
+
+def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
+    """Send a goal and wait for its end; ■ cancels it. Raises a CourseError for what cannot be sent."""
+    from rclpy.action import ActionClient
+
+    kind, name = kind_of(action_class, arguments.action_type, "action"), arguments.action_name
+    goal = kind.Goal()
+    fill(goal, sys.stdin.read() if arguments.stdin else arguments.goal)
+    with until_interrupted(), own_node(source) as node:
+        client = ActionClient(node, kind, name)
+        node.add_waitable(client)
+        write("Waiting for an action server to become available...\n")
+        if not source.wait(client.server_is_ready, source.limit()):
+            raise CourseError(f"Nobody serves the action '{name}'{did_you_mean(name, _actions(source))}")
+        write(f"Sending goal:\n     {_text(goal)}\n")
+
+        def show(message: Any) -> None:
+            write(f"Feedback:\n    {_text(message.feedback)}\n")
+
+        sent = client.send_goal_async(goal, show if arguments.feedback else None)
+        handle = answer(source, sent, name, source.limit())
+        if handle.accepted:
+            write(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n")
+            _wait_for_the_end(source, handle, write)
+        else:
+            write("Goal was rejected.\n")
+
+
+def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
+    future = handle.get_result_async()
+    try:
+        result = answer(source, future, "The action", source.limit(PATIENCE))
+        write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {_STATUSES[result.status]}\n")
+    finally:
+        if not future.done() and not source.graph.ended:
+            write("Canceling goal...\n")
+            canceled = answer(
+                source, handle.cancel_goal_async(), "The action", source.limit()
+            ).goals_canceling
+            write("Goal canceled.\n" if canceled else "Failed to cancel goal\n")
+
+
+def _text(message: Message) -> str:
+    return to_yaml(message, Style(truncate=None))
+
+
+def _actions(source: Source) -> dict[str, list[str]]:
+    from rclpy.action.graph import actions
+
+    return dict(actions(source.graph.endpoints()))
+
+
+_NAME = value("action_name", help="Name of the ROS action (e.g. '/fibonacci')")
+_SHOW = flag("-t", "--show-types", help="Additionally show the action type")
+_SEND = (
+    value("action_type", help="Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"),
+    value("goal", nargs="?", default="{}", help="Goal request values in YAML format (e.g. '{order: 10}')"),
+    flag("--stdin", help="Read goal from standard input"),
+    flag("-f", "--feedback", help="Echo feedback messages for the goal"),
+)
+_COUNT = "Only display the number of"
+ACTION_VERBS = tuple(
+    Verb("action", name, about, (*NODE_OPTIONS, *options), run)
+    for name, about, options, run in (
+        (
+            "list",
+            "Output a list of action names",
+            (_SHOW, flag("-c", "--count-actions", help=f"{_COUNT} actions discovered")),
+            list_all,
+        ),
+        ("type", "Print a action's type", (_NAME,), types_of),
+        (
+            "info",
+            "Print information about an action",
+            (_NAME, _SHOW, flag("-c", "--count", help=f"{_COUNT} action clients and action servers")),
+            info,
+        ),
+        ("send_goal", "Send an action goal", (_NAME, *_SEND), send_goal),
+    )
+)

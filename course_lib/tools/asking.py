@@ -1,0 +1,47 @@
+"""How tools ask services and actions: with a node of their own."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import running_nodes
+from course_lib.tools.sources import NODE_NAME, Source
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+    from rclpy.task import Future
+
+
+@contextmanager
+def own_node(source: Source) -> "Iterator[Node]":
+    """Give a node for a while, which runs with those that run live.
+
+    Raises:
+        CourseError: There are no nodes to ask.
+    """
+    if not source.live:
+        raise CourseError("A recording gives no answers. Ask nodes that run: course ros2 --run program.py …")
+    source.wait(lambda: True, 0.0)  # says if rclpy is not started
+    from rclpy.node import Node
+
+    node = Node(NODE_NAME, start_parameter_services=False, enable_rosout=False)
+    running_nodes().append(node)
+    try:
+        yield node
+    finally:
+        running_nodes().remove(node)
+        node.destroy_node()
+
+
+def answer(source: Source, future: "Future[Any]", who: str, patience: float | None) -> Any:
+    """Wait for what a future brings, [s]; raises a CourseError if it does not come."""
+    if not source.wait(future.done, patience):
+        raise CourseError(f"{who} does not answer: is it running? Start it, like run_live(node).")
+    return future.result()
+
+
+def kind_of(find: Any, type_name: str, folder: str) -> Any:
+    """Find a service's or an action's class; as in ROS the folder may be left out of its name."""
+    package, *rest = type_name.split("/")
+    return find("/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest]))

@@ -1,0 +1,109 @@
+"""`ros2 service list|type|find|info|call`."""
+
+import sys
+from argparse import Namespace
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import until_interrupted
+from course_lib.ros.messages import service_class
+from course_lib.ros.topics import SERVICE_TOPICS
+from course_lib.tools.asking import answer, kind_of, own_node
+from course_lib.tools.hints import did_you_mean
+from course_lib.tools.message_fields import fill
+from course_lib.tools.sources import Source, is_hidden
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
+
+PATIENCE = 10.0  # [s] for a service and its answer, if nobody can press ■
+
+
+def list_all(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the services' names."""
+    found = _services(source, hidden=arguments.include_hidden_services)
+    if arguments.count_services:
+        write(f"{len(found)}\n")
+        return
+    for name, types in found.items():
+        write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
+
+
+def types_of(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a service's types; as in ROS nothing if there is no such service."""
+    for name in _services(source, hidden=True).get(arguments.service_name, ()):
+        write(f"{name}\n")
+
+
+def services_of(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the services of a type."""
+    there = _services(source, hidden=arguments.include_hidden_services)
+    found = [name for name, types in there.items() if arguments.service_type in types]
+    write(f"{len(found)}\n" if arguments.count_services else "".join(f"{name}\n" for name in found))
+
+
+def info(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a service's type and how many ask and answer; raises a CourseError if there is none."""
+    name, there = arguments.service_name, _services(source, hidden=True)
+    if name not in there:
+        raise CourseError(f"Unknown service '{name}'{did_you_mean(name, there)}")
+    types = there[name]
+    write(f"Type: {types[0] if len(types) == 1 else types}\n")
+    prefix, suffix = SERVICE_TOPICS[0]
+    write(f"Clients count: {len(source.endpoints(f'{prefix}{name}{suffix}', 'pub'))}\n")
+    write(f"Services count: {len(source.endpoints(f'{prefix}{name}{suffix}', 'sub'))}\n")
+
+
+def call(source: Source, arguments: Namespace, write: Write) -> None:
+    """Ask a service, once or at a rate; raises a CourseError for what cannot be asked."""
+    kind = kind_of(service_class, arguments.service_type, "srv")
+    request = kind.Request()
+    fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
+    name, limit = arguments.service_name, source.limit(PATIENCE)
+    with until_interrupted(), own_node(source) as node:
+        client = node.create_client(kind, name)
+        if not client.service_is_ready():
+            write("waiting for service to become available...\n")
+            if not source.wait(client.service_is_ready, limit):
+                there = _services(source, hidden=True)
+                raise CourseError(f"Nobody offers the service '{name}'{did_you_mean(name, there)}")
+        while not source.graph.ended:
+            write(f"requester: making request: {request!r}\n\n")
+            begun_ns = source.graph.now_ns
+            write(f"response:\n{answer(source, client.call_async(request), name, limit)!r}\n\n")
+            if arguments.rate is None:
+                return
+            next_ns = begun_ns + round(1e9 / arguments.rate)
+            source.wait(lambda: False, max(0, next_ns - source.graph.now_ns) * 1e-9)
+
+
+def _services(source: Source, *, hidden: bool) -> dict[str, list[str]]:
+    """Give each service's types, sorted."""
+    from rclpy.impl.node_graph import services
+
+    found = services(source.graph.endpoints())
+    return {name: types for name, types in found if hidden or not is_hidden(name)}
+
+
+_NAME = value("service_name", help="Name of the ROS service (e.g. '/add_two_ints')")
+_COUNT = flag("-c", "--count-services", help="Only display the number of services discovered")
+_HIDDEN = flag("--include-hidden-services", help="Consider hidden services as well")
+_TYPE = value("service_type", help="Type of the ROS service (e.g. 'std_srvs/srv/Empty')")
+_SHOW = flag("-t", "--show-types", help="Additionally show the service type")
+_CALL = (
+    value("values", nargs="?", default="{}", help="Values to fill the request with (e.g. '{a: 1, b: 2}')"),
+    flag("--stdin", help="Read values from standard input"),
+    value("-r", "--rate", metavar="N", type=positive(float), help="Repeat the call at a specific rate in Hz"),
+)
+SERVICE_VERBS = tuple(
+    Verb("service", name, about, (*NODE_OPTIONS, *options), run)
+    for name, about, options, run in (
+        ("list", "Output a list of available services", (_SHOW, _COUNT, _HIDDEN), list_all),
+        ("type", "Output a service's type", (_NAME,), types_of),
+        (
+            "find",
+            "Output a list of available services of a given type",
+            (_TYPE, _COUNT, _HIDDEN),
+            services_of,
+        ),
+        ("info", "Print information about a service", (_NAME,), info),
+        ("call", "Call a service", (_NAME, _TYPE, *_CALL), call),
+    )
+)
