@@ -2,46 +2,20 @@
 
 import platform
 from argparse import Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import metadata
 
 from course_lib.ros.graph import EndpointInfo
-from course_lib.ros.qos import Qos
+from course_lib.ros.qos import Qos, incompatible
 from course_lib.tools.sources import ALWAYS_THERE, Source
 from course_lib.tools.verb import Verb, Write, flag
 
-FOREVER = 2**63  # [ns]
-# When policies keep a publisher and a subscription apart, in the words of rmw_dds_common/src/qos.cpp.
-RULES: tuple[tuple[str, Callable[[Qos, Qos], bool]], ...] = (
-    (
-        "Best effort publisher and reliable subscription",
-        lambda pub, sub: pub.reliability == "best_effort" and sub.reliability == "reliable",
-    ),
-    (
-        "Volatile publisher and transient local subscription",
-        lambda pub, sub: pub.durability == "volatile" and sub.durability == "transient_local",
-    ),
-    (
-        "Subscription has a deadline, but publisher does not",
-        lambda pub, sub: pub.deadline_ns is None and sub.deadline_ns is not None,
-    ),
-    (
-        "Subscription deadline is less than publisher deadline",
-        lambda pub, sub: pub.deadline_ns is not None and pub.deadline_ns > (sub.deadline_ns or FOREVER),
-    ),
-    (
-        "Publisher's liveliness is automatic and subscription's is manual by topic",
-        lambda pub, sub: pub.liveliness == "automatic" and sub.liveliness == "manual_by_topic",
-    ),
-    (
-        "Subscription has a liveliness lease duration, but publisher does not",
-        lambda pub, sub: pub.lease_ns is None and sub.lease_ns is not None,
-    ),
-    (
-        "Subscription liveliness lease duration is less than publisher",
-        lambda pub, sub: pub.lease_ns is not None and pub.lease_ns > (sub.lease_ns or FOREVER),
-    ),
-)
+_REASONS = {  # in the words of rmw_dds_common/src/qos.cpp
+    "RELIABILITY": "Best effort publisher and reliable subscription",
+    "DURABILITY": "Volatile publisher and transient local subscription",
+    "DEADLINE": "Subscription deadline is less than publisher deadline",
+    "LIVELINESS": "Publisher's liveliness is automatic and subscription's is manual by topic",
+}
 _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
 Rows = list[tuple[str, object]]
 
@@ -66,9 +40,14 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
         write("".join(_table(title, rows) for title, (of, rows) in reports.items() if of in failed))
 
 
-def problems(offered: Qos, requested: Qos) -> str:
+def problem(offered: Qos, requested: Qos) -> str:
     """Say why nothing comes from a publisher, as rclpy's qos_check_compatible does, or ""."""
-    return "".join(f"ERROR: {text};" for text, holds in RULES if holds(offered, requested))
+    policy = incompatible(offered, requested)
+    if policy == "DEADLINE" and offered.deadline_ns is None:
+        return "ERROR: Subscription has a deadline, but publisher does not;"
+    if policy == "LIVELINESS" and offered.liveliness == requested.liveliness:
+        return "ERROR: Subscription liveliness lease duration is less than publisher;"
+    return f"ERROR: {_REASONS[policy]};" if policy else ""
 
 
 def _lonely(source: Source) -> Iterator[tuple[str, str]]:
@@ -85,7 +64,7 @@ def _lonely(source: Source) -> Iterator[tuple[str, str]]:
 
 def _apart(source: Source) -> Iterator[tuple[str, str]]:
     for topic, publisher, subscription in _pairs(source):
-        if reason := problems(publisher.qos, subscription.qos).removeprefix("ERROR: "):
+        if reason := problem(publisher.qos, subscription.qos).removeprefix("ERROR: "):
             text = f"ERROR: QoS compatibility error found on topic '{topic}': {reason}"
             yield "qos_compatibility.py: 51", text
 
@@ -98,27 +77,22 @@ def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
 
 def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
     """Give the category and the rows of each report, by its title."""
-    return {
-        "PLATFORM INFORMATION": ("platform", _platform()),
-        "ROS 2 INFORMATION": ("platform", [("distribution name", "jazzy"), ("distribution type", "ros2")]),
-        "NETWORK CONFIGURATION": ("network", [("inet", "none is used: all nodes run in one process")]),
-        "RMW MIDDLEWARE": ("middleware", [("middleware name", "course_lib")]),
-        "TOPIC LIST": ("topic", _topics(source)),
-        "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),
-        "PACKAGE VERSIONS": (
-            "package",
-            [(name, f"latest=N/A, local={metadata.version(name)}") for name in _PACKAGES],
-        ),
-    }
-
-
-def _platform() -> Rows:
-    return [
+    system: Rows = [
         ("system", platform.system()),
         ("platform info", platform.platform()),
         ("release", platform.release()),
         ("processor", platform.processor()),
     ]
+    versions: Rows = [(name, f"latest=N/A, local={metadata.version(name)}") for name in _PACKAGES]
+    return {
+        "PLATFORM INFORMATION": ("platform", system),
+        "ROS 2 INFORMATION": ("platform", [("distribution name", "jazzy"), ("distribution type", "ros2")]),
+        "NETWORK CONFIGURATION": ("network", [("inet", "none is used: all nodes run in one process")]),
+        "RMW MIDDLEWARE": ("middleware", [("middleware name", "course_lib")]),
+        "TOPIC LIST": ("topic", _topics(source)),
+        "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),
+        "PACKAGE VERSIONS": ("package", versions),
+    }
 
 
 def _topics(source: Source) -> Rows:
@@ -139,7 +113,7 @@ def _compatibility(source: Source) -> Rows:
             ("topic [type]", f"{topic} [{publisher.type_name}]"),
             ("publisher node", names[publisher.node]),
             ("subscriber node", names[subscription.node]),
-            ("compatibility status", problems(publisher.qos, subscription.qos) or "OK"),
+            ("compatibility status", problem(publisher.qos, subscription.qos) or "OK"),
         ]
     return rows or [("compatibility status", "No publisher/subscriber pairs found")]
 
