@@ -2,7 +2,7 @@
 
 import sys
 from argparse import Namespace
-from typing import Any
+from typing import Any, Literal
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
@@ -39,10 +39,9 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
     name = arguments.action_name
     write(f"Action: {name}\n")
     nodes = {node.id: f"{node.namespace.rstrip('/')}/{node.name}" for node in source.graph.nodes()}
-    for title, kind in (("clients", "sub"), ("servers", "pub")):
-        ends = [
-            e for e in source.graph.endpoints() if e.kind == kind and e.topic == f"{name}/_action/feedback"
-        ]
+    sides: tuple[tuple[str, Literal["pub", "sub"]], ...] = (("clients", "sub"), ("servers", "pub"))
+    for title, kind in sides:
+        ends = source.endpoints(f"{name}/_action/feedback", kind)
         write(f"Action {title}: {len(ends)}\n")
         for end in () if arguments.count else ends:
             shown = f" [{end.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
@@ -56,12 +55,13 @@ def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
     kind, name = kind_of(action_class, arguments.action_type, "action"), arguments.action_name
     goal = kind.Goal()
     fill(goal, sys.stdin.read() if arguments.stdin else arguments.goal)
+    there = _actions(source)
     with until_interrupted(), own_node(source) as node:
         client = ActionClient(node, kind, name)
         node.add_waitable(client)
         write("Waiting for an action server to become available...\n")
         if not source.wait(client.server_is_ready, source.limit()):
-            raise CourseError(f"Nobody serves the action '{name}'{did_you_mean(name, _actions(source))}")
+            raise CourseError(f"Nobody serves the action '{name}'{did_you_mean(name, there)}")
         write(f"Sending goal:\n     {_text(goal)}\n")
 
         def show(message: Any) -> None:
@@ -84,10 +84,8 @@ def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
     finally:
         if not future.done() and not source.graph.ended:
             write("Canceling goal...\n")
-            canceled = answer(
-                source, handle.cancel_goal_async(), "The action", source.limit()
-            ).goals_canceling
-            write("Goal canceled.\n" if canceled else "Failed to cancel goal\n")
+            response = answer(source, handle.cancel_goal_async(), "The action", source.limit())
+            write("Goal canceled.\n" if response.goals_canceling else "Failed to cancel goal\n")
 
 
 def _text(message: Message) -> str:

@@ -56,13 +56,12 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit = arguments.service_name, source.limit(PATIENCE)
+    name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, hidden=True)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
         if not client.service_is_ready():
             write("waiting for service to become available...\n")
             if not source.wait(client.service_is_ready, limit):
-                there = _services(source, hidden=True)
                 raise CourseError(f"Nobody offers the service '{name}'{did_you_mean(name, there)}")
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")

@@ -1,7 +1,9 @@
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import rclpy
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
 from course_lib.errors import CourseError
@@ -53,6 +55,8 @@ def test_a_value_is_set_or_refused_with_the_reason(node: Node) -> None:
 def test_what_is_not_there_is_named(node: Node) -> None:
     with pytest.raises(CourseError, match=r"Node not found: /x\. There are: /talker\."):
         told("list", "/x")
+    with pytest.raises(CourseError, match=r"^Parameter not set: spee\. Did you mean speed\?$"):
+        told("get", "/talker", "spee")
     with pytest.raises(CourseError, match="Parameter not set"):
         told("get", "/talker", "x")
     running_nodes().clear()
@@ -60,3 +64,54 @@ def test_what_is_not_there_is_named(node: Node) -> None:
         told("get", "/talker", "speed")
     with pytest.raises(CourseError, match="Parameters belong to nodes that run"):
         ros2(["param", "list"], RecordingSource(Recording(())), print)
+
+
+def test_lists_can_be_narrowed_and_show_types(node: Node) -> None:
+    node.declare_parameter("arm.speed", 1.5)
+    assert told("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"
+    shown = told("list", "/talker", "--filter", "n|s.*d$", "--param-type")
+    assert shown == "  names (type: string array)\n  speed (type: integer)\n"
+    assert told("get", "/talker", "names", "--hide-type") == "['a', 'b']\n"
+
+
+def test_describe_shows_what_a_descriptor_says(node: Node) -> None:
+    limits = IntegerRange(from_value=0, to_value=10, step=2)
+    about = ParameterDescriptor(
+        description="how many", read_only=True, integer_range=[limits], additional_constraints="even"
+    )
+    node.declare_parameter("count", 4, about)
+    assert told("describe", "/talker", "count", "speed") == (
+        "Parameter name: count\n  Type: integer\n  Description: how many\n  Constraints:\n"
+        "    Read only: true\n    Min value: 0\n    Max value: 10\n    Step: 2\n"
+        "    Additional constraints: even\n"
+        "Parameter name: speed\n  Type: integer\n  Constraints:\n"
+    )
+
+
+def test_what_is_dumped_can_be_loaded(node: Node, tmp_path: Path) -> None:
+    node.declare_parameter("arm.speed", 1.5)
+    dumped = told("dump", "/talker")
+    assert dumped == (
+        "/talker:\n  ros__parameters:\n    arm:\n      speed: 1.5\n    names:\n    - a\n    - b\n"
+        "    speed: 1\n    start_type_description_service: true\n    use_sim_time: false\n\n"
+    )
+    file = tmp_path / "talker.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    speed: 3\n/talker:\n  ros__parameters:\n    names: 2\n")
+    wrong = "Wrong parameter type, expected 'Type.STRING_ARRAY' got 'Type.INTEGER'"
+    assert told("load", "/talker", str(file)) == (
+        f"Set parameter speed successful\nSet parameter names failed: {wrong}\n"
+    )
+    assert node.get_parameter("speed").value == 3
+    file.write_text(dumped)
+    assert told("load", "/talker", str(file)).count("successful") == 5
+    assert node.get_parameter("speed").value == 1
+    file.write_text("speed: 3")
+    with pytest.raises(CourseError, match="is not a valid ROS parameter file: Cannot have a value before"):
+        told("load", "/talker", str(file))
+
+
+def test_only_dynamic_parameters_can_be_deleted(node: Node) -> None:
+    node.declare_parameter("free", 1, ParameterDescriptor(dynamic_typing=True))
+    assert told("delete", "/talker", "free") == "Deleted parameter successfully\n"
+    assert not node.has_parameter("free")
+    assert told("delete", "/talker", "speed").startswith("Deleting parameter failed: ")

@@ -1,0 +1,73 @@
+"""`ros2 service …`, line by line as ros2cli writes it."""
+
+from collections.abc import Callable
+
+import pytest
+from example_interfaces.srv import AddTwoInts
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording
+from course_lib.ros.graph import Graph
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import RecordingSource
+
+Run = Callable[[str], str]
+TYPE = "example_interfaces/srv/AddTwoInts"
+
+
+def add(request: AddTwoInts.Request, response: AddTwoInts.Response) -> AddTwoInts.Response:
+    response.sum = request.a + request.b
+    return response
+
+
+@pytest.fixture
+def adder(talker: Node) -> Node:
+    talker.create_service(AddTwoInts, "add_two_ints", add)
+    return talker
+
+
+def test_list_names_services_with_their_types(run: Run, adder: Node) -> None:
+    lines = run("service list").splitlines()
+    assert lines[0] == "/add_two_ints"
+    assert "/talker/list_parameters" in lines
+    assert run("service list -t").splitlines()[0] == f"/add_two_ints [{TYPE}]"
+    assert run("service list -c") == f"{len(lines)}\n"
+
+
+def test_type_and_find_lead_from_one_to_the_other(run: Run, adder: Node) -> None:
+    assert run("service type /add_two_ints") == f"{TYPE}\n"
+    assert run("service type /nothing") == ""
+    assert run(f"service find {TYPE}") == "/add_two_ints\n"
+    assert run(f"service find {TYPE} -c") == "1\n"
+
+
+def test_info_counts_who_asks_and_who_answers(run: Run, adder: Node) -> None:
+    adder.create_client(AddTwoInts, "add_two_ints")
+    assert run("service info /add_two_ints") == f"Type: {TYPE}\nClients count: 1\nServices count: 1\n"
+    with pytest.raises(CourseError, match=r"^Unknown service '/add_two_int'\. Did you mean /add_two_ints\?$"):
+        run("service info /add_two_int")
+
+
+def test_call_shows_the_request_and_the_response(run: Run, adder: Node) -> None:
+    assert run(f"service call /add_two_ints {TYPE} {{a: 1, b: 2}}") == (
+        "requester: making request: example_interfaces.srv.AddTwoInts_Request(a=1, b=2)\n\n"
+        "response:\nexample_interfaces.srv.AddTwoInts_Response(sum=3)\n\n"
+    )
+
+
+def test_call_again_and_again_keeps_its_rate(run: Run, adder: Node, graph: Graph) -> None:
+    graph.end_ns = graph.now_ns + 1_900_000_000
+    assert run(f"service call -r 2 /add_two_ints {TYPE}").count("response:") == 4
+
+
+def test_call_names_what_cannot_be_asked(run: Run, adder: Node) -> None:
+    with pytest.raises(CourseError, match=r"^Nobody offers the service '/ad_two_ints'\. Did you mean /add"):
+        run(f"service call /ad_two_ints {TYPE}")
+    assert run.written == "waiting for service to become available...\n"  # type: ignore[attr-defined]
+    with pytest.raises(CourseError, match="Failed to populate field: 'AddTwoInts_Request' object has no"):
+        run(f"service call /add_two_ints {TYPE} {{c: 1}}")
+    with pytest.raises(CourseError, match="No message type 'example_interfaces/srv/AddTwo_Request'"):
+        run("service call /add_two_ints example_interfaces/AddTwo")
+    with pytest.raises(CourseError, match="A recording gives no answers"):
+        ros2(["service", "call", "/add_two_ints", TYPE], RecordingSource(Recording(())), print)
