@@ -36,9 +36,11 @@ class Graph:
         self.ended = False
         self.notebook = notebook
         self.pace: Callable[[int], bool] | None = None  # says whether the wall clock has come to a time
+        # called after each callback: entity, ready since [ns], begun at [ns], processor time [s]
+        self.callback_listeners: list[Callable[[Any, int, int, float], None]] = []
         self._states: dict[str, dict[str, Any]] = {}
         self._clock = Clock(start_ns)
-        self._delay_ns = delay_ns
+        self.delay_ns = delay_ns
         self._topics = Topics()
         self._nodes: dict[int, NodeInfo] = {}
         self._last_id = 0
@@ -176,7 +178,7 @@ class Graph:
             if info.id in self._topics.subscriptions:
                 subscription.on_message(sample.cdr, sample.stamp_ns, self.now_ns)
 
-        due_ns = self.now_ns + self._delay_ns
+        due_ns = self.now_ns + self.delay_ns
         self._clock.call_at(due_ns, arrive, node=info.node, entity=subscription.entity)
 
 

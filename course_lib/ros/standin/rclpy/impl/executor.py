@@ -4,6 +4,7 @@
 
 import inspect
 import threading
+import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from course_lib.ros import driving
 from course_lib.ros.baton import baton
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
-from rclpy.impl.node_handle import Entity
+from rclpy.impl.node_handle import Entity, Turn
 from rclpy.task import Future, Task
 from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 
@@ -162,23 +163,28 @@ class Executor(AbstractContextManager["Executor"]):
                 self._tasks.remove(task)
                 return task
         while True:
-            ready = [(item, node) for node in self._nodes if (item := node.handle.first_ready())]
+            ready = [(turn, node) for node in self._nodes if (turn := node.handle.first_ready())]
             if not ready:
                 return None
-            item, node = min(ready, key=lambda pair: pair[0][0])
-            call = node.handle.take(item)
+            turn, node = min(ready, key=lambda pair: pair[0].order)
+            call = node.handle.take(turn)
             if call is not None:
-                return self._begin(item[1], call)
+                return self._begin(turn, call)
 
-    def _begin(self, entity: Entity, call: Callable[[], object]) -> Task:
+    def _begin(self, turn: Turn, call: Callable[[], object]) -> Task:
+        entity, graph = turn.entity, self._context.graph
         group = entity.callback_group
         group.beginning_execution(entity)
 
         async def run() -> None:
+            start_ns = graph.now_ns
+            start = time.thread_time() if graph.callback_listeners else 0.0  # it takes a microsecond
             try:
                 await await_or_execute(call)
             finally:
                 group.ending_execution(entity)
+                for listener in graph.callback_listeners:
+                    listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
 
         task = Task(run, executor=self)
         task.entity = entity

@@ -4,7 +4,7 @@ import itertools
 import weakref
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rclpy.impl import names
 
@@ -15,6 +15,14 @@ if TYPE_CHECKING:
     from rclpy.impl.arguments import Arguments
 
 _order = itertools.count()  # in which entities become ready
+
+
+class Turn(NamedTuple):
+    """An entity that waits for an executor: its place in the order, and since when it waits, [ns]."""
+
+    order: int
+    entity: "Entity"
+    since_ns: int
 
 
 class NodeHandle:
@@ -30,7 +38,7 @@ class NodeHandle:
         self._executor: weakref.ref[Executor] | None = None
         self.has_left = False  # the graph: destroyed, replaced, or its context shut down
         self._entities = 0
-        self._ready: deque[tuple[int, Entity]] = deque()
+        self._ready: deque[Turn] = deque()
 
     @property
     def executor(self) -> "Executor | None":
@@ -64,16 +72,16 @@ class NodeHandle:
 
     def mark_ready(self, entity: "Entity") -> None:
         """Let an entity wait for an executor, behind all that became ready before it, in any node."""
-        self._ready.append((next(_order), entity))
+        self._ready.append(Turn(next(_order), entity, self.graph.now_ns))
 
-    def first_ready(self) -> "tuple[int, Entity] | None":
-        """Return the first entity whose callback group lets it run, with its place in the order."""
-        return next((item for item in self._ready if item[1].callback_group.can_execute(item[1])), None)
+    def first_ready(self) -> Turn | None:
+        """Return the first entity whose callback group lets it run."""
+        return next((turn for turn in self._ready if turn[1].callback_group.can_execute(turn[1])), None)
 
-    def take(self, item: "tuple[int, Entity]") -> Callable[[], object] | None:
+    def take(self, turn: Turn) -> Callable[[], object] | None:
         """Take an entity out; returns what it has to call, None if that has been settled meanwhile."""
-        self._ready.remove(item)
-        return item[1].take()
+        self._ready.remove(turn)
+        return turn.entity.take()
 
 
 class Entity:

@@ -1,0 +1,36 @@
+import time
+from typing import Any
+
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+
+
+def test_a_listener_hears_who_waited_since_when_and_when_it_began(begun: Graph, node: Node) -> None:
+    heard: list[tuple[str, float, float]] = []
+
+    def listen(entity: Any, since_ns: int, start_ns: int, processor: float) -> None:
+        assert 0 <= processor < 1
+        heard.append(
+            (type(entity).__name__, (since_ns - START_NS) * 1e-9, round((start_ns - START_NS) * 1e-9, 3))
+        )
+
+    begun.callback_listeners.append(listen)
+    publisher = node.create_publisher(String, "words", 10)
+
+    def slow() -> None:
+        publisher.publish(String())
+        time.sleep(2.0)
+
+    node.create_timer(4.0, slow)
+    node.create_subscription(String, "words", lambda _: None, 10)
+    rclpy.spin(node)
+    assert heard == [
+        ("Timer", 4.0, 4.0),
+        ("Subscription", 4.001, 6.0),  # it came while the timer's callback slept
+        ("Timer", 8.0, 8.0),
+        ("Subscription", 8.001, 10.0),
+    ]
