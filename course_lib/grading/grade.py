@@ -21,6 +21,7 @@ from course_lib.grading.grade_one import (
     judge_one,
     keep_evidence,
     prepared,
+    rules_of,
     run_job,
 )
 from course_lib.grading.grade_progress import Row, counts, say, task_lines, watched
@@ -81,7 +82,7 @@ def grade(
     with sole_use(out):
         batches, work = _plan(chosen, course)
         if resume:
-            batches = [batch for batch in batches if not _is_done(batch, out)]
+            batches = [batch for batch in batches if not _is_done(batch, out, course)]
         _look_for_evidence(batches, out, wanted=resume or rejudge)
         if rejudge:
             batches = _with_evidence(batches)
@@ -119,14 +120,17 @@ def _twins(attempt: Submission, owners: set[str]) -> tuple[str, ...]:
     return tuple(sorted(owners - {attempt.student})) if attempt.sha256 else ()
 
 
-def _is_done(batch: Batch, out: Path) -> bool:
+def _is_done(batch: Batch, out: Path, course: Course) -> bool:
+    """Whether there is a result of these files, by the checks of today."""
     last = batch.attempts[-1]
     try:
         kept = read_result(result_path(out, last.student, last.exercise))
     except CourseError:  # not there, or written by something else
         return False
     known = [{name: attempt[name] for name in ("key", "received")} for attempt in kept["attempts"]]
-    return known == [identity(attempt) for attempt in batch.attempts] and kept["row"]["status"] in GRADED
+    is_same = known == [identity(attempt) for attempt in batch.attempts]
+    is_current = kept.get("rules") == rules_of(course, last.exercise)
+    return is_same and is_current and kept["row"]["status"] in GRADED
 
 
 def _look_for_evidence(batches: Iterable[Batch], out: Path, *, wanted: bool) -> None:

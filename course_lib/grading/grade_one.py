@@ -1,5 +1,6 @@
 """Runs one submission into stored evidence, and judges it from there: mark, report, result."""
 
+import hashlib
 import math
 import threading
 from collections.abc import Sequence
@@ -40,6 +41,14 @@ class Course:
 def catalog_of(course: Course) -> Catalog:
     """The tasks with their hidden scenarios."""
     return load_catalog(course.exercises, course.solutions)
+
+
+@lru_cache(maxsize=64)
+def rules_of(course: Course, exercise: str) -> str:
+    """A hash of what a result depends on besides the evidence: course.toml and the week's check files."""
+    check_file = f"checks/{exercise.split('_')[0]}.py"
+    files = (course.exercises / "course.toml", course.exercises / check_file, course.solutions / check_file)
+    return hashlib.sha256(b"\0".join(f.read_bytes() for f in files if f.is_file())).hexdigest()[:32]
 
 
 @dataclass(frozen=True)
@@ -118,7 +127,8 @@ def judge_one(attempts: Sequence[Submission], course: Course, out: Path, fault: 
     """
     results = [_result(attempt, course, out, fault) for attempt in attempts]
     best = max(results, key=_rank)
-    return _stored(replace(best, attempts=tuple(map(_attempt, results))), course, out)
+    rules = rules_of(course, best.submission.exercise)
+    return _stored(replace(best, attempts=tuple(map(_attempt, results)), rules=rules), course, out)
 
 
 def identity(submission: Submission) -> dict[str, str]:

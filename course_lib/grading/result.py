@@ -34,6 +34,7 @@ class Result:
         days_late: Started days.
         percent_per_day: What each of them costs.
         notes: For staff.
+        rules: A hash of the course file and the checks of that time.
         attempts: What was handed in, all of it if the best counts, with the mark of each.
     """
 
@@ -46,6 +47,7 @@ class Result:
     percent_per_day: float = 0.0
     notes: tuple[str, ...] = ()
     attempts: tuple[dict[str, Any], ...] = ()
+    rules: str = ""
 
     @property
     def isolation(self) -> str:
@@ -68,10 +70,20 @@ class Result:
 
     def content(self) -> dict[str, Any]:
         """What its file holds: nothing that a person gave is in it."""
-        own = ("status", "reason", "message", "days_late", "percent_per_day", "isolation", "attempts")
+        own = (
+            "status",
+            "reason",
+            "message",
+            "days_late",
+            "percent_per_day",
+            "isolation",
+            "attempts",
+            "rules",
+        )
         return {
             **self.submission.as_plain(),
             **{name: getattr(self, name) for name in own},
+            "rules": self.rules,
             "notes": [*self.submission.notes, *self.notes],
             **(self.run.as_plain() if self.run else {}),
         }

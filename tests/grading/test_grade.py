@@ -11,9 +11,10 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course, catalog_of
+from course_lib.grading.grade_one import Course, catalog_of, rules_of
 from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
+from course_lib.grading.result import read_result
 from course_lib.grading.scenario import run_here
 
 WriteNotebook = Callable[..., Path]
@@ -188,6 +189,22 @@ def test_resume_and_only_grade_what_is_asked_for(
     grade(submissions, out, jobs=1, resume=True, course=course)
     assert rows(out).keys() == {"ada", "bob"}
     assert (out / "results/ada/week01_exercise.json").stat().st_mtime_ns == first
+
+
+def test_resume_judges_again_what_was_judged_by_other_checks(
+    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+) -> None:
+    submissions, out = hand_in({"ada": right}), tmp_path / "out"
+    grade(submissions, out, jobs=1, course=course)
+    evidence = next((out / "evidence").glob("*.gz"))
+    made = evidence.stat().st_mtime_ns
+    check_file = course.exercises / "checks/week01.py"
+    check_file.write_text(check_file.read_text() + "# another hint\n")
+    rules_of.cache_clear()  # as a grader started anew
+    grade(submissions, out, jobs=1, resume=True, course=course)
+    result = read_result(out / "results/ada/week01_exercise.json")
+    assert result["rules"] == rules_of(course, "week01_exercise")
+    assert evidence.stat().st_mtime_ns == made
 
 
 @pytest.mark.parametrize("name", ["missing", "empty", "file.txt"])

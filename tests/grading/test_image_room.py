@@ -10,9 +10,8 @@ IMAGE = "sensor_msgs/msg/Image"
 
 
 def sample(size: int, topic: str = "/camera", type_name: str = IMAGE) -> Sample:
-    message: Any = message_class(IMAGE)(
-        height=1, width=size // 3, step=size, encoding="rgb8", data=bytes(size)
-    )
+    make = message_class(IMAGE)
+    message: Any = make(height=1, width=size // 3, step=size, encoding="rgb8", data=bytes(size))
     return Sample(0, topic, type_name, serialize(message), Qos(), 1)
 
 
