@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def own_node(source: Source) -> "Iterator[Node]":
+def own_node(source: Source, name: str = NODE_NAME) -> "Iterator[Node]":
     """Give a node for a while, which runs with those that run live.
 
     Raises:
@@ -25,7 +25,7 @@ def own_node(source: Source) -> "Iterator[Node]":
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
     from rclpy.node import Node
 
-    node = Node(NODE_NAME, start_parameter_services=False, enable_rosout=False)
+    node = Node(name, start_parameter_services=False, enable_rosout=False)
     running_nodes().append(node)
     try:
         yield node

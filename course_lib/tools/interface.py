@@ -3,6 +3,7 @@
 import re
 from argparse import Namespace
 from collections.abc import Iterator
+from functools import partial
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import message_class
@@ -117,32 +118,21 @@ _ONLY: tuple[Option, ...] = tuple(
 )
 _TYPE = value("type", help="Show an interface definition (e.g. 'example_interfaces/msg/String')")
 _PACKAGE = value("package_name", help="Name of the ROS package (e.g. 'example_interfaces')")
+_NO_QUOTES = flag("--no-quotes", help="if true output has no outer quotes.")
+_COMMENTS = (
+    flag("--all-comments", help="Show all comments, including for nested interface definitions"),
+    flag("--no-comments", help="Show no comments or whitespace"),
+)
+_verb = partial(Verb, "interface", looks=False)
 INTERFACE_VERBS = (
-    Verb("interface", "list", "List all interface types available", _ONLY, list_all),
-    Verb(
-        "interface",
+    _verb("list", "List all interface types available", _ONLY, list_all),
+    _verb(
         "package",
         "Output a list of available interface types within one package",
         (*_ONLY, _PACKAGE),
         package,
     ),
-    Verb("interface", "packages", "Output a list of packages that provide interfaces", _ONLY, packages),
-    Verb(
-        "interface",
-        "proto",
-        "Output an interface prototype",
-        (_TYPE, flag("--no-quotes", help="if true output has no outer quotes.")),
-        proto,
-    ),
-    Verb(
-        "interface",
-        "show",
-        "Output the interface definition",
-        (
-            flag("--all-comments", help="Show all comments, including for nested interface definitions"),
-            flag("--no-comments", help="Show no comments or whitespace"),
-            _TYPE,
-        ),
-        show,
-    ),
+    _verb("packages", "Output a list of packages that provide interfaces", _ONLY, packages),
+    _verb("proto", "Output an interface prototype", (_TYPE, _NO_QUOTES), proto),
+    _verb("show", "Output the interface definition", (*_COMMENTS, _TYPE), show),
 )

@@ -40,6 +40,18 @@ class Arrival:
         return deserialize(self.cdr, message_class(self.type_name))
 
 
+Heard = tuple[int, Arrival | None]  # robot time [ns], and what came; nothing where only time went by
+
+
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """How long a tool listens, in all and without a message, and how often it is told the time, [s]."""
+
+    seconds: float | None = None
+    patience: float | None = None
+    every: float | None = None  # the first time at the start
+
+
 class Source(ABC):
     """What the tools want to know.
 
@@ -79,19 +91,8 @@ class Source(ABC):
         """Let time go by until it is ready, at most so much robot time [s]; says whether it is."""
 
     @abstractmethod
-    def stream(
-        self,
-        topics: Mapping[str, Qos],
-        type_name: str,
-        *,
-        every: float | None = None,
-        patience: float | None = None,
-        seconds: float | None = None,
-    ) -> Iterator[tuple[int, Arrival | None]]:
-        """Yield robot time [ns] and a message, or, at the start and once per `every` [s], none.
-
-        Ends after `patience` [s] without a message, or after `seconds` [s] in all.
-        """
+    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
+        """Yield the messages of several topics, and the time."""
 
     @abstractmethod
     def why_silent(self, topic: str, qos: Qos) -> str:
@@ -121,34 +122,23 @@ class GraphSource(Source):
             )
         return wait_for(ready, seconds=seconds)
 
-    def stream(
-        self,
-        topics: Mapping[str, Qos],
-        type_name: str,
-        *,
-        every: float | None = None,
-        patience: float | None = None,
-        seconds: float | None = None,
-    ) -> Iterator[tuple[int, Arrival | None]]:
+    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
         """Yield what arrives at subscriptions of our own."""
-        graph = self.graph
+        graph, every = self.graph, listening.every
         start_ns = heard_ns = tick_ns = graph.now_ns
         with self._heard(topics, type_name) as arrived:
             while True:
-                limits = [
-                    None if seconds is None else start_ns + round(seconds * 1e9),
-                    None if patience is None else heard_ns + round(patience * 1e9),
-                ]
-                end_ns = min((ns for ns in limits if ns is not None), default=None)
-                until = [ns for ns in (end_ns, None if every is None else tick_ns) if ns is not None]
-                left = max(0, min(until) - graph.now_ns) * 1e-9 if until else None
+                limits = [(start_ns, listening.seconds), (heard_ns, listening.patience)]
+                ends = [since + round(time * 1e9) for since, time in limits if time is not None]
+                due = [*ends, tick_ns] if every else ends
+                left = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
                 if self.wait(lambda: bool(arrived), left):
                     heard_ns = arrived[0].received_ns
                     yield heard_ns, arrived.popleft()
-                elif every is not None and graph.now_ns >= tick_ns:
+                elif every and graph.now_ns >= tick_ns:
                     yield graph.now_ns, None
                     tick_ns += round(every * 1e9)
-                elif graph.ended or (end_ns is not None and graph.now_ns >= end_ns):
+                elif graph.ended or (ends and graph.now_ns >= min(ends)):
                     return
 
     def why_silent(self, topic: str, qos: Qos) -> str:
@@ -197,29 +187,21 @@ class RecordingSource(Source):
         """Say whether it is ready: nothing changes any more."""
         return ready()
 
-    def stream(
-        self,
-        topics: Mapping[str, Qos],
-        type_name: str,
-        *,
-        every: float | None = None,
-        patience: float | None = None,
-        seconds: float | None = None,
-    ) -> Iterator[tuple[int, Arrival | None]]:
+    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
         """Yield what was recorded; a recording keeps nobody waiting."""
         tick_ns, end_ns = self.recording.start_ns, self.recording.end_ns
-        if seconds is not None:
-            end_ns = tick_ns + round(seconds * 1e9)
-        for sample in self.recording.samples:
-            while every is not None and tick_ns < min(sample.stamp_ns, end_ns + 1):
+        step_ns = round((listening.every or 0.0) * 1e9)
+        if listening.seconds is not None:
+            end_ns = tick_ns + round(listening.seconds * 1e9)
+        for sample in (*self.recording.samples, None):
+            while step_ns and tick_ns <= end_ns and (sample is None or tick_ns < sample.stamp_ns):
                 yield tick_ns, None
-                tick_ns += round(every * 1e9)
-            if sample.topic in topics and sample.type_name == type_name and sample.stamp_ns <= end_ns:
+                tick_ns += step_ns
+            if sample is None or sample.stamp_ns > end_ns:
+                return
+            if sample.topic in topics and sample.type_name == type_name:
                 stamp_ns = sample.stamp_ns
                 yield stamp_ns, Arrival(stamp_ns, stamp_ns, sample.topic, type_name, sample.cdr)
-        while every is not None and tick_ns <= end_ns:
-            yield tick_ns, None
-            tick_ns += round(every * 1e9)
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """A recorded topic has messages: only a time limit keeps them away."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_transform import Transform
-from course_lib.tools.sources import Source
+from course_lib.tools.sources import Listening, Source
 from course_lib.tools.verb import Write
 
 TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
@@ -30,8 +30,8 @@ class Heard:
 
     def ticks(self, every: float, seconds: float | None) -> Iterator[int]:
         """Yield robot time [ns] at the start and once per `every` [s], the buffer filled up to then."""
-        stream = self._source.stream(TOPICS, "tf2_msgs/msg/TFMessage", every=every, seconds=seconds)
-        for now_ns, arrival in stream:
+        listening = Listening(every=every, seconds=seconds)
+        for now_ns, arrival in self._source.stream(TOPICS, "tf2_msgs/msg/TFMessage", listening):
             if arrival is None:
                 yield now_ns
                 continue

@@ -7,7 +7,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, message_class
 from course_lib.tools.message_text import Style, to_csv, to_yaml
-from course_lib.tools.sources import Arrival, Source
+from course_lib.tools.sources import Arrival, Listening, Source
 from course_lib.tools.topic.lookup import full_name, passes, silence, type_of
 from course_lib.tools.topic.qos import PRESETS, adapted_qos, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
@@ -27,9 +27,9 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     matches = passes(arguments.filter_expr)
     qos = asked_qos(arguments) or adapted_qos(source.offered(topic), PRESETS[arguments.qos_profile], write)
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
-    stream = source.stream({topic: qos}, kind, patience=PATIENCE, seconds=arguments.timeout or limit)
+    listening = Listening(patience=PATIENCE, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for _, arrival in stream:
+        for _, arrival in source.stream({topic: qos}, kind, listening):
             came = True
             assert arrival is not None  # no ticks were asked for
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)

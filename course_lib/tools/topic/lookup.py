@@ -9,7 +9,7 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
 from course_lib.tools.hints import did_you_mean
-from course_lib.tools.sources import Arrival, Source
+from course_lib.tools.sources import Heard, Listening, Source
 from course_lib.tools.topic.qos import PRESETS
 from course_lib.tools.verb import NODE_OPTIONS, Option, Write, positive, value
 
@@ -57,7 +57,7 @@ def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
 
 def listen(
     source: Source, topic: str, write: Write, *, verb: str, every: float | None = None
-) -> Iterator[tuple[int, Arrival | None]]:
+) -> Iterator[Heard]:
     """Yield robot time [ns] and what comes on a topic, or, once per `every` [s], nothing, until ■.
 
     Without a page it ends after a while, and says so; raises a CourseError if nothing has come.
@@ -65,7 +65,7 @@ def listen(
     start_ns, limit, came = source.graph.now_ns, source.limit(), False
     with until_interrupted():
         kind = type_of(source, topic, write, blocking=True)
-        for now_ns, arrival in source.stream({topic: SENSOR_DATA}, kind, every=every, seconds=limit):
+        for now_ns, arrival in source.stream({topic: SENSOR_DATA}, kind, Listening(limit, every=every)):
             came = came or arrival is not None
             yield now_ns, arrival
         if not came:

@@ -2,21 +2,21 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import message_class
+from course_lib.tools.asking import own_node
 from course_lib.tools.message_fields import fill
 from course_lib.tools.sources import NODE_NAME, Source
-from course_lib.tools.topic.lookup import full_name
 from course_lib.tools.topic.qos import PRESETS, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+    from rclpy.publisher import Publisher
 
 LOOK_EVERY = 0.1  # [s] for subscriptions; the wait is told of each tenth time
 
@@ -27,100 +27,68 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     Raises:
         CourseError: Nobody can hear it, or type, values or topic are wrong.
     """
-    if not source.live:
-        raise CourseError(
-            "A recording hears nothing. Publish to nodes that run: course ros2 --run program.py …"
-        )
-    text = sys.stdin.read() if arguments.stdin else arguments.values
     message: Any = message_class(arguments.message_type)()
-    set_times = fill(message, text)
-    with until_interrupted():
-        source.wait(lambda: True, 0.0)  # says if rclpy is not started
-        node = _node(arguments)
-        try:
-            publish = _publisher(node, arguments)
-            _wait_for_subscriptions(source, arguments, write)
-            write("publisher: beginning loop\n")
-
-            def send(count: int) -> None:
-                for set_time in set_times:
-                    set_time(node.get_clock().now().to_msg())
-                if arguments.print and count % arguments.print == 0:
-                    write(f"publishing #{count}: {message!r}\n\n")
-                publish(message)
-
-            _loop(source, arguments, write, send)
-        finally:
-            node.destroy_node()
+    set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
+    with until_interrupted(), own_node(source, arguments.node_name or NODE_NAME) as node:
+        publisher = _publisher(node, arguments)
+        _wait_for_subscriptions(source, publisher, arguments, write)
+        write("publisher: beginning loop\n")
+        for count in _beats(source, arguments, write):
+            for set_time in set_times:
+                set_time(node.get_clock().now().to_msg())
+            if arguments.print and count % arguments.print == 0:
+                write(f"publishing #{count}: {message!r}\n\n")
+            publisher.publish(message)
 
 
-def _node(arguments: Namespace) -> "Node":
-    from rclpy.node import Node
-
-    name = arguments.node_name or NODE_NAME
-    return Node(name, start_parameter_services=False, enable_rosout=False)
-
-
-def _publisher(node: "Node", arguments: Namespace) -> Callable[[Any], None]:
+def _publisher(node: "Node", arguments: Namespace) -> "Publisher[Any]":
     from rclpy.exceptions import InvalidTopicNameException
     from rclpy.impl.qos_conversion import to_profile
 
     qos = asked_qos(arguments) or PRESETS[arguments.qos_profile]
-    profile = to_profile(replace(qos, depth=qos.depth or 1))
     try:
         kind = message_class(arguments.message_type)
-        return node.create_publisher(kind, arguments.topic_name, profile).publish
+        return node.create_publisher(kind, arguments.topic_name, to_profile(qos))
     except InvalidTopicNameException as error:
         raise CourseError(str(error)) from error
 
 
-def _wait_for_subscriptions(source: Source, arguments: Namespace, write: Write) -> None:
-    once, longest = arguments.once or arguments.times, arguments.max_wait_time_secs
-    wanted = arguments.wait_matching_subscriptions
-    wanted = int(bool(once)) if wanted is None else wanted
+def _wait_for_subscriptions(
+    source: Source, publisher: "Publisher[Any]", arguments: Namespace, write: Write
+) -> None:
+    wanted, longest = arguments.wait_matching_subscriptions, arguments.max_wait_time_secs
+    if wanted is None:
+        wanted = int(arguments.once or arguments.times > 0)
     if not wanted and longest is not None:
         raise CourseError(
             "--max-wait-time-secs option is only effective with --wait-matching-subscriptions, "
             "--once or --times"
         )
-    topic, start_ns, looks = full_name(arguments.topic_name), source.graph.now_ns, 0
-    longest = longest or source.limit()
-
-    def found() -> int:
-        return sum(e.type_name == arguments.message_type for e in source.endpoints(topic, "sub"))
-
-    while found() < wanted and not source.graph.ended:
+    longest, looks = longest or source.limit(), 0
+    while (found := publisher.get_subscription_count()) < wanted and not source.graph.ended:
         if looks % 10 == 0:
             write(f"Waiting for at least {wanted} matching subscription(s)...\n")
-        if longest is not None and source.graph.now_ns - start_ns >= longest * 1e9:
+        if longest is not None and looks * LOOK_EVERY >= longest:
             raise CourseError(
-                f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got {found()} "
+                f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got {found} "
                 "subscribers. `-w 0` publishes without any."
             )
         looks += 1
-        source.wait(lambda: found() >= wanted, LOOK_EVERY)
+        source.wait(lambda: False, LOOK_EVERY)
 
 
-def _loop(source: Source, arguments: Namespace, write: Write, send: Callable[[int], None]) -> None:
-    """Publish at the rate that was asked for, so often or until ■; without a page for a while."""
+def _beats(source: Source, arguments: Namespace, write: Write) -> Iterator[int]:
+    """Count at the rate that was asked for, so far or until ■; without a page for a while."""
     times = 1 if arguments.once else arguments.times
     limit = None if times else source.limit()
     start_ns, count = source.graph.now_ns, 0
     while not source.graph.ended and (not times or count < times):
         count += 1
-        send(count)
+        yield count
         if limit is not None and source.graph.now_ns - start_ns >= limit * 1e9:
             write(f"No page is watching: ros2 topic pub stopped after {limit:g} s of robot time.\n")
             return
-        pause = arguments.keep_alive if count == times else 1 / arguments.rate
-        source.wait(lambda: False, pause)
-
-
-def _whole(text: str) -> int:
-    number = int(text)
-    if number < 0:
-        raise ValueError("Value must be positive or zero")
-    return number
+        source.wait(lambda: False, arguments.keep_alive if count == times else 1 / arguments.rate)
 
 
 TOPIC_PUB = Verb(
@@ -135,15 +103,14 @@ TOPIC_PUB = Verb(
         value("-r", "--rate", metavar="N", type=positive(float), default=1.0, help="Publishing rate in Hz"),
         value("-p", "--print", metavar="N", type=int, default=1, help="Only print every N-th message"),
         flag("-1", "--once", help="Publish one message and exit"),
-        value("-t", "--times", type=_whole, default=0, help="Publish this number of times and then exit"),
-        value("-w", "--wait-matching-subscriptions", type=_whole, help="Wait for so many subscriptions"),
+        value("-t", "--times", type=positive(int), default=0, help="Publish this number of times and exit"),
+        value("-w", "--wait-matching-subscriptions", type=int, help="Wait for so many subscriptions"),
         value("--max-wait-time-secs", type=positive(float), help="The longest wait for them in seconds"),
         value(
             "--keep-alive",
-            metavar="N",
             type=positive(float),
             default=0.1,
-            help="Keep publishing node alive for N seconds after the last msg (default: 0.1)",
+            help="Keep publishing node alive for so many seconds after the last msg (default: 0.1)",
         ),
         value("-n", "--node-name", help="Name of the created publishing node"),
         *qos_options("publish", "default"),
