@@ -210,6 +210,33 @@ def status(
     typer.echo(then)
 
 
+@app.command()
+def export(
+    file: Annotated[Path | None, typer.Argument(help="A notebook, or a Python file.")] = None,
+    package: Annotated[str, typer.Option(help="The package's name.")] = "",
+    out: Annotated[Path | None, typer.Option(help="The folder that the package's folder goes into.")] = None,
+    node: Annotated[list[str] | None, typer.Option(help="A class; default: all nodes.")] = None,
+    extra: Annotated[
+        list[Path] | None, typer.Option("--with", help="A .rviz, .yaml, .urdf or launch file to go along.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
+    check: Annotated[Path | None, typer.Option(help="Only say what this package lacks.")] = None,
+) -> None:
+    """Make a ROS 2 package of the nodes in a notebook: of cells marked # export, or of all."""
+    from course_lib.export.check import lacks
+    from course_lib.export.export import export as write
+
+    if check is not None:
+        report = lacks(check)
+        typer.echo("\n".join(report.lines()))
+        raise typer.Exit(0 if report.complete else NOT_PASSED)
+    if file is None or out is None or not package:
+        raise CourseError("write: course export FILE --package NAME --out DIR, or: course export --check DIR")
+    paths = write(file, package, out, nodes=node or (), extra=extra or (), force=force)
+    launch = next(path for path in paths if path.parent.name == "launch")
+    typer.echo(f"Wrote {len(paths)} files into {out / package}. Start it: course run {launch}")
+
+
 def main() -> None:
     """Run the command line; an error is one line that says what to type next."""
     arguments, for_programs = _split(sys.argv[1:])

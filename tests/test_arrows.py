@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 COURSE_LIB = Path(__file__).parents[1] / "course_lib"
-ALL = {"ros", "recording", "viewer", "displays", "robots", "sensors", "tools", "course", "grading"}
+ALL = {"ros", "recording", "viewer", "displays", "robots", "sensors", "tools", "course", "export", "grading"}
 # room -> the rooms it may import; `errors` is known to all
 ARROWS = {
     "errors": set[str](),
@@ -16,6 +16,7 @@ ARROWS = {
     "robots": {"ros"},
     "sensors": {"ros"},
     "tools": {"ros", "recording", "displays", "robots"},  # robots: what launch files start
+    "export": {"ros", "course"},
     "grading": ALL,
     "demo": ALL | {"demo"},
     "cli": ALL | {"demo", "cli_staff"},

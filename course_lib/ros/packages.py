@@ -49,7 +49,8 @@ def why_not_found(name: str) -> str:
     there = ", ".join(packages()) or "none"
     return (
         f"package '{name}' not found, searching: {[str(root) for root in _roots()]}. There is: {there}. Put "
-        f"the folder that holds it on ROS_PACKAGE_PATH, or make it: course export FILE --package {name} --out DIR"
+        f"the folder that holds it on ROS_PACKAGE_PATH, or make it: course export FILE --package {name} "
+        "--out DIR"
     )
 
 
@@ -86,18 +87,18 @@ def _manifests() -> Iterator[Path]:
 
 def _package(name: str, share: Path) -> Package:
     if share.parent.name != "share":
-        return Package(name, share, (share,), dict(_declared(share / "setup.py")))
+        return Package(name, share, (share,), executables_of(share / "setup.py"))
     python = tuple(share.parents[1].glob("lib/python*/site-packages"))
     built = distributions(name=name, path=[str(path) for path in python])
     points = [point for one in built for point in one.entry_points if point.group == "console_scripts"]
     return Package(name, share, python, {point.name: (point.module, point.attr) for point in points})
 
 
-def _declared(setup: Path) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Yield the executables that a setup.py declares, without running it."""
-    tree = ast.parse(setup.read_text(encoding="utf-8")) if setup.is_file() else ast.Module([], [])
-    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
-    for text in texts:
-        script = _SCRIPT.fullmatch(str(text))
-        if script:
-            yield script[1], (script[2], script[3])
+def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
+    """Give (module, function) of each executable that a setup.py declares, without running it."""
+    if not setup.is_file():
+        return {}
+    tree = ast.parse(setup.read_text(encoding="utf-8"))
+    texts = [str(node.value) for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    scripts = filter(None, map(_SCRIPT.fullmatch, texts))
+    return {script[1]: (script[2], script[3]) for script in scripts}

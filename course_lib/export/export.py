@@ -1,0 +1,144 @@
+"""`course export`: a notebook or a Python file becomes a ROS 2 package."""
+
+import getpass
+import os
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from course_lib.errors import CourseError
+from course_lib.export.cells import read_cells
+from course_lib.export.dependencies import dependencies
+from course_lib.export.module import NodeModule, check_constructor
+from course_lib.export.needed import needed, node_classes
+from course_lib.export.nodes import displays, frames, node_name, parameters, parameters_text
+from course_lib.export.statements import Statement, statements
+from course_lib.ros.package_template import PackageText, check_package_name, filled, package_files
+
+_FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}
+_STARTED = ("launch", "launch_ros", "rviz2")  # by the launch file
+
+
+def export(
+    file: Path,
+    package: str,
+    out: Path,
+    *,
+    nodes: Sequence[str] = (),
+    extra: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write a package.
+
+    Args:
+        file: A notebook, of which the cells marked with `# export` count if there are any, or a .py file.
+        package: The package's name.
+        out: The folder that the package's folder is put into.
+        nodes: The classes that become executables; default: all that derive from Node.
+        extra: Files that go with them: a layout, parameters, a launch file, a URDF.
+        force: Whether what is there may be overwritten; files of other names stay.
+
+    Returns:
+        The files written.
+
+    Raises:
+        CourseError: Something is missing or wrong; nothing is written then.
+    """
+    check_package_name(package)
+    if (out / package).exists() and not force:
+        raise CourseError(f"{out / package} is there already. Write --force to overwrite what export writes.")
+    modules = _modules(file, nodes)
+    files = {path: text.encode() for path, text in _texts(file, package, modules, extra).items()}
+    for one in extra:
+        if one.suffix not in _FOLDERS or not one.is_file():
+            raise CourseError(f"{one} cannot go along; give files that end in {', '.join(_FOLDERS)}.")
+        files[f"{_FOLDERS[one.suffix]}/{one.name}"] = one.read_bytes()
+    _write(files, out / package)
+    return [out / package / path for path in sorted(files)]
+
+
+def _modules(file: Path, nodes: Sequence[str]) -> list[NodeModule]:
+    code = statements(read_cells(file))
+    if any(one.cell.marked for one in code):
+        kept, left_out = [s for s in code if s.cell.marked], [s for s in code if not s.cell.marked]
+    else:
+        kept, left_out = code, []
+    roots = node_classes(kept, nodes)
+    return [_module(root, roots, kept, left_out) for root in roots]
+
+
+def _module(
+    root: Statement, roots: Sequence[Statement], kept: Sequence[Statement], left_out: Sequence[Statement]
+) -> NodeModule:
+    import ast
+
+    assert isinstance(root.node, ast.ClassDef)
+    parts = needed(root, kept, left_out)
+    classes = frozenset().union(*(one.gives for one in roots))
+    main = next((s for s in reversed(kept) if "main" in s.gives and s.later & classes == root.gives), None)
+    if main is None:
+        check_constructor(root.node)
+    else:
+        of_main = needed(main, kept, left_out)
+        parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
+    return NodeModule(root.node, parts, main is not None)
+
+
+def _texts(file: Path, package: str, modules: Sequence[NodeModule], extra: Sequence[Path]) -> dict[str, str]:
+    """Write all files but the extra ones."""
+    imported = set[str]().union(*(module.imported() for module in modules))
+    depends, exec_depends = dependencies(imported, package)
+    user = getpass.getuser()
+    text = PackageText(
+        package,
+        maintainer=user,
+        email=f"{user}@todo.todo",
+        description=f"{', '.join(module.class_name for module in modules)}: exported from {file.name}.",
+        executables={module.name: f"{module.name}:main" for module in modules},
+        depends=depends,
+        exec_depends=[*exec_depends, *_STARTED],
+        about=[f"`{module.name}`: {module.summary}" for module in modules],
+    )
+    files = package_files(text)
+    for module in modules:
+        files[f"{package}/{module.name}.py"] = module.text()
+        names = {"package": package, "module": module.name, "name": module.class_name}
+        files[f"test/test_{module.name}.py"] = filled("test_node.py", **names)
+    return files | _launch(package, modules, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
+
+
+def _launch(package: str, modules: Sequence[NodeModule], given: dict[str, str]) -> dict[str, str]:
+    """Write launch file, parameters and layout, as far as they are not given, by folder."""
+    files: dict[str, str] = {}
+    values = {name: found for m in modules if (name := node_name(m.node)) and (found := parameters(m.node))}
+    config = given.get("config", f"{package}.yaml" if values else "")
+    layout = given.get("rviz", f"{package}.rviz")
+    if values and "config" not in given:
+        files[f"config/{config}"] = parameters_text(values)
+    if "rviz" not in given:
+        shown = {topic: kind for module in modules for topic, kind in displays(module.node).items()}
+        used = Counter(frame for module in modules for frame in frames(module.node))
+        fixed_frame = used.most_common(1)[0][0] if used else "map"
+        files[f"rviz/{layout}"] = filled("layout.rviz", fixed_frame=fixed_frame, displays=shown)
+    if "launch" not in given:
+        names = {"package": package, "parameters": config, "layout": layout}
+        executables = [module.name for module in modules]
+        files[f"launch/{package}.launch.py"] = filled("launch.py", executables=executables, **names)
+    return files
+
+
+def _write(files: dict[str, bytes], target: Path) -> None:
+    """Write a folder aside, then rename it; what is there already and not written stays."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as aside:
+        draft = Path(aside, "new")
+        if target.exists():
+            shutil.copytree(target, draft)
+        for path, data in files.items():
+            (draft / path).parent.mkdir(parents=True, exist_ok=True)
+            (draft / path).write_bytes(data)
+        if target.exists():
+            os.rename(target, Path(aside, "old"))
+        os.rename(draft, target)

@@ -1,0 +1,124 @@
+"""Module-level statements: which names each gives and which it needs."""
+
+import ast
+import symtable
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from course_lib.errors import CourseError
+from course_lib.export.cells import Cell
+
+_AT_ONCE = ("listcomp", "genexpr", "dictcomp", "setcomp")  # scopes that run where they stand
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement of a cell.
+
+    Attributes:
+        order: Its place among all statements.
+        text: Its source, with the comments above it; of an import with one name.
+        gives: The names that it binds.
+        changes: The names of things that it changes in place, like `COLORS["car"] = RED`.
+        now: The names that it needs when it runs.
+        later: The names that its functions need when they are called.
+    """
+
+    order: int
+    cell: Cell
+    node: ast.stmt = field(repr=False)
+    text: str
+    gives: frozenset[str]
+    changes: frozenset[str]
+    now: frozenset[str]
+    later: frozenset[str]
+
+    @property
+    def is_import(self) -> bool:
+        """Whether it is an import."""
+        return isinstance(self.node, ast.Import | ast.ImportFrom)
+
+
+def statements(cells: Sequence[Cell]) -> list[Statement]:
+    """Take cells apart; raises CourseError where one is no Python."""
+    found: list[Statement] = []
+    for cell in cells:
+        try:
+            nodes = ast.parse(cell.source).body
+        except SyntaxError as error:
+            raise CourseError(
+                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Mend it first."
+            ) from error
+        for node, text in _parts(cell.source, nodes):
+            now, later = _needs(text)
+            gives = frozenset(_bound(node))
+            changes = frozenset(_changed(node))
+            found.append(Statement(len(found), cell, node, text, gives, changes, now - gives, later))
+    return found
+
+
+def _parts(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast.stmt, str]]:
+    """Yield each statement with its text; an import of several names as several."""
+    lines, end = source.splitlines(), 0
+    for node in nodes:
+        first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))]) - 1
+        begin, end_before = first, end
+        while begin > end_before and lines[begin - 1].startswith("#"):
+            begin -= 1
+        end = node.end_lineno or node.lineno
+        if isinstance(node, ast.Import):
+            for name in node.names:
+                yield (one := ast.Import([name])), ast.unparse(one)
+        elif isinstance(node, ast.ImportFrom):
+            for name in node.names:
+                yield (part := ast.ImportFrom(node.module, [name], node.level)), ast.unparse(part)
+        elif first < end_before:  # behind a semicolon
+            yield node, ast.unparse(node)
+        else:
+            yield node, "\n".join(line.rstrip() for line in lines[begin:end])
+
+
+def _bound(node: ast.AST) -> Iterator[str]:
+    """Yield the names that a statement binds in its module."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        yield node.name
+        return
+    if isinstance(node, ast.alias):
+        yield (node.asname or node.name).partition(".")[0]
+    elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+        yield node.id
+    if not isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp | ast.Lambda):
+        for child in ast.iter_child_nodes(node):
+            yield from _bound(child)
+
+
+def _changed(node: ast.stmt) -> Iterator[str]:
+    """Yield what a statement changes in place: by a subscript, an attribute, or a call of its method."""
+    targets: list[ast.expr] = []
+    if isinstance(node, ast.Assign | ast.Delete):
+        targets = node.targets
+    elif isinstance(node, ast.AugAssign):
+        targets = [node.target]
+    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+        targets = [node.value.func]
+    for target in targets:
+        inner: ast.expr = target
+        while isinstance(inner, ast.Subscript | ast.Attribute):
+            inner = inner.value
+        if isinstance(inner, ast.Name) and inner is not target:
+            yield inner.id
+
+
+def _needs(text: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Give the module's names that a text needs when it runs, and when its functions are called."""
+    now, later = set[str](), set[str]()
+
+    def look(table: symtable.SymbolTable, names: set[str]) -> None:
+        top = table.get_type() == "module"
+        names |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (top or s.is_global())}
+        for child in table.get_children():
+            at_once = child.get_type() == "class" or child.get_name() in _AT_ONCE
+            look(child, names if at_once else later)
+
+    look(symtable.symtable(text, "cell", "exec"), now)
+    return frozenset(now), frozenset(later)
