@@ -6,6 +6,7 @@ from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
 from course_lib.displays.display import Context, Display
 from course_lib.displays.grid import GridDisplay
 from course_lib.displays.images.camera import CameraDisplay
+from course_lib.displays.images.camera_info import CameraInfoDisplay
 from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.map.display import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
@@ -29,6 +30,7 @@ REGISTRY: dict[str, type[Display]] = {
         AccelStampedDisplay,
         AxesDisplay,
         CameraDisplay,
+        CameraInfoDisplay,
         GridDisplay,
         ImageDisplay,
         LaserScanDisplay,
