@@ -15,7 +15,11 @@ def test_a_listener_hears_who_waited_since_when_and_when_it_began(begun: Graph, 
     def listen(entity: Any, since_ns: int, start_ns: int, processor: float) -> None:
         assert 0 <= processor < 1
         heard.append(
-            (type(entity).__name__, (since_ns - START_NS) * 1e-9, round((start_ns - START_NS) * 1e-9, 3))
+            (
+                type(entity).__name__,
+                round((since_ns - START_NS) * 1e-9, 3),
+                round((start_ns - START_NS) * 1e-9, 3),
+            )
         )
 
     begun.callback_listeners.append(listen)
