@@ -173,6 +173,10 @@ class PropertyHolder:
         known = label in self._values
         return self._values[label if known else self._property(label).label]
 
+    def get(self, label: str, default: Any) -> Any:
+        """Return a property by its whole label, or something else if there is none."""
+        return self._values.get(label, default)
+
     def __setitem__(self, label: str, value: Any) -> None:
         prop = self._property(label)
         try:

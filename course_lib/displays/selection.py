@@ -18,6 +18,8 @@ def selected(session: Session, path: str | None, index: int | None) -> str:
     if path is None:
         return ""
     for display in session.displays:
+        if not display.get("Selectable", True):
+            continue
         message = display.message_at(path)
         if message is not None:
             frame = getattr(getattr(message, "header", None), "frame_id", "")

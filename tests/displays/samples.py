@@ -1,0 +1,127 @@
+"""What every class of display is shown: messages of its type, two at a time, in frames that are known."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import (
+    AccelStamped,
+    Point,
+    Point32,
+    PointStamped,
+    PolygonStamped,
+    PoseArray,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TwistStamped,
+    WrenchStamped,
+)
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, Range
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from tests.displays.bench import marker
+from tests.displays.clouds.clouds import cloud, plain
+from tests.displays.images.test_camera import info
+from tests.displays.images.test_pixels import image
+from tests.displays.robot_model.robots import ARM, CYLINDER
+
+FRAME = "arm"
+SCREWS = {"accel": ("linear", "angular"), "twist": ("linear", "angular"), "wrench": ("force", "torque")}
+GREY = np.full((6, 8, 3), 90, np.uint8)
+CELLS = np.add.outer(np.arange(6), np.arange(8))
+
+
+def placed(message: Any, x: float) -> Any:
+    """Fill in a pose with a covariance."""
+    pose = getattr(message.pose, "pose", message.pose)
+    pose.position.x = x
+    pose.orientation.z, pose.orientation.w = (0.6, 0.8) if x else (0.8, 0.6)
+    if pose is not message.pose:
+        message.pose.covariance = np.diag([0.1, 0.2, 0.3, 0.1, 0.2, 0.3]).ravel()
+    return message
+
+
+def array_of_poses(x: float) -> PoseArray:
+    return PoseArray(poses=[placed(PoseStamped(), x + step).pose for step in range(3)])
+
+
+def path(x: float) -> Path:
+    return Path(poses=[placed(PoseStamped(), x + step) for step in range(3)])
+
+
+def grid(x: float) -> OccupancyGrid:
+    message = OccupancyGrid(data=[-1, 0, 20, 50, 99, 100, 110, -100])
+    message.info.width, message.info.height, message.info.resolution = 4, 2, 0.5
+    message.info.origin.position.x = x
+    return message
+
+
+def scan(x: float) -> LaserScan:
+    return LaserScan(
+        angle_min=-1.0,
+        angle_increment=0.5,
+        range_max=9.0,
+        ranges=[1.0, 2.0, 3.0 + x],
+        intensities=[1.0, 5.0, 9.0],
+    )
+
+
+def points(x: float) -> PointCloud2:
+    at = np.array([[0.0, 1.0, 2.0], [1.0, 2.0, 0.0], [2.0 + x, 0.0, 1.0]])
+    return cloud(plain(at, intensity=np.array([1, 5, 9], np.float32), height=np.array([3, 2, 1], np.float32)))
+
+
+def depth(x: float) -> Image:
+    return image((1000 + 100 * CELLS * (3 - x)).astype(np.uint16), "16UC1")
+
+
+def screw(message: Any, field: str, x: float) -> Any:
+    first, second = (getattr(getattr(message, field), name) for name in SCREWS[field])
+    first.x, second.z = 1.0 if x else 1e-4, 2.0
+    return message
+
+
+def polygon(x: float) -> PolygonStamped:
+    message = PolygonStamped()
+    message.polygon.points = [Point32(x=x), Point32(y=1.0), Point32(z=1.0)]
+    return message
+
+
+# What a class is shown, by topic; each is called with a number that tells one message from the next, [m].
+SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
+    "AccelStamped": {"/t/image": lambda x: screw(AccelStamped(), "accel", x)},
+    "Camera": {"/t/camera_info": lambda _: info(), "/t/image": lambda _: image(GREY, "rgb8")},
+    "CameraInfo": {"/t/image": lambda _: info()},
+    "DepthCloud": {"/t/camera_info": lambda _: info(), "/t/image": depth},
+    "Image": {"/t/image": depth},
+    "LaserScan": {"/t/image": scan},
+    "Map": {"/t/image": grid},
+    "Marker": {"/t/image": lambda x: marker(frame=FRAME, ns="n", number=int(x))},
+    "MarkerArray": {"/t/image": lambda x: MarkerArray(markers=[marker(frame=FRAME, number=int(x))])},
+    "Odometry": {"/t/image": lambda x: placed(Odometry(), x)},
+    "Path": {"/t/image": path},
+    "PointCloud2": {"/t/image": points},
+    "PointStamped": {"/t/image": lambda x: PointStamped(point=Point(x=x))},
+    "Polygon": {"/t/image": polygon},
+    "Pose": {"/t/image": lambda x: placed(PoseStamped(), x)},
+    "PoseArray": {"/t/image": array_of_poses},
+    "PoseWithCovariance": {"/t/image": lambda x: placed(PoseWithCovarianceStamped(), x)},
+    "Range": {"/t/image": lambda x: Range(range=1.0 + x / 4, max_range=4.0, field_of_view=0.5)},
+    "RobotModel": {"/t/image": lambda _: String(data=ARM.format(arm=CYLINDER))},
+    "TwistStamped": {"/t/image": lambda x: screw(TwistStamped(), "twist", x)},
+    "Wrench": {"/t/image": lambda x: screw(WrenchStamped(), "wrench", x)},
+}  # fmt: skip
+
+
+def messages(class_name: str, number: int) -> Iterator[tuple[str, Any]]:
+    """Yield what is published at once for a class of display, with its topic."""
+    for topic, made in SAMPLES.get(class_name.rpartition("/")[2], {}).items():
+        message = made(2.0 * number)
+        header = getattr(message, "header", None)
+        if header is not None and not isinstance(message, CameraInfo | Marker):
+            header.frame_id = FRAME
+        if isinstance(message, CameraInfo):
+            message.header.frame_id = FRAME
+        yield topic, message
