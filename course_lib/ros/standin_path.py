@@ -1,7 +1,11 @@
 """Which ROS a program gets: the stand-in, whatever else is installed."""
 
 import sys
+from collections.abc import Sequence
 from functools import cache
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
+from importlib.util import spec_from_loader
 from pathlib import Path
 from types import ModuleType
 
@@ -26,6 +30,33 @@ def install() -> None:
     ours = str(STANDIN)
     if sys.path[:1] != [ours]:
         sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
+    if _OwnInterfaces not in sys.meta_path:
+        sys.meta_path.insert(0, _OwnInterfaces)
+
+
+class _OwnInterfaces(Loader):
+    """Imports interface files on Python's path, ``my_msgs/msg/Name.msg``, as ``my_msgs.msg``."""
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find the folder of a package that holds such files."""
+        package, _, kind = name.rpartition(".")
+        if kind not in ("msg", "srv", "action") or not package or "." in package:
+            return None
+        for folder in (Path(entry) for entry in path or ()):
+            if next(folder.glob(f"{kind}/*.{kind}"), None) is not None:
+                return spec_from_loader(name, cls(), origin=str(folder))
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill the module with the types."""
+        from course_lib.ros.messages.definitions import add_package
+        from course_lib.ros.messages.registry import import_types
+
+        add_package(Path(str(module.__spec__ and module.__spec__.origin)))
+        vars(module).update(import_types(module.__name__))
 
 
 @cache

@@ -3,6 +3,7 @@
 The types are files in the folder ``interfaces``, laid out as in ROS packages.
 """
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -11,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages.interface_files import read_interface
+from course_lib.ros.messages.interface_files import check_interface, read_defaults, read_interface
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 # common_interfaces and rcl_interfaces (jazzy): every field whose .msg line gives a default value.
-DEFAULTS: Mapping[tuple[str, str], Any] = {
+DEFAULTS: dict[tuple[str, str], Any] = {
     ("geometry_msgs/msg/Quaternion", "x"): 0.0,
     ("geometry_msgs/msg/Quaternion", "y"): 0.0,
     ("geometry_msgs/msg/Quaternion", "z"): 0.0,
@@ -67,6 +68,41 @@ def typestore() -> "Typestore":
     return store
 
 
+def add_package(package: Path) -> None:
+    """Take a package's own interface files, like ``my_msgs/msg/Name.msg``, into the store.
+
+    Raises:
+        CourseError: A file is not well formed, or names a type that is not there.
+    """
+    from rosbags.typesys import TypesysError
+
+    for path in sorted(p for p in package.glob("*/*.*") if p.suffix == f".{p.parent.name}"):
+        check_interface(path)
+        found = read_interface(path)
+        try:
+            typestore().register(found)
+        except TypesysError as error:
+            raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
+        DEFAULTS.update(read_defaults(path))
+        for name, (_, fields) in found.items():
+            for field in (_field(name, *field) for field in fields):
+                if field.is_message and not field.base.startswith(f"{package.name}/"):
+                    try:
+                        definition(field.base)
+                    except CourseError as error:
+                        raise CourseError(f"{path}, field {field.name}: {error}") from error
+
+
+def _find_package(type_name: str) -> None:
+    """Take in the package of a type that is not known yet, if its folder is on Python's path or here."""
+    package, *_ = type_name.split("/")
+    for entry in (*sys.path, "."):
+        folder = Path(entry, package)
+        if package.isidentifier() and next(folder.glob("[msa]*/*.[msa]*"), None) is not None:
+            add_package(folder)
+            return
+
+
 def type_names() -> list[str]:
     """List the known types, ``visualization_msgs/msg/Marker`` and the like."""
     return sorted(typestore().fielddefs)
@@ -80,6 +116,8 @@ def definition(type_name: str) -> MessageDefinition:
         CourseError: No such type; names the closest ones.
     """
     known = typestore().fielddefs
+    if type_name not in known:
+        _find_package(type_name)
     if type_name not in known:
         close = get_close_matches(type_name, known, n=3, cutoff=0.5)
         hint = (

@@ -9,11 +9,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from course_lib.errors import CourseError
+
 SERVICE_PARTS = ("_Request", "_Response")
 ACTION_PARTS = ("_Goal", "_Result", "_Feedback")
 # CDR knows no empty struct: a message without fields carries one byte under this name.
 PLACEHOLDER = "structure_needs_at_least_one_member"
 _PARTS: Mapping[str, tuple[str, ...]] = {"msg": ("",), "srv": SERVICE_PARTS, "action": ACTION_PARTS}
+# rosidl_adapter/parser.py: how types and fields may be called, and what stands behind a field's name.
+_TYPE_NAME = "[A-Z][A-Za-z0-9]*"
+_FIELD_NAME = "(?!.*__)(?!.*_$)[a-z][a-z0-9_]*"
+_FIELD = re.compile(
+    r"\s*(?P<type>[\w/]+(<=\d+)?(\[(<=)?\d*\])?)\s+(?P<name>\w+)"
+    r"(\s+(?P<default>\"[^\"]*\"|'[^']*'|[^\s#=\"'][^#]*?))?\s*(#.*)?"
+)
 # What rosidl makes of an action's three parts (rosidl_parser/definition.py, class Action).
 _ACTION_TRANSPORT: Mapping[str, str] = {
     "_SendGoal_Request": "unique_identifier_msgs/UUID goal_id\n{action}_Goal goal",
@@ -25,10 +34,19 @@ _ACTION_TRANSPORT: Mapping[str, str] = {
 
 
 def read_interface(path: Path) -> dict[str, Any]:
-    """Read a file that lies as in a ROS package, ``my_msgs/msg/Name.msg``; gives messages by type name."""
+    """Read a file that lies as in a ROS package, ``my_msgs/msg/Name.msg``; gives messages by type name.
+
+    Raises:
+        CourseError: It has not as many parts as it should have.
+    """
     package, folder, name = path.parent.parent.name, path.parent.name, path.stem
     pieces = re.split(r"^---[ \t]*\n?", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    texts = dict(zip(_PARTS[folder], pieces, strict=True))
+    parts = _PARTS[folder]
+    if len(pieces) != len(parts):
+        raise CourseError(
+            f"{path}: a .{folder} file has {len(parts)} parts with --- between them, not {len(pieces)}."
+        )
+    texts = dict(zip(parts, pieces, strict=True))
     if folder == "action":
         own = f"{package}/action/{name}"
         texts |= {part: text.format(action=own) for part, text in _ACTION_TRANSPORT.items()}
@@ -41,3 +59,45 @@ def _parse(text: str, package: str) -> Any:
 
     (definition,) = get_types_from_msg(text.strip() or f"uint8 {PLACEHOLDER}", f"{package}/msg/A").values()
     return definition
+
+
+def read_defaults(path: Path) -> dict[tuple[str, str], Any]:
+    """Give what fields hold at first, where the file says so, by type name and field."""
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+    package, folder, name = path.parent.parent.name, path.parent.name, path.stem
+    parts, found = iter(_PARTS[folder]), {}
+    part = next(parts)
+    for line in path.read_text(encoding="utf-8").splitlines():
+        field = _FIELD.fullmatch(line)
+        if line.startswith("---"):
+            part = next(parts)
+        elif field is not None and field["default"]:
+            value = yaml.safe_load(field["default"])
+            kind = {"f": float, "b": bool}.get(field["type"][0], lambda value: value)
+            found[f"{package}/{folder}/{name}{part}", field["name"]] = (
+                [kind(one) for one in value] if isinstance(value, list) else kind(value)
+            )
+    return found
+
+
+def check_interface(path: Path) -> None:
+    """Raise a CourseError for the first line that is none, and for names that rosidl does not take."""
+    from rosbags.typesys import TypesysError
+
+    if not re.fullmatch(_TYPE_NAME, path.stem):
+        raise CourseError(f"{path}: a type's name is written like JointLimit, so {path.stem!r} is none.")
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+        field = _FIELD.fullmatch(line)
+        if field is not None and not re.fullmatch(_FIELD_NAME, field["name"]):
+            raise CourseError(
+                f"{path}, line {number}: '{field['name']}' is an invalid field name. It should have the "
+                f"pattern '^{_FIELD_NAME}$', like joint_limit."
+            )
+        try:
+            _parse("" if line.startswith("---") else line, "x")
+        except TypesysError as error:
+            raise CourseError(
+                f"{path}, line {number}: {line.strip()!r} is neither a field, like `float64 speed`, nor a "
+                "constant, like `uint8 FAST=1`."
+            ) from error

@@ -6,7 +6,7 @@ rosbags wants plain numbers and numpy arrays of the field's own type; ROS progra
 
 from array import array
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,13 @@ class Kind:
 
 def kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kind:
     """Find a field's kind; `message_class` gives the class of a sub message."""
+    kind = _kind_of(field, message_class)
+    if field.default is None or field.container == "scalar":
+        return kind
+    return replace(kind, default=lambda: (kind.construct or list)(field.default))
+
+
+def _kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kind:
     if field.is_message:
         item = message_class(field.base)
         return _message(field, item) if field.container == "scalar" else _list(field, item, None)
