@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, record, write_bag
+from course_lib.recording import record, write_bag
 from course_lib.ros import standin_path
-from course_lib.ros.graph import Graph, current_graph, use_graph
+from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import WallPace
+from course_lib.ros.process import Function
 from course_lib.ros.program import run_files
 from course_lib.tools.executables import EXECUTABLES
 
@@ -44,29 +45,15 @@ def run(
     """
     if bag is not None and bag.exists():
         raise CourseError(f"{bag} is there already. Give the recording another folder, or remove that one.")
-    recording, code = recorded(files, seconds=seconds, seed=seed, args=args, real_time=real_time)
-    if bag is not None:
-        write_bag(recording, bag)
-    return code
-
-
-def recorded(
-    files: Sequence[Path],
-    *,
-    seconds: float | None,
-    seed: int = 0,
-    args: Sequence[str] = (),
-    real_time: bool = False,
-) -> tuple[Recording, int]:
-    """Run programs as `run` does; returns what they published and their exit code."""
     graph = Graph()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
         graph.pace = WallPace(graph)
-    with use_graph(graph):
-        recorder = record(graph)
+    with use_graph(graph), record(graph) as recorder:
         code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
-        return recorder.recording(), code
+    if bag is not None:
+        write_bag(recorder.recording(), bag)
+    return code
 
 
 def show_arguments(files: Sequence[Path]) -> str:
@@ -78,7 +65,7 @@ def show_arguments(files: Sequence[Path]) -> str:
 
 
 def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
-    """Run programs, and beside them a tool of the kit, as in another terminal; they end with it.
+    """Run programs, and, once each of them waits, a tool beside them; they end with it.
 
     Returns:
         The exit code of the programs.
@@ -86,41 +73,26 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
     Raises:
         CourseError: If a file cannot be run, or what the tool finds wrong.
     """
-    graph = Graph()
+    graph, wrong = Graph(), list[CourseError]()
     graph.end_ns = graph.now_ns + round(seconds * 1e9)
-    beside = ToolProgram(tool)
-    with use_graph(graph):
-        code = run_files(files, seed=0, beside=[beside], own=EXECUTABLES)
-    if beside.error is not None:
-        raise beside.error
-    return code
 
-
-class ToolProgram:
-    """A tool that runs beside programs; it starts when each of them waits for the first time."""
-
-    file = Path("ros2")
-    exit_code = 0
-
-    def __init__(self, tool: Callable[[Graph], None]) -> None:
-        self.error: CourseError | None = None
-        self._tool = tool
-
-    def run(self) -> None:
-        """Run the tool; when it is done, so is the run."""
+    def beside() -> None:
         import rclpy
 
-        graph = current_graph()
         rclpy.init(args=[], signal_handler_options=rclpy.SignalHandlerOptions.NO)
         try:
-            self._tool(graph)
+            tool(graph)
         except CourseError as error:
-            self.error = error
-        except KeyboardInterrupt:  # ends the programs, too
-            pass
+            wrong.append(error)
         finally:
             rclpy.try_shutdown()
             graph.end_ns = graph.now_ns
+
+    with use_graph(graph):
+        code = run_files(files, seed=0, beside=[Function("ros2", beside, ())], own=EXECUTABLES)
+    if wrong:
+        raise wrong[0]
+    return code
 
 
 def with_fixed_hashes() -> None:

@@ -86,13 +86,7 @@ def window_options(default: int) -> tuple[Option, ...]:
     """Give the options of verbs that look at a topic's last messages."""
     return (
         value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
-        value(
-            "-w",
-            "--window",
-            type=positive(int),
-            default=default,
-            help=f"window size, in # of messages (default: {default})",
-        ),
+        value("-w", "--window", type=positive(int), default=default, help="window size, in # of messages"),
         *NODE_OPTIONS[:2],
     )
 
