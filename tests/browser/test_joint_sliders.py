@@ -1,13 +1,12 @@
 """Joint sliders by keyboard, in real JupyterLab."""
 
-import json
 from collections.abc import Iterator
 from math import pi
 
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.browser.jupyterlab import Notebook, course_lab
+from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 CELLS = (
@@ -26,13 +25,7 @@ CELLS = (
 def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
     folder = tmp_path_factory.mktemp("student") / "my_course"
     folder.mkdir()
-    cells: list[dict[str, object]] = [
-        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
-        for source in CELLS
-    ]
-    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    content = {"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}
-    (folder / "sliders.ipynb").write_text(json.dumps(content))
+    write_notebook(folder / "sliders.ipynb", CELLS)
     with course_lab(folder, folder.parent / "home") as address:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         notebook = Notebook(page, address, "sliders.ipynb")

@@ -1,13 +1,12 @@
 """Many views in real JupyterLab: twenty on a page, two tabs, a restart, hands while a node runs live."""
 
-import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.jupyterlab import Notebook, course_lab
+from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
@@ -64,13 +63,7 @@ _COUNT = """(views, color) => views.map((view) => {
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("student") / "my_course"
     folder.mkdir()
-    cells: list[dict[str, Any]] = [
-        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
-        for source in CELLS
-    ]
-    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    content = {"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}
-    (folder / "many.ipynb").write_text(json.dumps(content))
+    write_notebook(folder / "many.ipynb", CELLS)
     with course_lab(folder, folder.parent / "home") as address:
         yield address
 

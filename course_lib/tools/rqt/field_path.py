@@ -47,7 +47,7 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
     path = "/" + text.strip("/")
     fitting = [topic for topic in topics if f"{path}/".startswith(f"{topic}/")]
     if not fitting:
-        raise CourseError(f"topic {path} does not exist. {near(path, _starts(path, topics))}")
+        raise CourseError(f"topic {path} does not exist. {near(path, topics)}")
     topic = max(fitting, key=len)
     type_name = topics[topic][0]
     words = path[len(topic) :].strip("/")
@@ -68,15 +68,6 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
             f"{f'{path} ' if steps else ''}{why}. Numbers here: {', '.join(numbers) or 'none'}."
         )
     return FieldPath(path, topic, type_name, tuple(steps))
-
-
-def _starts(path: str, topics: Mapping[str, Sequence[str]]) -> list[str]:
-    """List what topics there are; of as many parts as the path has, for those may be meant."""
-    depths = {topic.count("/") for topic in topics}
-    parts = path.split("/")
-    starts = {"/".join(parts[: depth + 1]) for depth in depths}
-    close = [topic for topic in topics if any(near(start, [topic]).startswith("Did") for start in starts)]
-    return close or list(topics)
 
 
 def _check_index(path: str, word: str, field: FieldDefinition, index: int | None) -> None:

@@ -42,7 +42,8 @@ class GraphView(View):
         """Draw the graph as SVG."""
         nodes, edges = set(self._names().values()), self._edges()
         topics = {name for edge in edges for name in edge} - nodes
-        names = {name: name.strip() for name in sorted(nodes | topics)}
+        bad = self._incompatible()
+        names = {name: name.strip() + " (QoS!)" * (name[1:] in bad) for name in sorted(nodes | topics)}
         if not names:
             return "<p>No node is there: make one, like node = MyNode().</p>"
         widths = {name: 26 + 6.8 * len(words) for name, words in names.items()}
@@ -50,11 +51,10 @@ class GraphView(View):
         is_grouped = self["Group namespaces"]
         groups = {name: words.rpartition("/")[0] if is_grouped else "" for name, words in names.items()}
         layers = layered(widths, edges, groups, 60 + 6.2 * longest)
-        bad = self._incompatible()
         shapes = [_ARROW, *map(_group, layers.boxes, layers.boxes.values())]
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
-        shapes += [_node(layers.places[n], widths[n], names[n], n in topics, names[n] in bad) for n in names]
-        links = (f"{a.strip()} to {b.strip()} {' '.join(lines)}" for (a, b), lines in edges.items())
+        shapes += [_node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad) for n in names]
+        links = (f"{names[a]} to {names[b]} {' '.join(lines)}".strip() for (a, b), lines in edges.items())
         return drawing("".join(shapes), *layers.size, f"{len(nodes)} nodes. {', '.join(links)}")
 
     def _shown(self, name: str, kind: str) -> bool:
@@ -152,8 +152,8 @@ def _edge(layers: Layers, edge: Edge, lines: list[str]) -> str:
         for (x0, y0), (x1, y1) in pairwise(points):
             bend = (x0 + x1) / 2
             path += f"C{bend:.1f} {y0:.1f} {bend:.1f} {y1:.1f} {x1:.1f} {y1:.1f}"
-        (x, y), (x1, y1) = points[:2]
-        x, y = (x + x1) / 2, (y + y1) / 2
+        (x, y), (x1, y1) = points[:2]  # labels stand near the start: the way back has its own
+        x, y = x + 0.35 * (x1 - x), y + 0.25 * (y1 - y)
     halo = {"stroke": "var(--rqt-back)", "stroke_width": 4, "paint_order": "stroke", "font_size": 11}
     top = y - 4 - 6.5 * (len(lines) - 1)
     labels = "".join(text(line, x, top + 13 * row, "middle", **halo) for row, line in enumerate(lines))

@@ -17,7 +17,7 @@ STYLE = """<style>
 .rqt table { border-collapse: collapse; width: 100%; font-size: 12.5px; }
 .rqt thead th { position: sticky; top: 0; background: var(--jp-layout-color2, Canvas); }
 .rqt th, .rqt td { padding: 2px 8px; border-bottom: 1px solid var(--rqt-line); text-align: left;
-  vertical-align: top; overflow-wrap: anywhere; }
+  vertical-align: top; overflow-wrap: break-word; }
 .rqt pre { margin: 0; font-size: 12px; line-height: 1.35; white-space: pre-wrap; color: inherit; }
 .rqt svg { display: block; max-width: 100%; height: auto; font: 12px system-ui, sans-serif; }
 .rqt svg text { fill: var(--rqt-text); }

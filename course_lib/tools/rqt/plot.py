@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import takewhile
 from math import isfinite
 from typing import Any
 
@@ -65,7 +66,7 @@ class PlotView(View):
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
         curves = [
-            np.array([point for point in points if point[0] >= since]).reshape(-1, 2)
+            np.array([*takewhile(lambda point: point[0] >= since, reversed(points))][::-1]).reshape(-1, 2)
             for _, points in self._curves.values()
         ]
         legend = [

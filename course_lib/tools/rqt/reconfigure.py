@@ -1,6 +1,5 @@
 """`%rqt reconfigure`: the parameters of nodes, to be changed while they run."""
 
-from collections.abc import Callable
 from html import escape
 from typing import Any
 
@@ -12,7 +11,7 @@ from course_lib.tools.rqt.service_caller import ask, services
 from course_lib.tools.rqt.view import View, near
 
 _LIST = "/list_parameters"
-_WIDTH = {"width": "420px"}
+_WIDTH = {"width": "420px", "flex": "none"}
 _STYLE = {"description_width": "180px"}
 
 
@@ -28,6 +27,7 @@ class ReconfigureView(View):
         wanted, nodes = self.wanted(), self._nodes()
         if wanted not in (None, *nodes):
             raise CourseError(f"Node not found: {wanted}. {near(str(wanted), nodes)}")
+        self._values: dict[str, Any] = {}
         self._rows: dict[str, Any] = {}
         self._reading = False  # whether values come from the node, not from the page
         self._table = VBox()
@@ -74,16 +74,17 @@ class ReconfigureView(View):
 
         names = sorted(ask(self.graph, f"{node}{_LIST}", ListParameters.Request()).result.names)
         values = ask(self.graph, f"{node}/get_parameters", GetParameters.Request(names=names)).values
-        about = ask(
-            self.graph, f"{node}/describe_parameters", DescribeParameters.Request(names=names)
-        ).descriptors
+        request = DescribeParameters.Request(names=names)
+        about = ask(self.graph, f"{node}/describe_parameters", request).descriptors
         return list(zip(names, map(value_of, values), about, strict=True))
 
     def _read(self) -> None:
         """Make the rows of the node that is chosen."""
         node = self["Node"]
         self.say("" if node else "Choose a node.")
-        self._rows = {n: self._row(n, v, about) for n, v, about in (self._parameters(node) if node else [])}
+        found = self._parameters(node) if node else []
+        self._values = {name: value for name, value, _ in found}
+        self._rows = {name: self._row(name, value, about) for name, value, about in found}
         self.refresh()
 
     def _row(self, name: str, value: Any, about: Any) -> Any:
@@ -106,30 +107,25 @@ class ReconfigureView(View):
         from rclpy.impl.parameter_yaml import read_value
         from rclpy.parameter import Parameter
 
-        node, said = self["Node"], self._rows[name].children[2]
-        was = next(value for parameter, value, _ in self._parameters(node) if parameter == name)
+        was, said = self._values[name], self._rows[name].children[2]
         try:
             value = read_value(text) if isinstance(text, str) and not isinstance(was, str) else text
-            message = Parameter(name, value=value).to_parameter_msg()
+            request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+            (result,) = ask(self.graph, f"{self['Node']}/set_parameters", request).results
+            refusal = "" if result.successful else result.reason or "the node refuses it"
         except ValueError as error:
-            reason = f"{text!r} is no value of a parameter: {error}"
-        else:
-            request = SetParameters.Request(parameters=[message])
-            (result,) = ask(self.graph, f"{node}/set_parameters", request).results
-            reason = "" if result.successful else result.reason or "the node refuses it"
-        if reason:
+            refusal = f"{text!r} is no value of a parameter: {error}"
+        if refusal:
             self._show({name: was})
-        said.value = (
-            f"<span class='rqt-notice'>Not set: {escape(reason)}</span>" if reason else "<span>set</span>"
-        )
+        said.value = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
 
     def _show(self, values: dict[str, Any]) -> None:
         """Show values that a node has."""
         self._reading = True
-        for name, value in values.items():
-            if name in self._rows:
-                control = self._rows[name].children[0]
-                control.value = shown(value) if isinstance(control.value, str) else value
+        for name in values.keys() & self._rows.keys():
+            control = self._rows[name].children[0]
+            self._values[name] = values[name]
+            control.value = shown(values[name]) if isinstance(control.value, str) else values[name]
         self._reading = False
 
 
@@ -146,29 +142,25 @@ def editor(name: str, value: Any, about: Any) -> Any:
     """Make the control that suits a value and its descriptor."""
     import ipywidgets as widgets
 
-    ranges: Any = about.integer_range if isinstance(value, int) else about.floating_point_range
-    kinds: dict[type, tuple[Callable[..., Any], Callable[..., Any]]] = {
-        bool: (widgets.Checkbox, widgets.Checkbox),
-        int: (widgets.IntText, widgets.IntSlider),
-        float: (widgets.FloatText, widgets.FloatSlider),
-    }
     settings: dict[str, Any] = {"description": name, "style": _STYLE, "layout": _WIDTH}
-    if type(value) not in kinds:
-        text = widgets.Text(shown(value), continuous_update=False, **settings)
-        text.disabled = value is None
-        return text
-    plain, slider = kinds[type(value)]
-    if type(value) is bool or not ranges:
-        return plain(value=value, **settings)
-    limits = ranges[0]
-    step = limits.step or (1 if isinstance(value, int) else (limits.to_value - limits.from_value) / 1000)
-    limited = {"min": limits.from_value, "max": limits.to_value, "step": step, "continuous_update": False}
-    return slider(value=value, **limited, **settings)
+    if isinstance(value, bool):
+        return widgets.Checkbox(value, **settings)
+    if not isinstance(value, int | float):
+        return widgets.Text(shown(value), continuous_update=False, disabled=value is None, **settings)
+    is_int = isinstance(value, int)
+    for limits in about.integer_range if is_int else about.floating_point_range:
+        low, high = limits.from_value, limits.to_value
+        settings |= {"min": low, "max": high, "step": limits.step or (1 if is_int else (high - low) / 1000)}
+        slider = widgets.IntSlider if is_int else widgets.FloatSlider
+        return slider(value, continuous_update=False, **settings)
+    return (widgets.IntText if is_int else widgets.FloatText)(value, **settings)
 
 
 def shown(value: Any) -> str:
     """Write a value as a text field has it: strings as they are, lists as YAML."""
-    return "not set" if value is None else value if isinstance(value, str) else str(list(value))
+    if value is None:
+        return "not set"
+    return str(value if isinstance(value, str | bool | int | float) else list(value))
 
 
 def value_of(message: Any) -> Any:

@@ -40,7 +40,7 @@ def rqt(words: Sequence[str]) -> None:
     """
     match [word for word in words if word != "--force-discover"]:
         case ["--perspective-file", file]:
-            _show([_restored(one, file) for one in _read(Path(file))])
+            _show([view for one in _read(Path(file)) for view in _restored(one, file)])
         case ["save" | "--save-config", file]:
             _save(Path(file))
         case [name, *rest] if not name.startswith("-"):
@@ -114,13 +114,17 @@ def _read(file: Path) -> list[Any]:
     return views
 
 
-def _restored(about: dict[str, Any], file: str) -> View:
-    """Make a view as a perspective says."""
+def _restored(about: dict[str, Any], file: str) -> list[View]:
+    """Make a view as a perspective says; none, and a line that says why, where its words fit nothing now."""
     try:
-        view = _view_class(str(about["view"]))(
-            current_graph(), [str(word) for word in about.get("words", [])]
-        )
-        view.restore(about.get("controls", {}))
-    except (KeyError, TypeError, AttributeError) as error:
+        view_class, words = _view_class(str(about["view"])), [str(word) for word in about.get("words", [])]
+        settings = dict(about.get("controls", {}))
+    except (KeyError, TypeError, ValueError) as error:
         raise CourseError(f"{file}: {about!r} is no view: write view, words and controls.") from error
-    return view
+    try:
+        view = view_class(current_graph(), words)
+    except CourseError as error:
+        say(f"{view_class.title} is left out: {error}")
+        return []
+    view.restore(settings)
+    return [view]

@@ -13,7 +13,7 @@ from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import View, near
 from course_lib.tools.sources import NODE_NAME
 
-PATIENCE = 5.0  # [s] of robot time for an answer
+PATIENCE = 2.0  # [s] of robot time for an answer
 
 
 class ServiceCallerView(View):
@@ -63,7 +63,7 @@ class ServiceCallerView(View):
         if self["Service"] is None:
             raise CourseError("Choose a service first.")
         self.say("")
-        self._told = "<p class='rqt-dim'>No response.</p>"
+        self._told = self.screen.value = "<p class='rqt-dim'>No response.</p>"
         request = message_class(f"{services(self.graph)[self['Service']]}_Request")()
         fill(request, self._request.value)
         answer = ask(self.graph, self["Service"], request)

@@ -36,8 +36,10 @@ class TopicView(View):
 
     def hear(self, sample: Sample) -> None:
         """Count a message."""
-        window = self._heard.setdefault(sample.topic, deque(maxlen=10_000))
+        window = self._heard.setdefault(sample.topic, deque())
         window.append((sample.stamp_ns, len(sample.cdr)))
+        while window[0][0] < sample.stamp_ns - _WINDOW_NS:
+            window.popleft()
         self._last[sample.topic] = sample
 
     def refresh(self) -> None:

@@ -158,7 +158,7 @@ class View:
             try:
                 self.controls[name].value = value
             except TraitError:
-                self.say(f"{name} can't be {value!r} now.")
+                self.say(f"“{name}” can't be {value!r} now.")
 
     def widget(self) -> "VBox":
         """Make what a cell shows, which follows the graph from now on."""
@@ -176,7 +176,8 @@ class View:
 
     def static(self) -> str:
         """Write what a page without widgets shows."""
-        return f"{STYLE}<div class='rqt'><b class='rqt-title'>{self.title}</b>{self.picture()}</div>"
+        head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
+        return f"{STYLE}<div class='rqt'>{head}{self.picture()}</div>"
 
     def say(self, text: str) -> None:
         """Show a line of text above the picture; "" takes it away."""
@@ -185,7 +186,7 @@ class View:
     def soon(self, action: Callable[[], None]) -> None:
         """Do something in the kernel's main thread: a page's words may come in another one."""
         if self._loop is None:
-            action()
+            self._act(action)
         else:
             self._loop.call_soon_threadsafe(self._act, action)
 

@@ -1,0 +1,125 @@
+"""rqt's views in real JupyterLab, while nodes run live and by keyboard."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, expect
+
+from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+NODES = """%load_ext course_lib
+from math import sin
+import rclpy
+from example_interfaces.srv import AddTwoInts
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from std_msgs.msg import Float64
+from course_lib import run_live
+
+class Arm(Node):
+    def __init__(self):
+        super().__init__("controller", namespace="arm")
+        limits = ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value=0.0, to_value=5.0)])
+        self.declare_parameter("gain", 1.0, limits)
+        self.declare_parameter("frame", "base")
+        self.add_on_set_parameters_callback(self.check)
+        self.angle = self.create_publisher(Float64, "angle", 10)
+        self.create_timer(0.05, self.move)
+        self.create_service(AddTwoInts, "add", self.add)
+
+    def check(self, parameters):
+        good = all(p.name != "frame" or p.value == "base" for p in parameters)
+        return SetParametersResult(successful=good, reason="" if good else "there is only base")
+
+    def move(self):
+        seconds = self.get_clock().now().nanoseconds * 1e-9
+        self.angle.publish(Float64(data=self.get_parameter("gain").value * sin(seconds)))
+
+    def add(self, request, response):
+        response.sum = request.a + request.b
+        return response
+
+rclpy.init()
+arm, planner = Arm(), Node("planner")
+heard = []
+planner.create_subscription(Float64, "/arm/angle", heard.append, 10)
+live = run_live(arm, planner)"""
+VIEWS = (
+    "%rqt graph",
+    "%rqt plot /arm/angle/data",
+    "%rqt reconfigure /arm/controller\n%rqt service_caller /arm/add",
+)
+
+
+@pytest.fixture(scope="module")
+def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
+    folder = tmp_path_factory.mktemp("student") / "my_course"
+    folder.mkdir()
+    write_notebook(folder / "rqt.ipynb", (NODES, *VIEWS))
+    with course_lab(folder, folder.parent / "home") as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.set_default_timeout(20_000)
+        notebook = Notebook(page, address, "rqt.ipynb")
+        notebook.run_all()
+        yield notebook
+        page.close()
+
+
+def look(notebook: Notebook, cell: Locator, name: str) -> None:
+    if PICTURES:
+        cell.screenshot(path=Path(PICTURES) / f"rqt_{name}.png")
+
+
+def test_the_graph_follows_the_nodes(notebook: Notebook) -> None:
+    cell = notebook.cell(VIEWS[0])
+    expect(cell.locator("ellipse")).to_have_count(2)
+    expect(cell.get_by_role("img", name="2 nodes. /arm/controller to /arm/angle")).to_be_visible()
+    notebook.kernel("planner.create_publisher(Float64, 'goal', 1)")
+    cell.get_by_label("Show").select_option("Nodes/Topics (all)")
+    expect(cell.locator("svg text", has_text="/goal")).to_be_visible()
+    look(notebook, cell, "graph")
+
+
+def test_a_plot_moves_until_it_is_paused_by_keyboard(notebook: Notebook) -> None:
+    cell = notebook.cell(VIEWS[1])
+    curve = cell.locator("polyline")
+    before = curve.get_attribute("points")
+    expect(curve).not_to_have_attribute("points", before or "")
+    cell.get_by_label("Pause").focus()
+    notebook.page.keyboard.press("Space")
+    expect(cell.get_by_label("Pause")).to_be_checked()
+    notebook.page.wait_for_timeout(600)
+    before = curve.get_attribute("points")
+    notebook.page.wait_for_timeout(600)
+    assert curve.get_attribute("points") == before
+    look(notebook, cell, "plot")
+
+
+def test_parameters_are_set_while_nodes_run_and_a_refusal_says_why(notebook: Notebook) -> None:
+    cell = notebook.cell(VIEWS[2])
+    frame = cell.get_by_label("frame")
+    frame.fill("map")
+    frame.press("Enter")
+    expect(cell.get_by_text("Not set: there is only base")).to_be_visible()
+    expect(frame).to_have_value("base")
+    cell.locator(".widget-slider", has_text="gain").locator(".noUi-handle").focus()
+    notebook.page.keyboard.press("ArrowRight")
+    expect(cell.get_by_text("set", exact=True)).to_be_visible()
+    assert float(notebook.kernel("print(arm.get_parameter('gain').value)")) > 1.0
+
+
+def test_a_service_answers_and_the_view_closes(notebook: Notebook) -> None:
+    cell = notebook.cell(VIEWS[2])
+    cell.get_by_label("Request").fill("{a: 20, b: 22}")
+    cell.get_by_role("button", name="Call").press("Enter")
+    expect(cell.get_by_text("sum: 42")).to_be_visible()
+    look(notebook, cell, "services")
+    cell.get_by_role("button", name="Close").first.press("Enter")
+    expect(cell.get_by_text("Dynamic Reconfigure")).to_have_count(0)
+    expect(cell.get_by_text("Service Caller")).to_be_visible()
+    assert notebook.errors() == []
+    assert int(notebook.kernel("print(len(heard))")) > 10

@@ -1,0 +1,101 @@
+from math import isnan, sin
+
+import numpy as np
+import pytest
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.field_path import parse
+from course_lib.tools.rqt.plot import PlotView, _thinned
+
+TOPICS = {
+    "/arm/joint_states": ["sensor_msgs/msg/JointState"],
+    "/pose": ["geometry_msgs/msg/PoseStamped"],
+    "/on": ["std_msgs/msg/Bool"],
+    "/odom": ["nav_msgs/msg/Odometry"],
+}
+
+
+def test_paths_lead_to_numbers_in_messages() -> None:
+    from geometry_msgs.msg import PoseStamped
+    from sensor_msgs.msg import JointState
+    from std_msgs.msg import Bool
+
+    pose = PoseStamped()
+    pose.pose.position.x = 3.5
+    assert parse("/pose/pose/position/x", TOPICS).read(pose) == 3.5
+    assert parse("on/data", TOPICS).read(Bool(data=True)) == 1.0
+    second = parse("/arm/joint_states/position[1]", TOPICS)
+    assert second.read(JointState(position=[1.0, 2.0])) == 2.0
+    assert isnan(second.read(JointState(position=[1.0])))
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        (
+            "/arm/joint_stats/position[0]",
+            r"topic /arm/joint_stats/position\[0\] does not exist. Did you mean /arm/joint",
+        ),
+        ("/on", 'no field specified in topic name "/on". Numbers here: /on/data'),
+        ("/pose/pose/positon/x", "geometry_msgs/msg/Pose has no field 'positon'. Did you mean position"),
+        ("/pose/pose/position", "/pose/pose/position is not a number. Numbers here: /pose/pose/position/x"),
+        ("/pose/header/frame_id", "is not a number"),
+        ("/arm/joint_states/position", r"position is a list. Say which of it, like position\[0\]"),
+        ("/pose/pose/position/x[0]", "x is no list"),
+        ("/odom/pose/covariance[36]", "covariance is a list of 36"),
+        ("/on/data/x", "a number has no field 'x'"),
+    ],
+)
+def test_a_wrong_path_is_explained(path: str, said: str) -> None:
+    with pytest.raises(CourseError, match=said):
+        parse(path, TOPICS)
+
+
+def test_curves_show_what_came_by_robot_time(graph: Graph, arm: Node) -> None:
+    view = PlotView(graph, ["/arm/joint_states/position[0]"])
+    start_ns = graph.now_ns
+    view.listen()
+    spin_for(1.0)
+    ((_, points),) = view._curves.values()
+    assert len(points) == 20
+    assert points[3][0] == pytest.approx(0.2)
+    assert points[3][1] == pytest.approx(sin(start_ns * 1e-9 + 0.2), abs=1e-6)
+    assert f"/arm/joint_states/position[0] = {points[-1][1]:.4g}" in view.picture()
+
+
+def test_curves_are_added_by_typing_and_keep_what_they_have(graph: Graph, arm: Node) -> None:
+    view = PlotView(graph, ["/arm/joint_states/position[0]"])
+    view.listen()
+    spin_for(0.5)
+    view.controls["Topics"].value += " /arm/joint_states/position[1]"
+    spin_for(0.5)
+    assert [len(points) for _, points in view._curves.values()] == [20, 10]
+    view._clear()
+    assert "nothing came yet" in view.picture()
+
+
+def test_a_pause_keeps_the_picture_and_goes_on_listening(graph: Graph, arm: Node) -> None:
+    view = PlotView(graph, ["/arm/joint_states/position[1]"])
+    view.listen()
+    spin_for(0.5)
+    view.refresh()
+    before = view.screen.value
+    view.controls["Pause"].value = True
+    spin_for(0.5)
+    view.refresh()
+    assert view.screen.value == before
+    view.controls["Pause"].value = False
+    assert view.screen.value != before
+
+
+def test_thinning_keeps_every_peak() -> None:
+    time = np.linspace(0, 10, 100_000)
+    values = np.sin(time)
+    values[54_321], values[77_777] = 9.0, -9.0
+    thin = _thinned(np.stack([time, values], 1))
+    assert len(thin) < 2000
+    assert (thin[:, 1].max(), thin[:, 1].min()) == (9.0, -9.0)
+    assert (np.diff(thin[:, 0]) >= 0).all()

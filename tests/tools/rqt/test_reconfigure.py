@@ -1,0 +1,67 @@
+from typing import Any
+
+import ipywidgets
+import pytest
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.reconfigure import ReconfigureView
+
+
+@pytest.fixture
+def view(graph: Graph, arm: Node) -> ReconfigureView:
+    view = ReconfigureView(graph, ["arm/controller"])
+    view.listen()
+    view.body()
+    return view
+
+
+def row(view: ReconfigureView, name: str) -> tuple[Any, str, str]:
+    control, note, said = view._rows[name].children
+    return control, note.value, said.value
+
+
+def test_controls_suit_types_and_ranges(view: ReconfigureView) -> None:
+    slider, note, _ = row(view, "gain")
+    assert isinstance(slider, ipywidgets.FloatSlider)
+    assert (slider.min, slider.max, slider.value) == (0.0, 5.0, 1.5)
+    assert "0 … 5 · How fast" in note
+    assert isinstance(row(view, "use_sim_time")[0], ipywidgets.Checkbox)
+    assert row(view, "limits")[0].value == "[0.5, 1.5]"
+    assert row(view, "serial")[0].disabled
+    assert "read-only" in row(view, "serial")[1]
+
+
+def test_a_change_is_set_in_the_node(view: ReconfigureView, arm: Node) -> None:
+    row(view, "gain")[0].value = 2.25
+    row(view, "limits")[0].value = "[1.0, 2.0, 3.0]"
+    assert arm.get_parameter("gain").value == 2.25
+    assert list(arm.get_parameter("limits").value) == [1.0, 2.0, 3.0]
+    assert row(view, "gain")[2] == "set"
+
+
+def test_a_refused_value_is_taken_back_with_the_reason(view: ReconfigureView, arm: Node) -> None:
+    row(view, "frame")[0].value = "map"
+    assert row(view, "frame")[0].value == arm.get_parameter("frame").value == "base"
+    assert "Not set: there is only base" in row(view, "frame")[2]
+    row(view, "limits")[0].value = "[1.0"
+    assert "is no value of a parameter" in row(view, "limits")[2]
+
+
+def test_what_others_set_is_shown(view: ReconfigureView, arm: Node) -> None:
+    arm.set_parameters([Parameter("gain", value=4.0)])
+    spin_for(0.1)
+    assert row(view, "gain")[0].value == 4.0
+
+
+def test_without_a_page_all_nodes_are_written(graph: Graph, arm: Node) -> None:
+    picture = ReconfigureView(graph, []).picture()
+    assert "<td>gain</td><td>1.5</td><td>0 … 5 · How fast</td>" in picture
+
+
+def test_a_wrong_node_names_the_near_one(graph: Graph, arm: Node) -> None:
+    with pytest.raises(CourseError, match=r"Node not found: /arm/controler\. Did you mean /arm/controller"):
+        ReconfigureView(graph, ["arm/controler"])

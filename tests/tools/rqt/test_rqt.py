@@ -1,0 +1,102 @@
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.rqt import VIEWS, rqt
+
+Show = Callable[..., str]
+
+
+@pytest.fixture
+def show(monkeypatch: pytest.MonkeyPatch, graph: Graph) -> Show:
+    """Runs %rqt; gives what stands below the cell."""
+    shown: list[Any] = []
+    monkeypatch.setattr("IPython.display.display", shown.append)
+
+    def show(*words: str) -> str:
+        shown.clear()
+        rqt(words)
+        return "".join(one.data for one in shown)
+
+    return show
+
+
+@pytest.mark.parametrize("name", [name for name in VIEWS if name != "bag"])
+def test_without_a_page_each_view_is_a_picture(show: Show, arm: Node, name: str) -> None:
+    words: Sequence[str] = ["/arm/joint_states/position[0]"] if name == "plot" else []
+    assert VIEWS[name].title in show(name, *words)
+
+
+def test_without_a_page_views_that_listen_hear_some_seconds(
+    show: Show, arm: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "20.00" in show("rqt_topic")
+    assert capsys.readouterr().out == "No page is watching: rqt listened for 5 s of robot time.\n"
+
+
+def test_a_perspective_brings_views_back_as_they_were(show: Show, arm: Node, tmp_path: Path) -> None:
+    file = str(tmp_path / "f.perspective")
+    show("graph")
+    show("plot", "/arm/joint_states/position[0]")
+    show("save", file)
+    views = yaml.safe_load(Path(file).read_text())
+    assert [view["view"] for view in views] == ["graph", "plot"]
+    views[0]["controls"]["Show"] = "Nodes only"
+    Path(file).write_text(yaml.safe_dump(views))
+    shown = show("--force-discover", "--perspective-file", file)
+    assert "Node Graph" in shown
+    assert "/arm/joint_states/position[0] = " in shown
+    show("save", file)
+    assert yaml.safe_load(Path(file).read_text()) == views
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[", "is no perspective"),
+        ("a: 1", "is no perspective of %rqt"),
+        ("- view: grahp", "Did you mean graph"),
+        ("- {}", "write view, words and controls"),
+        ("- {view: graph, controls: {Shw: x}}", "has no control 'Shw'. Did you mean Show"),
+        ("- {view: graph, words: 5}", "write view, words and controls"),
+        ("- {view: graph, controls: 5}", "write view, words and controls"),
+    ],
+)
+def test_a_broken_perspective_is_an_error(show: Show, tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "f").write_text(text)
+    with pytest.raises(CourseError, match=said):
+        show("--perspective-file", str(tmp_path / "f"))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("grap", "rqt has no view 'grap' here. Did you mean graph?"),
+        ("", "Write %rqt graph | plot"),
+        ("--perspective-file /nowhere/f", "Can't read /nowhere/f"),
+        ("save /nowhere/f", "Can't write /nowhere/f"),
+    ],
+)
+def test_a_wrong_word_is_explained(show: Show, words: str, said: str) -> None:
+    with pytest.raises(CourseError) as error:
+        show(*words.split())
+    assert said in str(error.value)
+
+
+def test_a_control_that_cannot_be_set_now_is_said(show: Show, arm: Node, tmp_path: Path) -> None:
+    (tmp_path / "f").write_text("- {view: service_caller, controls: {Service: /gone}}")
+    assert "“Service” can&#x27;t be &#x27;/gone&#x27; now." in show("--perspective-file", str(tmp_path / "f"))
+
+
+def test_a_view_that_fits_nothing_now_is_left_out_and_named(
+    show: Show, arm: Node, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "f").write_text("- {view: plot, words: [/gone/x]}\n- {view: graph}")
+    assert "Node Graph" in show("--perspective-file", str(tmp_path / "f"))
+    assert "MatPlot is left out: topic /gone/x does not exist." in capsys.readouterr().out

@@ -1,0 +1,67 @@
+import pytest
+from example_interfaces.srv import AddTwoInts
+from rclpy.node import Node
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import running_nodes
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.service_caller import ServiceCallerView
+
+
+@pytest.fixture
+def view(graph: Graph) -> ServiceCallerView:
+    def add(request: AddTwoInts.Request, response: AddTwoInts.Response) -> AddTwoInts.Response:
+        response.sum = request.a + request.b
+        return response
+
+    node = Node("server")
+    node.create_service(AddTwoInts, "add", add)
+    running_nodes().append(node)
+    return ServiceCallerView(graph, ["add"])
+
+
+def call(view: ServiceCallerView, request: str) -> str:
+    view._request.value = request
+    view.buttons()[0].click()
+    return str(view.screen.value)
+
+
+def test_a_request_begins_with_default_values(view: ServiceCallerView) -> None:
+    assert view._request.value == "a: 0\nb: 0\n"
+
+
+def test_the_response_is_shown(view: ServiceCallerView) -> None:
+    assert "sum: 42" in call(view, "{a: 20, b: 22}")
+
+
+@pytest.mark.parametrize(
+    ("request_", "said"),
+    [
+        ("c: 1", "object has no attribute &#x27;c&#x27;"),
+        ("a: [", "is no YAML"),
+        ("a: {b: 1}", "Failed to populate field"),
+    ],
+)
+def test_what_is_no_request_is_explained(view: ServiceCallerView, request_: str, said: str) -> None:
+    assert "No response" in call(view, request_)
+    assert said in view.notice.value
+
+
+def test_silence_is_an_error(view: ServiceCallerView) -> None:
+    running_nodes().clear()
+    call(view, "a: 1")
+    assert "/add does not answer: is its node running?" in view.notice.value
+
+
+def test_a_wrong_name_names_the_near_one(view: ServiceCallerView, graph: Graph) -> None:
+    with pytest.raises(CourseError, match=r"There is no service /ad\. Did you mean /add\?"):
+        ServiceCallerView(graph, ["ad"])
+
+
+def test_services_that_come_later_are_offered_and_the_choice_stays(
+    view: ServiceCallerView, planner: Node
+) -> None:
+    planner.create_service(AddTwoInts, "more", lambda _, response: response)
+    view.refresh()
+    assert "/more" in view.controls["Service"].options
+    assert view["Service"] == "/add"

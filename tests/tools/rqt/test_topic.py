@@ -1,0 +1,38 @@
+from rclpy.node import Node
+
+from course_lib.recording import record
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.topic import TopicView
+
+
+def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node) -> None:
+    view = TopicView(graph, [])
+    view.listen()
+    with record(graph) as recorder:
+        spin_for(2.0)
+    size = next(len(s.cdr) for s in recorder.recording().samples if s.topic == "/arm/joint_states")
+    assert view._about("/arm/joint_states", ["sensor_msgs/msg/JointState"])[:3] == [
+        "sensor_msgs/msg/JointState",
+        f"{size * 20 / 1000:.2f} KB/s",
+        "20.00",
+    ]
+
+
+def test_a_row_opens_to_the_whole_value(graph: Graph, arm: Node) -> None:
+    view = TopicView(graph, ["/arm/joint_states"])
+    view.listen()
+    spin_for(0.2)
+    view.refresh()
+    line, value = view._rows["/arm/joint_states"].children
+    assert "position:\n- " in value.value
+    line.children[0].value = False
+    assert value.value == ""
+
+
+def test_the_filter_leaves_topics_out(graph: Graph, arm: Node) -> None:
+    view = TopicView(graph, [])
+    view.controls["Filter"].value = "joint"
+    view.refresh()
+    assert len(view._table.children) == 1
+    assert "not heard yet" in view.picture()
