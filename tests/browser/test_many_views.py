@@ -1,7 +1,6 @@
 """Many views in real JupyterLab: twenty on a page, two tabs, a restart, hands while a node runs live."""
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
