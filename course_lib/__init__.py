@@ -18,8 +18,19 @@ if TYPE_CHECKING:
     from course_lib.robots.load import load_robot
     from course_lib.ros.driving import spin_for
     from course_lib.ros.live import run_live
+    from course_lib.tools.performance.report import performance_report
 
-__all__ = ["CourseError", "Viewer", "check", "load_robot", "predict", "quiz", "run_live", "spin_for"]
+__all__ = [
+    "CourseError",
+    "Viewer",
+    "check",
+    "load_robot",
+    "performance_report",
+    "predict",
+    "quiz",
+    "run_live",
+    "spin_for",
+]
 
 _MODULES = {
     "CourseError": "course_lib.errors",
@@ -28,6 +39,7 @@ _MODULES = {
     "load_robot": "course_lib.robots.load",
     "predict": "course_lib.course.predict",
     "quiz": "course_lib.course.quiz",
+    "performance_report": "course_lib.tools.performance.report",
     "run_live": "course_lib.ros.live",
     "spin_for": "course_lib.ros.driving",
 }

@@ -1,0 +1,185 @@
+"""The report agrees with `ros2 topic hz`, `bw` and `delay`, and says who keeps whom waiting."""
+
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import Image, PointCloud2
+from std_msgs.msg import String
+
+from course_lib import performance_report
+from course_lib.errors import CourseError
+from course_lib.recording import record, write_bag
+from course_lib.ros import virtual_time
+from course_lib.ros.driving import running_nodes, spin_for
+from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.messages import Message, serialize, type_name
+from course_lib.ros.qos import Qos
+from course_lib.tools.performance.measure import header_stamp
+from course_lib.tools.performance.report import PerformanceReport
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import GraphSource
+
+
+@pytest.fixture
+def graph(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    virtual_time.install()
+    with use_graph(Graph(notebook=True)) as graph:
+        rclpy.init()
+        yield graph
+
+
+class Camera(Node):
+    """Ten images a second."""
+
+    def __init__(self) -> None:
+        super().__init__("camera")
+        self._images = self.create_publisher(Image, "/image", 10)
+        self.create_timer(0.1, self._take)
+
+    def _take(self) -> None:
+        image = Image(data=bytes(1000))
+        image.header.stamp = self.get_clock().now().to_msg()
+        self._images.publish(image)
+
+
+class Detector(Node):
+    """Takes 80 ms for each image, and has something to do four times a second."""
+
+    def __init__(self) -> None:
+        super().__init__("detector")
+        self._detections = self.create_publisher(PointCloud2, "/detections", 10)
+        self._words = self.create_publisher(String, "/words", 10)
+        self.create_subscription(Image, "/image", self._detect, 10)
+        self.create_timer(0.25, lambda: self._words.publish(String(data="alive")))
+
+    def _detect(self, image: Image) -> None:
+        time.sleep(0.08)
+        self._detections.publish(PointCloud2(header=image.header))
+
+
+def measured(seconds: float = 2.0) -> PerformanceReport:
+    return performance_report(seconds, Camera(), Detector())
+
+
+def test_topics_have_rates_sizes_and_latencies(graph: Graph) -> None:
+    report = measured()
+    rows = {row.topic: row for row in report.topics}
+    assert list(rows) == ["/detections", "/image", "/words"]
+    assert rows["/image"].rate == pytest.approx(10.0)
+    assert rows["/image"].latency == pytest.approx(0.001)  # delivery
+    assert rows["/detections"].latency == pytest.approx(0.001 + 0.08 + 0.001)
+    assert rows["/words"].latency is None
+    assert rows["/image"].jitter == pytest.approx(0.0, abs=1e-9)
+    size = len(serialize(Image(data=bytes(1000))))
+    assert rows["/image"].size == size
+    assert rows["/image"].bandwidth == pytest.approx(10 * size)
+
+
+def test_rates_and_delays_are_those_of_the_command_line(graph: Graph) -> None:
+    report = measured(3.0)
+    running_nodes().extend([Camera(), Detector()])
+    for row in report.topics:
+        for verb, number in (("hz", row.rate), ("delay", row.latency)):
+            if number is None:
+                continue
+            written: list[str] = []
+            ros2(["topic", verb, row.topic], GraphSource(graph), written.append)
+            said = re.findall(r"average (?:rate|delay): ([\d.]+)", "".join(written))
+            assert float(said[-1]) == pytest.approx(number, rel=0.01)
+
+
+def test_a_slow_callback_is_found_with_what_it_keeps_waiting(graph: Graph) -> None:
+    rows = {(row.node, row.callback): row for row in measured(2.05).callbacks}
+    assert set(rows) == {
+        ("/camera", "timer 0.1 s"),
+        ("/detector", "/image"),
+        ("/detector", "timer 0.25 s"),
+    }
+    slow, held_up = rows["/detector", "/image"], rows["/detector", "timer 0.25 s"]
+    assert slow.calls == 20
+    assert slow.longest == pytest.approx(0.08)
+    assert slow.busy == pytest.approx(0.08 * 20 / 2.05, abs=0.02)
+    assert held_up.longest_wait == pytest.approx(0.031)  # due at 0.25 s, free at 0.201 + 0.08 s
+    assert 0 < slow.load < 1
+
+
+def test_robot_time_decides_all_but_the_processors_load(graph: Graph) -> None:
+    one = measured().to_plain()
+    with use_graph(Graph(notebook=True)):
+        rclpy.init()
+        assert measured().to_plain() == one
+    assert "load" not in str(one)
+
+
+def test_a_bag_and_a_recording_are_measured_as_well(graph: Graph, tmp_path: Path) -> None:
+    with record(graph) as recorder:
+        spin_for(2.0, Camera())
+    write_bag(recorder.recording(), tmp_path / "bag")
+    from_bag, direct = performance_report(tmp_path / "bag"), performance_report(recorder.recording())
+    assert from_bag.to_plain() == direct.to_plain()
+    (row,) = from_bag.topics
+    assert row.rate == pytest.approx(10.0)
+    assert row.latency == 0.0
+    assert not from_bag.callbacks
+    assert "Processor" not in str(from_bag)
+
+
+def test_a_report_is_a_table_in_text_and_in_a_cell(graph: Graph) -> None:
+    report = measured()
+    text, html = str(report), report._repr_html_()
+    for words in ("Topics in 2 s of robot time", "Rate (Hz)", "/detector", "Longest wait (ms)"):
+        assert words in text
+        assert f">{words}</" in html
+    assert "* processor time on this machine" in text
+    assert str(report) == text
+
+
+def test_the_timeline_shows_and_says_who_ran_and_who_waited(graph: Graph) -> None:
+    chart = measured().timeline(0.0, 1.0)
+    assert chart.alt.startswith("Callback timeline from 0 to 1 s of robot time. ")
+    assert "/detector timer 0.25 s: 4 calls, the longest 0 ms, the longest wait 31 ms." in chart.alt
+    labels = [label.get_text() for label in chart.figure.axes[0].get_yticklabels()]
+    assert sorted(labels) == ["/camera timer 0.1 s", "/detector /image", "/detector timer 0.25 s"]
+    assert chart._repr_html_().startswith('<img alt="Callback timeline')
+    assert chart.png().startswith(b"\x89PNG")
+
+
+def test_a_time_without_callbacks_is_no_timeline(graph: Graph, tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="No callback ran from 7 to 8 s"):
+        measured().timeline(7.0, 8.0)
+
+
+def test_the_overview_says_its_numbers(graph: Graph, tmp_path: Path) -> None:
+    chart = measured().figure()
+    assert re.search(r"Rate \[Hz\]: /detections 10, /image 10, /words \d", chart.alt)
+    assert "Mean latency [ms]: /detections 82, /image 1." in chart.alt
+    chart.save(tmp_path / "overview.png")
+    assert (tmp_path / "overview.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("message", "stamp"),
+    [
+        (PointCloud2(), None),
+        (String(), None),
+        (Image(), 12 * 10**9 + 5),
+    ],
+)
+def test_stamps_are_read_out_of_the_bytes(message: Message, stamp: int | None) -> None:
+    if stamp is not None:
+        message.header.stamp.sec, message.header.stamp.nanosec = 12, 5  # type: ignore[attr-defined]
+    assert header_stamp(Sample(0, "/x", type_name(type(message)), serialize(message), Qos(), 0)) == stamp
+
+
+def test_mistakes_are_named(graph: Graph, tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="is not a node"):
+        performance_report(1.0, "camera")  # type: ignore[arg-type]
+    with pytest.raises(CourseError, match="There is no bag"):
+        performance_report(tmp_path / "nowhere")
+    assert not graph.callback_listeners
