@@ -38,6 +38,7 @@ class Graph:
         self.pace: Callable[[int], bool] | None = None  # says whether the wall clock has come to a time
         # called after each callback: entity, ready since [ns], begun at [ns], processor time [s]
         self.callback_listeners: list[Callable[[Any, int, int, float], None]] = []
+        self.programs = 0  # how many were started beside each other
         self._states: dict[str, dict[str, Any]] = {}
         self._clock = Clock(start_ns)
         self.delay_ns = delay_ns

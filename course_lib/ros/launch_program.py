@@ -13,8 +13,10 @@ from launch.actions import declared
 from launch.conditions import InvalidConditionExpressionError
 from launch.events import Event, ProcessExited, ProcessStarted, Shutdown
 from launch.launch_context import LaunchContext
+from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
 from launch.substitution import SubstitutionFailure, perform_substitutions
+from launch_ros.actions import Node
 
 from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
@@ -25,6 +27,7 @@ from course_lib.ros.process import INTERRUPTED, Function, Process, Processes
 
 Executables = Mapping[tuple[str, str], Callable[[], object]]  # by package and name
 _COMPLAINTS = (
+    CourseError,
     RuntimeError,
     OSError,
     PackageNotFoundError,
@@ -62,11 +65,11 @@ class LaunchProgram(Process):
         """Start what the file describes, then do what it says when things happen, until all have ended."""
         forget_imported()
         try:
-            description = self._description()
+            description = self.describe()
             self._context.launch_configurations |= dict(self._settings)
             self._visit(description)
         except _COMPLAINTS as error:
-            _log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")
+            self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")
             self.exit_code = 1
             self._shut_down()
         self._go_on()
@@ -74,7 +77,7 @@ class LaunchProgram(Process):
     def arguments(self) -> str:
         """Say which arguments there are, as `ros2 launch --show-args` does."""
         lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
-        for argument in declared(self._description(), self._context):
+        for argument in declared(self.describe(), self._context):
             lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
             if argument.default_value is not None:
                 default = perform_substitutions(self._context, argument.default_value)
@@ -83,16 +86,16 @@ class LaunchProgram(Process):
         return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])
 
     def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
-        """Start an executable; raises RuntimeError if there is none."""
+        """Start an executable; raises a CourseError if there is none."""
         if self._stopping:
             return
-        function = self._find(package, executable)
+        function = self.find(package, executable)
         pid = len(self._started) + 1
         name = f"{executable}-{pid}"
         process = Function(name, function, [*words, "--", *self._for_nodes])
         self._started.append((action, process))
         self._processes.start(process)
-        _log("INFO", name, f"process started with pid [{pid}]")
+        self.log("INFO", name, f"process started with pid [{pid}]")
         self.emit(ProcessStarted(action, name))
 
     def later(self, seconds: float, entities: Entities) -> None:
@@ -120,7 +123,12 @@ class LaunchProgram(Process):
         if isinstance(event, Shutdown):
             self._shut_down()
 
-    def _description(self) -> Entities:
+    def log(self, level: str, name: str, text: str) -> None:
+        """Write a line of the launch's own log."""
+        sys.stdout.write(f"[{level}] [{name}]: {text}\n")
+
+    def describe(self) -> Entities:
+        """Give what is to be started."""
         source(self.file)
         return LaunchDescriptionSource(self.file).get_launch_description(self._context)
 
@@ -128,7 +136,8 @@ class LaunchProgram(Process):
         for entity in listed(entities):
             self._visit(entity.visit(self._context))
 
-    def _find(self, package: str, executable: str) -> Callable[[], object]:
+    def find(self, package: str, executable: str) -> Callable[[], object]:
+        """Find an executable; raises a CourseError that says what there is."""
         found = find_package(package)
         if found is not None and executable in found.executables:
             return partial(_call, found, executable)
@@ -136,10 +145,10 @@ class LaunchProgram(Process):
             return self._own[package, executable]
         names = [*found.executables] if found else [name for place, name in self._own if place == package]
         if not names and found is None:
-            raise RuntimeError(why_not_found(package))
+            raise CourseError(why_not_found(package))
         close = difflib.get_close_matches(executable, names, n=1)
         meant = f" Did you mean '{close[0]}'?" if close else ""
-        raise RuntimeError(
+        raise CourseError(
             f"executable '{executable}' not found in package '{package}', which has: "
             f"{', '.join(names) or 'none'}.{meant} Executables are named in console_scripts in setup.py."
         )
@@ -179,11 +188,28 @@ class LaunchProgram(Process):
         code = 0 if self._stopping and process.exit_code == INTERRUPTED else process.exit_code
         if code:
             command = " ".join(process.argv)
-            _log("ERROR", name, f"process has died [pid {pid}, exit code {code}, cmd '{command}'].")
+            self.log("ERROR", name, f"process has died [pid {pid}, exit code {code}, cmd '{command}'].")
         else:
-            _log("INFO", name, f"process has finished cleanly [pid {pid}]")
+            self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
         self.exit_code = self.exit_code or code
         self.emit(ProcessExited(action, name, code))
+
+
+class RunProgram(LaunchProgram):
+    """One executable of a package, started as a launch file would, without its log."""
+
+    def __init__(self, package: str, executable: str, words: Sequence[str], own: Executables) -> None:
+        super().__init__(Path(executable), (), own)
+        self._node = Node(package=package, executable=executable, arguments=words)
+
+    def describe(self) -> LaunchDescription:
+        """Describe the one node."""
+        return LaunchDescription([self._node])
+
+    def log(self, level: str, name: str, text: str) -> None:
+        """Say only what went wrong."""
+        if level != "INFO":
+            super().log(level, name, text)
 
 
 def arguments_of(file: Path) -> str:
@@ -208,7 +234,3 @@ def _call(package: Package, executable: str) -> object:
     module, function = package.executables[executable]
     _imported.add(module.partition(".")[0])
     return getattr(import_module(module), function)()
-
-
-def _log(level: str, name: str, text: str) -> None:
-    sys.stdout.write(f"[{level}] [{name}]: {text}\n")

@@ -17,14 +17,23 @@ CATCH_UP = 0.25  # [s] at most, after a cell that kept the kernel busy
 
 
 class LiveRun:
-    """A running `run_live`: its nodes, and how to stop them."""
+    """A running `run_live`: its nodes, and how to stop them; `name` is what its panel calls it."""
 
     def __init__(self, graph: Graph, nodes: tuple["Node", ...]) -> None:
         self.nodes = nodes
         self.running = True
         self._graph = graph
-        self._started_ns = graph.now_ns
+        self.started_ns = graph.now_ns
         self._panel: Any = None
+
+    @property
+    def name(self) -> str:
+        """What runs."""
+        return ", ".join(node.get_name() for node in self.nodes)
+
+    def is_over(self) -> bool:
+        """Say whether nothing of it is left: destroyed, or replaced as cells were run again."""
+        return all(node.handle.has_left for node in self.nodes)
 
     def stop(self) -> None:
         """Stop; the nodes stay usable."""
@@ -38,9 +47,8 @@ class LiveRun:
 
     def state(self) -> str:
         """Say in a few words whether it runs and for how long it has."""
-        seconds = (self._graph.now_ns - self._started_ns) * 1e-9
-        names = ", ".join(node.get_name() for node in self.nodes)
-        return f"{'▶ running' if self.running else '■ stopped'}: {names} ({seconds:.1f} s of robot time)"
+        seconds = (self._graph.now_ns - self.started_ns) * 1e-9
+        return f"{'▶ running' if self.running else '■ stopped'}: {self.name} ({seconds:.1f} s of robot time)"
 
     def show(self) -> None:
         """Show the state and a Stop button in the cell."""
@@ -77,17 +85,25 @@ def run_live(*nodes: "Node") -> LiveRun:
     if not nodes:
         raise CourseError("run_live() needs at least one node, like run_live(MyNode()).")
     graph = current_graph()
-    with executor_with(nodes) as executor:
+    with executor_with(nodes):
+        run = LiveRun(graph, nodes)
+    for former in live_runs(graph):
+        if not set(nodes).isdisjoint(former.nodes):  # one node, one Stop button
+            former.stop()
+    return go_live(run)
+
+
+def go_live(run: LiveRun) -> LiveRun:
+    """Let a run go on between the cells; without a page it first has a few seconds at full speed."""
+    graph = current_graph()
+    with executor_with(run.nodes) as executor:
         if pace.wanted() == "fast":
             spin_until(executor, graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9))
             say(f"No page is watching: ran {SECONDS_WITHOUT_A_PAGE:g} s of robot time at full speed.")
-    _stop_where_nodes_left(graph)
-    for former in tuple(_runs_of(graph)):
-        if not set(nodes).isdisjoint(former.nodes):  # one node, one Stop button
-            former.stop()
-    run = LiveRun(graph, nodes)
+    run.started_ns = graph.now_ns
+    _stop_what_is_over(graph)
     _runs_of(graph).append(run)
-    running_nodes().extend(nodes)
+    running_nodes().extend(run.nodes)
     if pace.wanted() == "real":
         run.show()
         task = graph.state.get("live.task")
@@ -101,7 +117,7 @@ async def _keep_running(graph: Graph) -> None:
     last = wall.monotonic()
     while _runs_of(graph):
         await asyncio.sleep(STEP)
-        _stop_where_nodes_left(graph)
+        _stop_what_is_over(graph)
         if not _runs_of(graph):
             return
         now = wall.monotonic()
@@ -116,10 +132,15 @@ async def _keep_running(graph: Graph) -> None:
             run.show_state()
 
 
-def _stop_where_nodes_left(graph: Graph) -> None:
-    """Stop the runs whose nodes were destroyed, or replaced as their cells were run again."""
+def live_runs(graph: Graph) -> tuple[LiveRun, ...]:
+    """List what runs."""
+    _stop_what_is_over(graph)
+    return tuple(_runs_of(graph))
+
+
+def _stop_what_is_over(graph: Graph) -> None:
     for run in tuple(_runs_of(graph)):
-        if all(node.handle.has_left for node in run.nodes):
+        if run.is_over():
             run.stop()
 
 

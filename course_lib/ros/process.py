@@ -74,6 +74,7 @@ class Processes:
     def start(self, process: Runnable) -> int:
         """Start one, which runs when the calling thread waits; returns its number."""
         number, before = len(self._threads), program.name
+        graph = current_graph()
 
         def run() -> None:
             try:
@@ -81,9 +82,10 @@ class Processes:
             finally:
                 self.ended.append(number)
 
-        daemon = current_graph().notebook  # a kernel ends without waiting for them
+        daemon = graph.notebook  # a kernel ends without waiting for them
         self._threads.append(threading.Thread(target=run, name=process.file.name, daemon=daemon))
-        program.name = f"{before}{number}: {process.file}"  # the same one may run twice
+        graph.programs += 1
+        program.name = f"{graph.programs}: {process.file}"  # the same one may run twice
         try:
             self._threads[-1].start()
         finally:

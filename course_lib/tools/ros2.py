@@ -16,6 +16,7 @@ from course_lib.tools.bag.record import BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.interface import INTERFACE_VERBS
+from course_lib.tools.launch import LAUNCH, RUN
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.run import run_beside
@@ -58,11 +59,14 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
+    LAUNCH,
+    RUN,  # after the executables that are verbs
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
     "bag": "Various rosbag related sub-commands",
     "doctor": "Check ROS setup and other potential issues",
+    "launch": "Run a launch file",
     "interface": "Show information about ROS interfaces",
     "node": "Various node related sub-commands",
     "param": "Various param related sub-commands",
