@@ -54,7 +54,8 @@ class Client(ServiceEnd):
                 "ended. Use call_async() with add_done_callback() or await; or a MultiThreadedExecutor, with "
                 "the client in another callback group."
             )
-        self._wait(future, timeout_sec)
+        what = f"the response of {self.full_name} and {_SPINNER}"
+        wait_until(self.node_handle, future.done, timeout_sec, what)
         if not future.done():
             self.remove_pending_request(future)
             if timeout_sec is None and not self._is_spun():
@@ -90,16 +91,6 @@ class Client(ServiceEnd):
         future._set_executor(self.node_handle.executor)
         future.set_result(deserialize(cdr, self.srv_type.Response))
 
-    def _wait(self, future: Future[Any], seconds: float | None) -> None:
-        if driving.running_nodes() and threading.current_thread() is threading.main_thread():
-            driving.wait_for(future.done, seconds=seconds)
-            return
-        graph = self.node_handle.graph
-        until_ns = None if seconds is None else graph.now_ns + round(seconds * S_TO_NS)
-        with baton.known():
-            what = f"the response of {self.full_name} and {_SPINNER}"
-            baton.wait(future.done, until_ns=until_ns, what=what)
-
     def _is_spun(self) -> bool:
         executor = self.node_handle.executor
         return executor is not None and any(n.handle is self.node_handle for n in executor.get_nodes())
@@ -117,3 +108,13 @@ def wait_for_partner(
                 break
             baton.sleep_until(graph.now_ns + POLL_NS, what)
     return is_ready()
+
+
+def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, what: str) -> None:
+    """Let time pass until it is ready, at most so long, [s]; in a notebook live nodes run meanwhile."""
+    if driving.running_nodes() and threading.current_thread() is threading.main_thread():
+        driving.wait_for(ready, seconds=timeout_sec)
+        return
+    until_ns = None if timeout_sec is None else node.graph.now_ns + round(timeout_sec * S_TO_NS)
+    with baton.known():
+        baton.wait(ready, until_ns=until_ns, what=what)

@@ -66,6 +66,11 @@ class Subscription(Entity, TopicEnd[MsgT]):
         )
         return partial(self.callback, message, info)
 
+    @property
+    def has_message(self) -> bool:
+        """Whether a message waits to be taken."""
+        return bool(self._queue)
+
     def get_publisher_count(self) -> int:
         """Count the publishers that it hears."""
         return self.partner_count()

@@ -9,6 +9,7 @@ from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
 from rclpy.event_handler import EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.guard_condition import GuardCondition
 from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
 from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
@@ -43,6 +44,7 @@ class NodeEntities(NodeGraph):
     clients = property(lambda self: self._all(Client), doc="Its clients.")
     services = property(lambda self: self._all(Service), doc="Its services.")
     timers = property(lambda self: self._all(Timer), doc="Its timers.")
+    guards = property(lambda self: self._all(GuardCondition), doc="Its guard conditions.")
 
     def create_publisher(
         self,
@@ -142,6 +144,14 @@ class NodeEntities(NodeGraph):
         self._created.append(timer)
         return timer
 
+    def create_guard_condition(
+        self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
+    ) -> GuardCondition:
+        """Make what has its callback called after each `trigger()`."""
+        guard = GuardCondition(self.handle, callback, callback_group or self.default_callback_group)
+        self._created.append(guard)
+        return guard
+
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         """Create what keeps a loop at a frequency [Hz]; another thread must spin the node meanwhile."""
         if frequency <= 0:
@@ -163,6 +173,7 @@ class NodeEntities(NodeGraph):
         return True
 
     destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
+    destroy_guard_condition = destroy_publisher
 
     def destroy_rate(self, rate: Rate) -> bool:
         """End a rate; who sleeps in it wakes up."""
