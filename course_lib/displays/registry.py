@@ -1,6 +1,7 @@
 """Which class of display is made by what; the table to add one to."""
 
 from course_lib.displays.axes import AxesDisplay
+from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
 from course_lib.displays.clouds.laser_scan import LaserScanDisplay
 from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
 from course_lib.displays.display import Context, Display
@@ -31,6 +32,7 @@ REGISTRY: dict[str, type[Display]] = {
         AxesDisplay,
         CameraDisplay,
         CameraInfoDisplay,
+        DepthCloudDisplay,
         GridDisplay,
         ImageDisplay,
         LaserScanDisplay,

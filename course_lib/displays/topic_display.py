@@ -46,6 +46,7 @@ class TopicDisplay(Display):
 
     type_name: ClassVar[str]
     topic_label: ClassVar[str] = "Topic"
+    status_label: ClassVar[str] = "Topic"  # of what it says of its messages
     properties = topic_properties()
 
     def __init__(self, *args: Any) -> None:
@@ -80,9 +81,9 @@ class TopicDisplay(Display):
         if not self.enabled:
             return
         if not self[self.topic_label]:
-            self.statuses.set("error", "Topic", "Error subscribing: Empty topic name")
+            self.statuses.set("error", self.status_label, "Error subscribing: Empty topic name")
             return
-        self.statuses.set("ok", "Topic", "OK")
+        self.statuses.set("ok", self.status_label, "OK")
         self.subscriptions = self.wanted()
         self.context.joined(self.subscriptions)
 
@@ -102,7 +103,7 @@ class TopicDisplay(Display):
     def take(self, message: Any) -> None:
         """Count a message and show it."""
         self._received += 1
-        self.statuses.set("ok", "Topic", self.received())
+        self.statuses.set("ok", self.status_label, self.received())
         self.process(message)
 
     def received(self, what: str = "messages") -> str:
@@ -136,7 +137,8 @@ class TopicDisplay(Display):
 class FilteredDisplay(TopicDisplay):
     """A display whose messages wait until tf2 knows their frame at their stamp (MessageFilterDisplay)."""
 
-    properties = (*topic_properties(), Property("Topic/Filter size", 10, integer(1)))
+    queue_label: ClassVar[str] = "Topic/Filter size"  # of the property that says how many may wait
+    properties = (*topic_properties(), Property(queue_label, 10, integer(1)))
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -154,7 +156,7 @@ class FilteredDisplay(TopicDisplay):
             return
         self._waiting.append(message)
         self._let_through()
-        if len(self._waiting) > self["Topic/Filter size"]:
+        if len(self._waiting) > self[self.queue_label]:
             self._dropped(self._waiting.popleft(), "discarding message because the queue is full")
 
     def update(self) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from course_lib.displays.display import Subscription, node_name
 from course_lib.displays.frames import Matrix
-from course_lib.displays.images.display import PictureDisplay
+from course_lib.displays.images.display import PictureDisplay, info_topic
 from course_lib.displays.images.pixels import Pixels, zoomed
 from course_lib.displays.properties import Property, booleans, number, words
 from course_lib.displays.statuses import Level
@@ -40,8 +40,7 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
     @property
     def info_topic(self) -> str:
         """Where the camera is described: beside its image."""
-        image = ("/" + self["Topic"].removeprefix("/")).removesuffix("/compressed")
-        return f"{image.rpartition('/')[0]}/camera_info"
+        return info_topic(self["Topic"].removesuffix("/compressed"))
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
         """Take the properties of a layout, where Visibility has a Value of its own among the displays."""

@@ -21,6 +21,11 @@ IMAGE, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 _COLUMNS = 480  # [px] that a page gets of a picture at most: more than its place in the view has
 
 
+def info_topic(image_topic: str) -> str:
+    """Return the topic on which the camera of an image is described: beside it."""
+    return f"/{image_topic.removeprefix('/')}".rpartition("/")[0] + "/camera_info"
+
+
 class PictureDisplay(TopicDisplay):
     """Takes raw images, or packed ones from a topic that ends so, and shows them in the view's corner."""
 

@@ -72,11 +72,11 @@ def rgb_of(message: Any, limits: Limits) -> Pixels:
     """
     encoding = message.encoding
     if encoding in _YUV:
-        return _from_yuv(_rows(message, "u1", 2), *_YUV[encoding])
+        return _from_yuv(rows_of(message, "u1", 2), *_YUV[encoding])
     kind = _ENCODINGS["mono8"] if encoding.startswith("bayer") else _ENCODINGS.get(encoding)
     if kind is None:
         raise UnsupportedEncodingError(f"Unsupported image encoding [{encoding}]")
-    values = _rows(message, kind.dtype, kind.size)
+    values = rows_of(message, kind.dtype, kind.size)
     pixels: Pixels = (_ranged(values, limits) if kind.ranged else values)[..., kind.channels]
     return pixels
 
@@ -126,7 +126,7 @@ def _ranged(values: npt.NDArray[Any], limits: Limits) -> npt.NDArray[np.uint8]:
     return grey
 
 
-def _rows(message: Any, kind: str, count: int) -> npt.NDArray[Any]:
+def rows_of(message: Any, kind: str, count: int) -> npt.NDArray[Any]:
     """Return the numbers of each pixel, shape (height, width, count); a row may be longer than its pixels."""
     dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
     height, width = message.height, message.width

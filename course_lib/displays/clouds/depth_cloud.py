@@ -1,0 +1,158 @@
+"""The DepthCloud display."""
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from course_lib.displays.clouds.cloud import Cloud
+from course_lib.displays.clouds.depth import Shadows, channels_of, colors, depths, projected
+from course_lib.displays.clouds.display import CLOUD_PROPERTIES, CloudDisplay
+from course_lib.displays.display import Display, Subscription
+from course_lib.displays.frames import NS, Matrix, nanoseconds
+from course_lib.displays.images.camera import INFO
+from course_lib.displays.images.display import IMAGE, PACKED, info_topic
+from course_lib.displays.properties import Property, flag, integer, number, text, words
+from course_lib.displays.topic_display import FilteredDisplay
+from course_lib.ros.qos import Qos
+
+_HINTS = {"Depth Map Topic": "Depth Map Transport Hint", "Color Image Topic": "Color Transport Hint"}
+_LISTENING = ("Depth Map", "Color Image", "Color Transport", "Reliability Policy", "Queue Size")
+_FAR, _TURNED = 0.01, np.radians(0.5)  # how much a camera may move, [m], and turn, without losing its shadows
+
+
+class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
+    """Shows the images of a depth camera as points, coloured by those of a camera at the same place."""
+
+    class_name = "rviz_default_plugins/DepthCloud"
+    type_name = IMAGE
+    topic_label = "Depth Map Topic"
+    status_label = "Depth Map"
+    queue_label = "Queue Size"
+    properties = (
+        *Display.properties,
+        Property("Reliability Policy", "Best effort", words("System Default", "Reliable", "Best effort")),
+        Property("Topic Filter", True, flag),  # of the names that RViz offers for both topics
+        Property("Depth Map Topic", "", text),
+        Property("Depth Map Transport Hint", "raw", words("raw", "compressed", "compressedDepth")),
+        Property("Color Image Topic", "", text),
+        Property("Color Transport Hint", "raw", words("raw", "compressed")),
+        Property("Queue Size", 5, integer(1)),
+        Property("Auto Size", True, flag),
+        Property("Auto Size/Auto Size Factor", 1.0, number(0.0001)),
+        Property("Occlusion Compensation", False, flag),
+        Property("Occlusion Compensation/Occlusion Time-Out", 30.0, number()),  # [s]
+        *CLOUD_PROPERTIES,
+    )
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._info: Any = None  # the last one
+        self._depth: Any = None  # the last image that was not shown yet
+        self._waiting_colors: deque[Any] = deque()
+        self._shadows: Shadows | None = None
+        self._camera = np.eye(4)  # where it was when the shadows began
+
+    def changed(self, label: str) -> None:
+        """Listen anew, or draw anew."""
+        super().changed(label)
+        if label.startswith(_LISTENING) and label != self.topic_label and self.started:
+            self.start()
+        if label == "Occlusion Compensation":
+            self._shadows = None
+
+    def reset(self) -> None:
+        """Forget all images."""
+        super().reset()
+        self._info, self._depth, self._waiting_colors = None, None, deque(maxlen=self["Queue Size"])
+        self._shadows = None
+
+    def qos(self) -> Qos:
+        """Return what both images are asked for with."""
+        policy = self["Reliability Policy"]
+        asked = {} if policy == "System Default" else {"reliability": policy.lower().replace(" ", "_")}
+        return Qos(depth=self["Queue Size"], **asked)
+
+    def wanted(self) -> tuple[Subscription, ...]:
+        """Listen to the depths, to what describes their camera, and to the colours if there is a topic."""
+        self.statuses.set("ok", self.status_label, "0 depth maps received")
+        self.statuses.set("ok", "Message", "Ok")
+        sensor = Qos(depth=5, reliability="best_effort")
+        info = self.subscription(info_topic(self[self.topic_label]), INFO, self._take_info, sensor)
+        images = [self._images(self.topic_label, self.take)]
+        if self["Color Image Topic"]:
+            images.append(self._images("Color Image Topic", self._take_colors))
+            self._values["Color Transformer"] = "RGB8"
+        return (info, *images)
+
+    def process(self, message: Any) -> None:
+        """Show the depths of an image, as soon as its colours are there."""
+        self._depth = message
+        self._match()
+
+    def grows(self) -> bool:
+        """Say whether points shall be as large as their pixels."""
+        return bool(self["Auto Size"])
+
+    def _images(self, topic: str, take: Any) -> Subscription:
+        hint = self[_HINTS[topic]]
+        packed = hint != "raw"
+        return self.subscription(self[topic] + f"/{hint}" * packed, PACKED if packed else IMAGE, take)
+
+    def _take_info(self, message: Any) -> None:
+        self._info = message
+
+    def _take_colors(self, message: Any) -> None:
+        self._waiting_colors.append(message)
+        self._match()
+
+    def _match(self) -> None:
+        """Show the last depths with the colours that are nearest in time; older ones are of no use."""
+        depth, color = self._depth, None
+        if depth is None or (self["Color Image Topic"] and not self._waiting_colors):
+            return
+        stamp_ns = nanoseconds(depth.header.stamp)
+        if self._waiting_colors:
+            color = min(self._waiting_colors, key=lambda one: abs(nanoseconds(one.header.stamp) - stamp_ns))
+            while self._waiting_colors.popleft() is not color:
+                pass
+        self._depth = None
+        no_info = f"no CameraInfo has come on {info_topic(self[self.topic_label])}: RViz draws nothing."
+        self.statuses.hint("Camera Info", *([no_info] if self._info is None else []))
+        transform = None if self._info is None else self.transform_at(depth.header)
+        if transform is None:
+            return
+        try:
+            self._show_images(depth, color, transform)
+        except ValueError as error:
+            self.statuses.set("error", "Message", f"Error updating depth cloud: {error}")
+
+    def _show_images(self, image: Any, color: Any, transform: Matrix) -> None:
+        depth = depths(image)
+        points = projected(depth, self._info)
+        rgb = np.full(points.shape, 255, np.uint8) if color is None else colors(color, depth.shape)
+        self._say_sizes(image, color, depth.shape, rgb.shape)
+        if self["Auto Size"] and self._info.k[0]:
+            wide = self["Auto Size Factor"] / self._info.k[0] * (self._info.binning_x or 1)
+            self._values["Size (m)"] = float(wide)  # [m], one metre ahead
+        if self["Occlusion Compensation"]:
+            if self._shadows is None or self._shadows.shape != depth.shape or self._has_moved(transform):
+                self._shadows, self._camera = Shadows(depth.shape), transform
+            now, timeout = self.context.now_ns / NS, self["Occlusion Time-Out"]
+            points, rgb = self._shadows.with_hidden(points, rgb, now, timeout)
+        self.keep(Cloud(channels_of(points, rgb), transform, self.context.now_ns))
+
+    def _say_sizes(self, image: Any, color: Any, size: tuple[int, ...], color_size: tuple[int, ...]) -> None:
+        self.statuses.set("ok", "Depth Image Size", f"{size[1]} x {size[0]}")
+        if color is None:
+            return
+        self.statuses.set("ok", "Image Size", f"{color_size[1]} x {color_size[0]}")
+        frames = image.header.frame_id, color.header.frame_id
+        if frames[0] != frames[1]:
+            wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
+            self.statuses.hint("Frames", f"RViz warns for a moment: {wrong}")
+
+    def _has_moved(self, transform: Matrix) -> bool:
+        turn = transform[:3, :3].T @ self._camera[:3, :3]
+        angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
+        return bool(np.linalg.norm(transform[:3, 3] - self._camera[:3, 3]) > _FAR or angle > _TURNED)

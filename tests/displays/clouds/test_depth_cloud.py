@@ -1,0 +1,180 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from course_lib.displays.display import Display
+from course_lib.ros.qos import Qos
+from course_lib.viewer.drawables import Points
+from tests.displays.bench import START_NS, Bench
+from tests.displays.clouds.test_depth import image, packed
+
+DEPTH, COLOR, INFO = "/camera/depth", "/camera/color", "/camera/camera_info"
+RED = np.array([[[255, 0, 0]] * 2], np.uint8)
+
+
+def add(bench: Bench, **properties: Any) -> Display:
+    config = {"Depth Map Topic": DEPTH}
+    return bench.session.add("rviz_default_plugins/DepthCloud", "Cloud", config, **properties)
+
+
+def stamped(message: Any, at: float = 0.0, frame: str = "map") -> Any:
+    message.header.frame_id = frame
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(START_NS + round(at * 1e9), 10**9)
+    return message
+
+
+def depth(*metres: float, at: float = 0.0) -> Image:
+    message: Image = stamped(image(np.array([metres], np.float32), "32FC1"), at)
+    return message
+
+
+def color(rgb: np.ndarray = RED, at: float = 0.0, frame: str = "map") -> Image:
+    message: Image = stamped(image(rgb, "rgb8"), at, frame)
+    return message
+
+
+def info(width: int = 2, focal_length: float = 100.0) -> CameraInfo:
+    message: CameraInfo = stamped(CameraInfo(width=width, height=1))
+    message.k = np.diag([focal_length, focal_length, 1.0]).ravel()
+    message.p = np.array([focal_length, 0, 0, 0, 0, focal_length, 0, 0, 0, 0, 1.0, 0])
+    return message
+
+
+def hear(bench: Bench, *messages: Any, at: float = 0.0) -> None:
+    """Let messages be published, each on its topic."""
+    for message in messages:
+        by_type = COLOR if getattr(message, "encoding", "") == "rgb8" else DEPTH
+        bench.hear(INFO if isinstance(message, CameraInfo) else by_type, message, at)
+    bench.look(at)
+
+
+def shown(bench: Bench) -> Points | None:
+    clouds = [
+        thing for path, thing in bench.scene.objects().items() if path.startswith("displays/Cloud/clouds/")
+    ]
+    assert all(isinstance(cloud, Points) for cloud in clouds)
+    return clouds[-1] if clouds else None  # type: ignore[return-value]  # all are, as was just seen
+
+
+def test_depths_become_points_as_large_as_their_pixels() -> None:
+    bench = Bench()
+    display = add(bench)
+    hear(bench, info(), depth(2.0, 4.0))
+    cloud = shown(bench)
+    assert cloud is not None
+    np.testing.assert_allclose(cloud.points, [[0.0, 0.0, 2.0], [0.04, 0.0, 4.0]])
+    assert cloud.colors[:, :3].tolist() == [[1, 1, 1]] * 2
+    assert (cloud.grow, cloud.size[0]) == (True, 0.01)
+    assert bench.said(display, "Depth Image Size") == ("ok", "2 x 1")
+    display["Auto Size Factor"] = 3.0
+    hear(bench, depth(2.0, 4.0, at=0.1), at=0.1)
+    assert display["Size (m)"] == pytest.approx(0.03)
+    display["Auto Size"] = False
+    display["Size (m)"] = 0.5
+    bench.look(0.1)
+    cloud = shown(bench)
+    assert cloud is not None
+    assert (cloud.grow, cloud.size[0]) == (False, 0.5)
+
+
+def test_without_a_description_of_the_camera_nothing_is_drawn_but_hinted() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert bench.said(display, "Depth Map") == ("ok", "0 depth maps received")
+    hear(bench, depth(1.0, 1.0))
+    assert shown(bench) is None
+    assert bench.said(display, "Depth Map") == ("ok", "1 messages received at inf hz.")
+    assert INFO in " ".join(bench.hints(display))
+
+
+def test_depths_wait_for_the_colours_that_go_with_them() -> None:
+    bench = Bench()
+    display = add(bench, color_image_topic=COLOR)
+    assert display["Color Transformer"] == "RGB8"
+    hear(bench, info(), depth(1.0, 1.0))
+    assert shown(bench) is None
+    hear(bench, color())
+    cloud = shown(bench)
+    assert cloud is not None
+    assert cloud.colors[:, :3].tolist() == [[1, 0, 0]] * 2
+    assert bench.said(display, "Image Size") == ("ok", "2 x 1")
+
+
+def test_of_many_colours_those_of_the_nearest_time_are_taken() -> None:
+    bench = Bench()
+    add(bench, color_image_topic=COLOR)
+    images = [color(RED // 3 * part, at) for part, at in ((1, 0.0), (2, 0.1), (3, 0.2))]
+    hear(bench, info(), *images, depth(1.0, 1.0, at=0.12))
+    cloud = shown(bench)
+    assert cloud is not None
+    assert cloud.colors[0, 0] == pytest.approx(170 / 255)
+
+
+def test_packed_images_come_on_topics_of_their_own() -> None:
+    bench = Bench()
+    add(
+        bench,
+        color_image_topic=COLOR,
+        color_transport_hint="compressed",
+        depth_map_transport_hint="compressed",
+    )
+    bench.hear(INFO, info())
+    packed_depth = packed(np.array([[1000, 2000]], np.uint16), "16UC1; png compressed")
+    bench.hear(f"{DEPTH}/compressed", stamped(packed_depth))
+    bench.hear(f"{COLOR}/compressed", stamped(packed(RED, "rgb8; png compressed bgr8")))
+    bench.look()
+    cloud = shown(bench)
+    assert cloud is not None
+    assert cloud.points[:, 2].tolist() == [1, 2]
+    assert isinstance(packed_depth, CompressedImage)
+
+
+def test_images_that_do_not_fit_are_errors_in_rviz_words() -> None:
+    bench = Bench()
+    display = add(bench)
+    hear(bench, info(width=5), depth(1.0, 2.0))
+    level, text = bench.said(display, "Message") or ("", "")
+    assert level == "error"
+    assert text.startswith(
+        "Error updating depth cloud: Depth image size and camera info don't match: 2 x 1 vs"
+    )
+    hear(bench, info(), depth(1.0, 2.0))
+    assert bench.said(display, "Message") is None
+    assert bench.said(display, "Points") == ("ok", "Showing [2] points from [1] messages")
+
+
+def test_colours_of_another_frame_are_hinted_at() -> None:
+    bench = Bench()
+    display = add(bench, color_image_topic=COLOR)
+    hear(bench, info(), depth(1.0, 1.0), color(frame="elsewhere"))
+    assert "frame id [map] doesn't match color image frame id [elsewhere]" in " ".join(bench.hints(display))
+
+
+def test_what_was_hidden_stays_until_its_time_is_out_or_the_camera_moves() -> None:
+    bench = Bench("fixed")
+    display = add(bench, occlusion_compensation=True)
+    display["Occlusion Time-Out"] = 5.0
+    seen = []
+    moves = {0.0: 0.0, 1.0: 0.001, 7.0: 0.001, 8.0: 0.5}  # [s]: where the camera is, [m]
+    for at, x in moves.items():
+        bench.transform("fixed", "map", (x, 0.0, 0.0), at=at, static=False)
+        hear(bench, info(), depth(*((1.0, 2.0) if at == 1.0 else (4.0, 4.0)), at=at), at=at)
+        cloud = shown(bench)
+        seen.append(0 if cloud is None else len(cloud.points))
+    assert seen == [2, 4, 2, 2]
+    hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)
+    display["Occlusion Compensation"] = False
+    hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)
+    cloud = shown(bench)
+    assert cloud is not None
+    assert len(cloud.points) == 2
+
+
+def test_the_quality_of_service_is_that_of_its_properties() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert display.subscriptions[1].qos == Qos(depth=5, reliability="best_effort")
+    display["Reliability Policy"], display["Queue Size"] = "Reliable", 9
+    assert display.subscriptions[1].qos == Qos(depth=9, reliability="reliable")
