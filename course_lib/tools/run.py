@@ -72,8 +72,9 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
 
     Raises:
         CourseError: If a file cannot be run, or what the tool finds wrong.
+        BrokenPipeError: Nobody reads what the tool writes.
     """
-    graph, wrong = Graph(), list[CourseError]()
+    graph, wrong = Graph(), list[Exception]()
     graph.end_ns = graph.now_ns + round(seconds * 1e9)
 
     def beside() -> None:
@@ -82,7 +83,7 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
         rclpy.init(args=[], signal_handler_options=rclpy.SignalHandlerOptions.NO)
         try:
             tool(graph)
-        except CourseError as error:
+        except (CourseError, BrokenPipeError) as error:
             wrong.append(error)
         finally:
             rclpy.try_shutdown()

@@ -18,12 +18,13 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     """Print once a second how many bytes come, as they are on the wire."""
     topic = full_name(arguments.topic_name)
     heard: deque[tuple[int, int]] = deque(maxlen=arguments.window)  # when [ns], bytes
+    title = f"Subscribed to [{topic}]\n"
     for now_ns, arrival in listen(source, topic, write, verb="bw", every=1.0):
+        write(title)
+        title = ""
         if arrival is not None:
             heard.append((now_ns, len(arrival.cdr)))
-        elif len(heard) < 2:
-            write("" if heard else f"Subscribed to [{topic}]\n")
-        else:
+        elif len(heard) > 1:
             write(bandwidth([size for _, size in heard], (now_ns - heard[0][0]) * 1e-9))
 
 

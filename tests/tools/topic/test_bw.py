@@ -4,7 +4,12 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from course_lib.recording import Recording
+from course_lib.ros.graph import Sample
 from course_lib.ros.messages import serialize
+from course_lib.ros.qos import Qos
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import RecordingSource
 from course_lib.tools.topic.bw import bandwidth
 
 Run = Callable[[str], str]
@@ -18,6 +23,18 @@ def test_the_sizes_are_those_on_the_wire(run: Run, talker: Node) -> None:
     assert lines[1].endswith(" B/s from 9 messages")  # the tenth comes a millisecond after the second
     assert lines[2] == f"\tMessage size mean: {size} B min: {size} B max: {size} B"
     assert lines[-1] == "No page is watching: ros2 topic bw stopped after 5 s of robot time."
+
+
+def test_a_recording_begins_with_the_title_too() -> None:
+    cdr = serialize(String(data="hello 1"))
+    samples = tuple(Sample(10**18 + i * 10**8, "/a", "std_msgs/msg/String", cdr, Qos(), 1) for i in range(11))
+    written: list[str] = []
+    ros2(["topic", "bw", "/a"], RecordingSource(Recording(samples)), written.append)
+    size = f"{len(cdr)} B"
+    assert "".join(written) == (
+        f"Subscribed to [/a]\n{len(cdr) * 11} B/s from 11 messages\n"
+        f"\tMessage size mean: {size} min: {size} max: {size}\n"
+    )
 
 
 @pytest.mark.parametrize(
