@@ -8,7 +8,7 @@ from functools import partial
 from course_lib.errors import CourseError
 from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import DEFAULTS, INTERFACES, definition, type_names, typestore
-from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
+from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.message_text import Style, to_yaml
@@ -102,7 +102,7 @@ def _lines(name: str) -> list[str]:
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     here = f"{name.split('/')[0]}/"
     lines = [f"{base} {constant}={number}" for constant, base, number in typestore().fielddefs[name][0]]
-    for field in definition(name).fields:
+    for field in (field for field in definition(name).fields if field.name != PLACEHOLDER):
         bound = f"<={field.string_bound}" if field.string_bound else ""
         most = f"<={field.size}" if field.size else ""
         size = {"scalar": "", "array": f"[{field.size}]", "sequence": f"[{most}]"}[field.container]

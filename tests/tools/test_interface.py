@@ -28,6 +28,7 @@ def test_show_has_constants_and_arrays() -> None:
     text = output("show diagnostic_msgs/msg/DiagnosticStatus")
     assert text.startswith("byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\n")
     assert text.endswith("KeyValue[] values\n\tstring key\n\tstring value\n")
+    assert output("show std_msgs/msg/Empty") == ""
     assert "float64[36] covariance\n" in output("show geometry_msgs/msg/PoseWithCovariance")
 
 
