@@ -73,6 +73,12 @@ def points(x: float) -> PointCloud2:
     return cloud(plain(at, intensity=np.array([1, 5, 9], np.float32), height=np.array([3, 2, 1], np.float32)))
 
 
+def calibrated() -> CameraInfo:
+    message = info()
+    message.k = message.p.reshape(3, 4)[:, :3].ravel()
+    return message
+
+
 def depth(x: float) -> Image:
     return image((1000 + 100 * CELLS * (3 - x)).astype(np.uint16), "16UC1")
 
@@ -94,7 +100,7 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "AccelStamped": {"/t/image": lambda x: screw(AccelStamped(), "accel", x)},
     "Camera": {"/t/camera_info": lambda _: info(), "/t/image": lambda _: image(GREY, "rgb8")},
     "CameraInfo": {"/t/image": lambda _: info()},
-    "DepthCloud": {"/t/camera_info": lambda _: info(), "/t/image": depth},
+    "DepthCloud": {"/t/camera_info": lambda _: calibrated(), "/t/image": depth},
     "Image": {"/t/image": depth},
     "LaserScan": {"/t/image": scan},
     "Map": {"/t/image": grid},

@@ -34,12 +34,15 @@ SILENT = {
     "Visibility": "names other displays; see test_camera",
     "LaserScan: Use Fixed Frame": "scans are projected into the fixed frame, so both are one",
     "Accept NaN Values": "is for messages with NaN; see test_screws",
+    "Topic Filter": "offers fewer topics in RViz's panel",
     "Use Timestamp": "counts while the map's frame moves; see test_display of the map",
 }
 # What a property needs to be seen by: the properties that it depends on, by label of those it is for.
 _OF_AXES = ("Axes Length", "Axes Radius", "Shape/Axes Length", "Shape/Axes Radius")
 _OF_ARROWS = ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")
 _OF_PATHS = ("Pose Color", "Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
+_OF_RAINBOWS = ("Use rainbow", "Invert Rainbow", "Autocompute Intensity Bounds")
+_BY_Z = {"Color Transformer": "Intensity", "Channel Name": "z"}
 _BY_AXIS = {"Color Transformer": "AxisColor"}
 NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
     ("Line Width", "Line Style/Line Width"): {"Line Style": "Billboards"},
@@ -65,12 +68,23 @@ NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
     ("Angle Tolerance",): {"Position Tolerance": 5.0},
     ("LaserScan: Color", "PointCloud2: Color", "DepthCloud: Color"): {"Color Transformer": "FlatColor"},
     ("Description File",): {"Description Source": "File"},
+    ("Show polygons", "CameraInfo: Color"): {"Not show side polygons": False},
+    ("Color Transport Hint",): {"Color Image Topic": "/color"},
+    ("Occlusion Compensation/Occlusion Time-Out",): {"Occlusion Compensation": True},
+    ("DepthCloud: Channel Name",): {"Color Transformer": "Intensity"},
+    tuple(f"DepthCloud: {label}" for label in _OF_RAINBOWS): _BY_Z,
+    ("DepthCloud: Min Color", "DepthCloud: Max Color"): {**_BY_Z, "Use rainbow": False},
+    ("DepthCloud: Min Intensity", "DepthCloud: Max Intensity"): {
+        **_BY_Z,
+        "Autocompute Intensity Bounds": False,
+    },
 }
 VALUES: Mapping[str, Any] = {
     "Topic": "/other", "Update Topic": "/other", "Description Topic": "/other",
     "Description File": "/nowhere.urdf", "TF Prefix": "robot", "Channel Name": "x", "Median window": 1,
     "Namespaces": {"n": False}, "Decay Time": 5.0, "Position Tolerance": 5.0, "Keep": 1,
     "Frame Timeout": 1.0, "Filter (whitelist)": "arm", "Filter (blacklist)": "arm", "Binary threshold": 30,
+    "Occlusion Compensation/Occlusion Time-Out": 0.5,
     }  # fmt: skip
 
 
