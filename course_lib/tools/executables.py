@@ -71,6 +71,12 @@ def _joint_state_publisher(*, sliders: bool = False) -> None:
     _spin(node)
 
 
+def _aggregator_node() -> None:
+    from diagnostic_aggregator.aggregator_node import Aggregator
+
+    _spin(Aggregator())
+
+
 def _static_transform_publisher() -> None:
     from course_lib.tools.ros2 import ros2
     from course_lib.tools.sources import GraphSource
@@ -130,6 +136,7 @@ def _with_rclpy(work: Callable[[], None]) -> int:
 
 _WORK: dict[tuple[str, str], Callable[[], None]] = {
     ("rviz2", "rviz2"): _rviz2,
+    ("diagnostic_aggregator", "aggregator_node"): _aggregator_node,
     ("robot_state_publisher", "robot_state_publisher"): _robot_state_publisher,
     ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),

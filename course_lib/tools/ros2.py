@@ -19,6 +19,8 @@ from course_lib.tools.interface import INTERFACE_VERBS
 from course_lib.tools.launch import LAUNCH, RUN
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
+from course_lib.tools.pkg.create import PKG_CREATE
+from course_lib.tools.pkg.index import PKG_VERBS
 from course_lib.tools.run import run_beside
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource, Source
@@ -59,6 +61,8 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
+    PKG_CREATE,
+    *PKG_VERBS,
     LAUNCH,
     RUN,  # after the executables that are verbs
 )

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import rclpy
 from diagnostic_aggregator.aggregator_node import Aggregator
 from diagnostic_aggregator.status import without_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -228,10 +227,3 @@ def test_a_missing_stamp_is_warned_of_once(robot: Bench, capfd: pytest.CaptureFi
 )
 def test_prefixes_go_from_the_last_part_of_a_path(name: str, prefix: str, short: str) -> None:
     assert without_prefix(name, prefix) == short
-
-
-def test_the_node_runs_as_a_program(begun: object) -> None:
-    from diagnostic_aggregator.aggregator_node import main
-
-    rclpy.shutdown()
-    main([])

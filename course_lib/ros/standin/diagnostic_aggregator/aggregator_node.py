@@ -2,7 +2,6 @@
 
 from typing import Any, Unpack
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node, NodeOptions
 
@@ -56,10 +55,3 @@ class Aggregator(Node):
     def _publish_top(self, name: str, level: bytes) -> None:
         self._top_level = level
         self._top.publish(DiagnosticStatus(name=name, level=level))
-
-
-def main(args: list[str] | None = None) -> None:
-    """Run the node."""
-    rclpy.init(args=args)
-    rclpy.spin(Aggregator())
-    rclpy.try_shutdown()

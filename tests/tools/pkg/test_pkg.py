@@ -1,0 +1,129 @@
+"""`ros2 pkg`: texts are those of ros2cli's verbs."""
+
+import getpass
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording
+from course_lib.ros.packages import find_package
+from course_lib.ros.standin_path import STANDIN, provided
+from course_lib.tools.ros2 import ros2, ros2_over
+from course_lib.tools.sources import RecordingSource
+
+Run = Callable[[str], str]
+
+CREATED = """\
+going to create a new package
+package name: my_pkg
+destination directory: {here}
+package format: 3
+version: 0.0.0
+description: TODO: Package description
+maintainer: ['{user} <{user}@todo.todo>']
+licenses: ['MIT']
+build type: ament_python
+dependencies: ['rclpy', 'sensor_msgs']
+node_name: talker
+creating folder ./my_pkg
+creating ./my_pkg/package.xml
+creating source folder
+creating folder ./my_pkg/my_pkg
+creating ./my_pkg/setup.py
+creating ./my_pkg/setup.cfg
+creating folder ./my_pkg/resource
+creating ./my_pkg/resource/my_pkg
+creating ./my_pkg/my_pkg/__init__.py
+creating folder ./my_pkg/test
+creating ./my_pkg/test/test_copyright.py
+creating ./my_pkg/test/test_flake8.py
+creating ./my_pkg/test/test_pep257.py
+creating ./my_pkg/my_pkg/talker.py
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Do what `%ros2 pkg …` does in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    for variable in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"):
+        monkeypatch.delenv(variable, raising=False)
+
+    def run(line: str) -> str:
+        written: list[str] = []
+        ros2(["pkg", *line.split()], RecordingSource(Recording(())), written.append)
+        return "".join(written)
+
+    return run
+
+
+@pytest.fixture
+def made(run: Run) -> str:
+    """What is said while a package is made in the working folder."""
+    line = "create --build-type ament_python my_pkg --license MIT --node-name talker"
+    return run(f"{line} --dependencies rclpy sensor_msgs")
+
+
+def test_each_step_is_said_as_ros2cli_says_it(made: str, tmp_path: Path) -> None:
+    assert made == CREATED.format(here=tmp_path, user=getpass.getuser())
+    for line in made.splitlines():
+        if line.startswith("creating ./"):
+            assert (tmp_path / line.removeprefix("creating ")).is_file()
+
+
+def test_the_package_is_one_with_its_executable(made: str, run: Run, tmp_path: Path) -> None:
+    found = find_package("my_pkg")
+    assert found is not None
+    assert found.executables == {"talker": ("my_pkg.talker", "main")}
+    manifest = ElementTree.parse(tmp_path / "my_pkg/package.xml").getroot()
+    assert [element.text for element in manifest.findall("depend")] == ["rclpy", "sensor_msgs"]
+    assert run("executables my_pkg") == "my_pkg talker\n"
+    assert run("executables my_pkg --full-path") == f"{tmp_path}/lib/my_pkg/talker\n"
+    assert run("prefix my_pkg") == f"{tmp_path}\n"
+    assert run("prefix my_pkg --share") == f"{tmp_path}/my_pkg\n"
+    assert run("xml my_pkg -t version") == "0.0.0\n"
+    assert run("xml my_pkg -t depend") == "rclpy\nsensor_msgs\n"
+    assert ElementTree.fromstring(run("xml my_pkg")).findtext("license") == "MIT"
+
+
+def test_a_license_that_is_none_is_warned_of(run: Run) -> None:
+    said = run("create --build-type ament_python my_pkg --library-name tools --node-name tools")
+    assert "[WARNING] renaming node to tools_node\n" in said
+    assert "creating folder ./my_pkg/my_pkg/tools\ncreating ./my_pkg/my_pkg/tools/__init__.py\n" in said
+    assert "\n[WARNING]: Unknown license 'TODO: License declaration'.  This has been set in the" in said
+    assert said.endswith("license identifiers:\n" + run("create x --license ?").split("\n", 1)[1])
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("create my_pkg", r"ament_cmake packages hold C\+\+.*create --build-type ament_python my_pkg"),
+        ("create --build-type ament_python test", "'ament_python' packages can't be named 'test'"),
+        ("create --build-type ament_python MyPkg", "no name for a package"),
+        ("create --build-type ament_python my_pkg", r"Aborted!\nThe directory already exists: \./my_pkg\n"),
+        ("prefix my_pkgs", r"^Package not found\. Did you mean my_pkg\?$"),
+        ("executables my_pgk", r"^Package 'my_pgk' not found\. Did you mean my_pkg\?$"),
+        ("xml my_pkg -t maintainr", r"^XML tag not found\. Did you mean maintainer\?$"),
+        ("xml rclpy", "^Package XML manifest not found: rclpy is a part of the kit"),
+    ],
+)
+def test_mistakes_have_ros2s_words_and_a_way_out(made: str, run: Run, line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text):
+        run(line)
+
+
+def test_the_kits_packages_are_listed_beside_ones_own(made: str, run: Run) -> None:
+    names = run("list").split()
+    assert names == sorted(names)
+    assert {*provided(), "my_pkg", "rviz2"} <= set(names)
+    assert run("prefix rclpy") == f"{STANDIN}\n"
+    lines = run("executables").splitlines()
+    assert {"my_pkg talker", "diagnostic_aggregator aggregator_node", "rviz2 rviz2"} <= set(lines)
+
+
+def test_pkg_needs_neither_a_program_nor_a_recording(made: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert ros2_over(["pkg", "executables", "my_pkg"], files=[], bag=None, seconds=1.0) == 0
+    assert capsys.readouterr().out == "my_pkg talker\n"
