@@ -1,0 +1,53 @@
+import shutil
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.export.check import lacks
+
+
+@pytest.fixture
+def copy(package: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(package, tmp_path / package.name))
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "told"),
+    [
+        ("package.xml", 'format="3"', 'format="2"', "format"),
+        ("package.xml", "<depend>sensor_msgs</depend>", "", "sensor_msgs"),
+        ("package.xml", "<build_type>ament_python<", "<build_type>ament_cmake<", "ament_python"),
+        ("package.xml", "</package>", "", "XML"),
+        ("setup.py", "tf_publisher:main", "tf_publisher:start", "the function start"),
+        ("setup.py", "perception_dashboard.tf_publisher", "perception_dashboard.nothing", "nothing"),
+        ("setup.py", "launch", "lunch", "launch/ in data_files"),
+        ("setup.cfg", "script_dir=$base/lib/perception_dashboard", "", "script_dir"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_named(copy: Path, file: str, old: str, new: str, told: str) -> None:
+    text = (copy / file).read_text()
+    assert old in text
+    (copy / file).write_text(
+        text.replace(old, new).replace("launch/*.py", "lunch/*.py" if "lunch" in new else "launch/*.py")
+    )
+    assert any(told in line for line in lacks(copy).missing)
+
+
+@pytest.mark.parametrize("path", ["package.xml", "setup.py", "setup.cfg", "resource/perception_dashboard"])
+def test_a_missing_file_is_named(copy: Path, path: str) -> None:
+    (copy / path).unlink()
+    assert f"lacks: the file {path}" in lacks(copy).lines()
+
+
+def test_what_is_only_advised_does_not_count_as_missing(copy: Path) -> None:
+    shutil.rmtree(copy / "rviz")
+    report = lacks(copy)
+    assert report.complete
+    assert "advised: a file rviz/*.rviz" in report.lines()
+    assert any("maintainer" in line for line in report.lines())
+
+
+def test_no_folder_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="no folder"):
+        lacks(tmp_path / "nowhere")

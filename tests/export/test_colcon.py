@@ -1,0 +1,72 @@
+"""What ROS's own tools say of an exported package."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.ros.launch.run import recorded
+
+STYLE = (
+    "D100",
+    "D101",
+    "D102",
+    "D103",
+    "D104",
+    "D105",
+    "D106",
+    "D107",
+    "D203",
+    "D212",
+    "D404",
+)  # ament_pep257's
+
+
+def succeed(folder: Path, *words: str) -> str:
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120, env=environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def module(folder: Path, *words: str) -> str:
+    return succeed(folder, sys.executable, "-m", *words)
+
+
+@pytest.fixture(scope="module")
+def workspace(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("ws")
+    shutil.copytree(package, root / "src" / package.name, ignore=shutil.ignore_patterns("__pycache__"))
+    return root
+
+
+def test_package_xml_is_what_catkin_pkg_expects(package: Path) -> None:
+    from catkin_pkg.package import parse_package
+
+    parsed = parse_package(package)
+    parsed.validate()
+    assert (parsed.name, parsed.get_build_type()) == ("perception_dashboard", "ament_python")
+    wanted = {"rclpy", "sensor_msgs", "tf2_ros", "visualization_msgs", "launch_ros", "rviz2"}
+    assert wanted <= {depend.name for depend in parsed.exec_depends}
+
+
+def test_flake8_and_pep257_find_nothing(package: Path) -> None:
+    assert module(package, "flake8", "--max-line-length", "99", ".") == ""
+    assert module(package, "pydocstyle", "--ignore", ",".join(STYLE), ".") == ""
+
+
+@pytest.mark.slow
+def test_colcon_builds_and_tests_it_and_what_is_built_starts(workspace: Path) -> None:
+    succeed(workspace, "colcon", "build")
+    succeed(workspace, "colcon", "test", "--return-code-on-test-failure")
+    assert "0 errors, 0 failures" in succeed(workspace, "colcon", "test-result", "--all")
+    share = workspace / "install" / "perception_dashboard" / "share" / "perception_dashboard"
+    recording, code = recorded(share / "launch" / "perception_dashboard.launch.py")
+    assert code == 0
+    assert sum(sample.topic == "/scan" for sample in recording.samples) == 10
+    import perception_dashboard  # type: ignore[import-not-found]  # what the launch has started
+
+    assert workspace / "install" in Path(perception_dashboard.__file__).parents

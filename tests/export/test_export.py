@@ -1,0 +1,154 @@
+import ast
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.export.check import lacks
+from course_lib.export.export import export
+from course_lib.recording import Recording
+from course_lib.ros.packages import executables_of
+from tests.export.conftest import write_notebook
+from tests.ros.launch.run import recorded
+
+NODE = "from rclpy.node import Node"
+TALKER = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
+
+
+def test_the_package_has_the_documents_structure(package: Path) -> None:
+    files = {str(path.relative_to(package)) for path in package.rglob("*") if path.is_file()}
+    assert files >= {
+        *("package.xml", "setup.py", "setup.cfg", "README.md", "resource/perception_dashboard"),
+        *(f"perception_dashboard/{name}.py" for name in ("__init__", "perception_node", "tf_publisher")),
+        *("launch/perception_dashboard.launch.py", "config/perception_dashboard.yaml"),
+        *("rviz/perception_dashboard.rviz", "test/test_copyright.py", "test/test_sensor_publisher.py"),
+    }
+    assert lacks(package).missing == ()
+
+
+def test_notebook_and_launched_package_publish_the_same(notebook: Path, package: Path) -> None:
+    launch = package / "launch" / "perception_dashboard.launch.py"
+    in_notebook, code = recorded(notebook, seconds=None)
+    launched, launch_code = recorded(launch, seconds=5.0)
+    assert (code, launch_code) == (0, 0)
+    assert len(launched.samples) > 200
+    assert launched.digest() == in_notebook.digest()
+
+
+def test_parameters_of_the_config_file_are_honoured(package: Path) -> None:
+    config = package / "config" / "perception_dashboard.yaml"
+    before = config.read_text()
+    config.write_text(before.replace("10.0", "2.0"))
+    try:
+        launched, _ = recorded(package / "launch" / "perception_dashboard.launch.py", seconds=2.0)
+    finally:
+        config.write_text(before)
+    assert count(launched, "/perception/markers") == 4
+
+
+def count(recording: Recording, topic: str) -> int:
+    return sum(sample.topic == topic for sample in recording.samples)
+
+
+def test_a_module_holds_what_its_class_needs_and_nothing_else(package: Path) -> None:
+    text = (package / "perception_dashboard" / "perception_node.py").read_text()
+    assert "# colours of classes, RGBA\nCOLORS = " in text
+    assert 'COLORS["car"] = ' in text
+    for name in ("UNUSED", "TransformStamped", "spin_for", "TFPublisher"):
+        assert name not in text
+    assert ast.get_docstring(ast.parse(text)) == "Publishes boxes."
+
+
+def test_every_executable_is_a_function_of_a_module(package: Path) -> None:
+    executables = executables_of(package / "setup.py")
+    assert set(executables) == {"perception_node", "tf_publisher", "sensor_publisher"}
+    for module, function in executables.values():
+        tree = ast.parse((package / f"{module.replace('.', '/')}.py").read_text())
+        assert function in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def test_nothing_is_overwritten_without_force(tmp_path: Path) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
+    export(file, "my_package", tmp_path)
+    own = tmp_path / "my_package" / "notes.txt"
+    own.write_text("mine")
+    (tmp_path / "my_package" / "setup.py").write_text("changed")
+    with pytest.raises(CourseError, match="--force"):
+        export(file, "my_package", tmp_path)
+    assert (tmp_path / "my_package" / "setup.py").read_text() == "changed"
+    export(file, "my_package", tmp_path, force=True)
+    assert "my_package" in (tmp_path / "my_package" / "setup.py").read_text()
+    assert own.read_text() == "mine"
+    assert {path.name for path in tmp_path.iterdir()} == {"n.ipynb", "my_package"}
+
+
+@pytest.mark.parametrize("name", ["My-Package", "2fast", "a", "x__y", "rclpy", "test", "ünder", "a_", ""])
+def test_a_name_against_rep_144_is_refused(tmp_path: Path, name: str) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
+    with pytest.raises(CourseError):
+        export(file, name, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        (("# export\n" + NODE, "def helper(): ...", "# export\n" + TALKER + "        helper()"), "cell 2"),
+        ((NODE, TALKER + "        helper()"), "defined nowhere"),
+        ((NODE, "from course_lib import spin_for", TALKER + "        spin_for(1)"), "course_lib"),
+        ((NODE, TALKER.replace("self", "self, rate", 1)), "Talker\\(\\) needs rate"),
+        ((NODE, "class Talker:\n    pass"), "derives from rclpy's Node"),
+        ((NODE, "class Talker(Node)\n    pass"), "Cell 2, line 1"),
+    ],
+)
+def test_what_cannot_work_is_found_before_anything_is_written(
+    tmp_path: Path, cells: tuple[str, ...], message: str
+) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", cells)
+    with pytest.raises(CourseError, match=message):
+        export(file, "my_package", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("cells", "there"),
+    [
+        (("A = 1\nB = A + 1\nA = 5", TALKER + "        print(A, B)"), "A = 1\nB = A + 1\nA = 5"),
+        (("def f():\n    return g()\n\n\ndef g():\n    return 1", TALKER + "        f()"), "def g():"),
+        (("import numpy as np, math", TALKER + "        print(np.pi)"), "import numpy as np"),
+        (("X = [n for n in range(3)]", TALKER + "        print(X)"), "X = [n for n in range(3)]"),
+        (("try:\n    import a\nexcept ImportError:\n    a = None", TALKER + "        print(a)"), "a = None"),
+        (("class Base(Node):\n    pass", TALKER.replace("(Node)", "(Base)")), "class Base(Node):"),
+        (("x = 1; y = 2", TALKER + "        print(y)"), "\ny = 2"),
+        (("from math import *", TALKER + "        print(sin(1))"), "from math import *"),
+        ((TALKER + "        print(0)", TALKER + "        print(1)"), "print(1)"),
+        (("%matplotlib inline\nRATE = 2", TALKER + "        print(RATE)"), "RATE = 2"),
+    ],
+)
+def test_names_are_found_as_python_finds_them(
+    exported: Callable[..., str], cells: tuple[str, str], there: str
+) -> None:
+    text = exported(NODE, *cells)
+    assert there in text
+    assert "get_ipython" not in text
+
+
+def test_a_file_s_own_main_is_kept(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    main = "def main():\n    rclpy.init()\n    rclpy.spin(Talker())\n"
+    file.write_text(
+        f"import rclpy\n{NODE}\n\n\n{TALKER}\n\n{main}\n\nif __name__ == '__main__':\n    main()\n"
+    )
+    export(file, "my_package", tmp_path)
+    text = (tmp_path / "my_package" / "my_package" / "talker.py").read_text()
+    assert text.count("def main(") == 1
+    assert "rclpy.spin(Talker())" in text
+
+
+def test_files_that_go_along_take_the_place_of_those_made_up(tmp_path: Path) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
+    (tmp_path / "mine.rviz").write_text("Panels: []\n")
+    export(file, "my_package", tmp_path, extra=[tmp_path / "mine.rviz"])
+    assert [path.name for path in (tmp_path / "my_package" / "rviz").iterdir()] == ["mine.rviz"]
+    assert "'mine.rviz'" in (tmp_path / "my_package" / "launch" / "my_package.launch.py").read_text()
