@@ -5,7 +5,8 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.messages import Message, message_class
+from course_lib.ros.messages import Message, message_class, type_name
+from course_lib.tools.asking import kind_of
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.sources import Arrival, Listening, Source
 from course_lib.tools.topic.lookup import full_name, passes, silence, type_of
@@ -22,8 +23,10 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
         CourseError: There is no such topic or field, or no message comes in time.
     """
     topic = full_name(arguments.topic_name)
-    kind = arguments.message_type or type_of(source, topic, write, blocking=False)
-    message_class(kind)  # says which type is not known
+    if arguments.message_type:
+        kind = type_name(kind_of(message_class, arguments.message_type, "msg"))
+    else:
+        kind = type_of(source, topic, write, blocking=False)
     matches = passes(arguments.filter_expr)
     qos = asked_qos(arguments) or adapted_qos(source.offered(topic), PRESETS[arguments.qos_profile], write)
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.messages import message_class
-from course_lib.tools.asking import own_node
+from course_lib.ros.messages import Message, message_class
+from course_lib.tools.asking import kind_of, own_node
 from course_lib.tools.message_fields import fill
 from course_lib.tools.sources import NODE_NAME, Source
 from course_lib.tools.topic.qos import PRESETS, asked_qos, qos_options
@@ -27,10 +27,11 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     Raises:
         CourseError: Nobody can hear it, or type, values or topic are wrong.
     """
-    message: Any = message_class(arguments.message_type)()
+    kind = kind_of(message_class, arguments.message_type, "msg")
+    message: Any = kind()
     set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
     with until_interrupted(), own_node(source, arguments.node_name or NODE_NAME) as node:
-        publisher = _publisher(node, arguments)
+        publisher = _publisher(node, kind, arguments)
         _wait_for_subscriptions(source, publisher, arguments, write)
         write("publisher: beginning loop\n")
         for count in _beats(source, arguments, write):
@@ -41,13 +42,12 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
             publisher.publish(message)
 
 
-def _publisher(node: "Node", arguments: Namespace) -> "Publisher[Any]":
+def _publisher(node: "Node", kind: type[Message], arguments: Namespace) -> "Publisher[Any]":
     from rclpy.exceptions import InvalidTopicNameException
     from rclpy.impl.qos_conversion import to_profile
 
     qos = asked_qos(arguments) or PRESETS[arguments.qos_profile]
     try:
-        kind = message_class(arguments.message_type)
         return node.create_publisher(kind, arguments.topic_name, to_profile(qos))
     except InvalidTopicNameException as error:
         raise CourseError(str(error)) from error

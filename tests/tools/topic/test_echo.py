@@ -18,7 +18,7 @@ Run = Callable[[str], str]
 
 def test_once_prints_the_next_message(run: Run, talker: Node) -> None:
     assert run("topic echo /chatter --once") == "data: hello 1\n---\n"
-    assert run("topic echo chatter --once --field data") == "hello 2\n---\n"
+    assert run("topic echo chatter std_msgs/String --once --field data") == "hello 2\n---\n"
 
 
 def test_without_a_page_echo_ends_and_says_so(run: Run, talker: Node) -> None:

@@ -29,7 +29,7 @@ def test_once_publishes_one_message_in_ros2cli_s_words(run: Run, graph: Graph, t
 
 def test_times_and_rate_and_print_say_how_often(run: Run, graph: Graph, talker: Node) -> None:
     heard, start_ns = heard_by(talker, String, "ear"), graph.now_ns
-    text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/msg/String {data: hi}")
+    text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/String {data: hi}")
     assert len(heard) == 5
     assert [line.split(":")[0] for line in text.splitlines() if line] == [
         "publisher", "publishing #2", "publishing #4",
