@@ -21,8 +21,8 @@ PATIENCE = 5.0  # [s] for an answer
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the names of one node's parameters, or of all nodes'."""
     wanted, pattern = arguments.node_name, re.compile(arguments.filter or "")
-    for node_name in [_found(source, wanted)] if wanted else _nodes(source):
-        with _asked(source, node_name) as ask:
+    for node_name in [found_node(source, wanted)] if wanted else parameter_nodes(source):
+        with asked(source, node_name) as ask:
             names = ask("list_parameters", arguments.param_prefixes).result.names
             names = [name for name in sorted(names) if pattern.match(name)]
             types = ask("describe_parameters", names).descriptors if arguments.param_type else []
@@ -37,7 +37,7 @@ def get(source: Source, arguments: Namespace, write: Write) -> None:
     from rclpy.parameter import Parameter
 
     name = arguments.parameter_name
-    with _asked(source, arguments.node_name) as ask:
+    with asked(source, arguments.node_name) as ask:
         values = ask("get_parameters", [name]).values
         if not values:
             there = ask("list_parameters").result.names
@@ -45,7 +45,7 @@ def get(source: Source, arguments: Namespace, write: Write) -> None:
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
     word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
-    shown = _plain(values[0])
+    shown = plain_value(values[0])
     if kind is Parameter.Type.NOT_SET:
         write("None\n" if arguments.hide_type else "Parameter not set.\n")
     elif arguments.hide_type:
@@ -63,7 +63,7 @@ def set_one(source: Source, arguments: Namespace, write: Write) -> None:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))
     except ValueError as error:
         raise CourseError(f"{arguments.value!r} is no value of a parameter: {error}") from error
-    with _asked(source, arguments.node_name) as ask:
+    with asked(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
     words = "Set parameter successful" if result.successful else "Setting parameter failed"
     write(_with_reason(words, result))
@@ -71,7 +71,7 @@ def set_one(source: Source, arguments: Namespace, write: Write) -> None:
 
 def describe(source: Source, arguments: Namespace, write: Write) -> None:
     """Print what is known of parameters besides their values."""
-    with _asked(source, arguments.node_name) as ask:
+    with asked(source, arguments.node_name) as ask:
         descriptors = ask("describe_parameters", arguments.parameter_names).descriptors
     for one in descriptors:
         lines = [f"Parameter name: {one.name}", f"  Type: {_kind(one.type)}"]
@@ -89,8 +89,8 @@ def dump(source: Source, arguments: Namespace, write: Write) -> None:
     """Print all parameters of a node as the YAML that `load` and `--params-file` take."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    node_name, parameters = _found(source, arguments.node_name), dict[str, Any]()
-    with _asked(source, node_name) as ask:
+    node_name, parameters = found_node(source, arguments.node_name), dict[str, Any]()
+    with asked(source, node_name) as ask:
         names = sorted(ask("list_parameters").result.names)
         values = ask("get_parameters", names).values
     for name, one in zip(names, values, strict=True):
@@ -98,7 +98,7 @@ def dump(source: Source, arguments: Namespace, write: Write) -> None:
         place = parameters
         for group in groups:
             place = place.setdefault(group, {})
-        place[last] = _plain(one)
+        place[last] = plain_value(one)
     write(f"{yaml.dump({node_name: {'ros__parameters': parameters}}, default_flow_style=False)}\n")
 
 
@@ -110,7 +110,7 @@ def load(source: Source, arguments: Namespace, write: Write) -> None:
         found = parameter_dict_from_yaml_file(arguments.parameter_file, not arguments.no_use_wildcard)
     except (OSError, RuntimeError) as error:
         raise CourseError(f"{error}. `ros2 param dump` writes such a file.") from error
-    with _asked(source, arguments.node_name) as ask:
+    with asked(source, arguments.node_name) as ask:
         results = ask("set_parameters", list(found.values())).results
     for name, result in zip(found, results, strict=True):
         words = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
@@ -119,18 +119,18 @@ def load(source: Source, arguments: Namespace, write: Write) -> None:
 
 def delete(source: Source, arguments: Namespace, write: Write) -> None:
     """Unset a parameter."""
-    with _asked(source, arguments.node_name) as ask:
+    with asked(source, arguments.node_name) as ask:
         (result,) = ask("delete_parameters", [arguments.parameter_name]).results
     words = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
     write(_with_reason(words, result))
 
 
 @contextmanager
-def _asked(source: Source, node_name: str) -> Iterator[Any]:
+def asked(source: Source, node_name: str) -> Iterator[Any]:
     """Give what calls a method of an AsyncParameterClient of a node, and waits for the answer."""
     from rclpy.parameter_client import AsyncParameterClient
 
-    full = _found(source, node_name)
+    full = found_node(source, node_name)
     with own_node(source) as node:
         client = AsyncParameterClient(node, full)
 
@@ -141,7 +141,7 @@ def _asked(source: Source, node_name: str) -> Iterator[Any]:
         yield ask
 
 
-def _nodes(source: Source) -> Sequence[str]:
+def parameter_nodes(source: Source) -> Sequence[str]:
     """List the full names of nodes that offer their parameters."""
     if not source.live:
         raise CourseError("Parameters belong to nodes that run: start one, like run_live(MyNode()).")
@@ -150,14 +150,17 @@ def _nodes(source: Source) -> Sequence[str]:
     return sorted(name.removesuffix(end) for name in services if name.endswith(end))
 
 
-def _found(source: Source, name: str) -> str:
+def found_node(source: Source, name: str) -> str:
+    """Give a node's full name; raises a CourseError if there is none of that name."""
     full = name if name.startswith("/") else f"/{name}"
-    if full not in _nodes(source):
-        raise CourseError(f"Node not found: {name}. There are: {', '.join(_nodes(source)) or 'none'}.")
+    if full not in parameter_nodes(source):
+        raise CourseError(
+            f"Node not found: {name}. There are: {', '.join(parameter_nodes(source)) or 'none'}."
+        )
     return full
 
 
-def _plain(message: Any) -> Any:
+def plain_value(message: Any) -> Any:
     """Give the value that a message holds; as in ROS a list as one of Python's."""
     from rclpy.parameter import Parameter
 

@@ -8,7 +8,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.messages import Message
 from course_lib.ros.messages.definitions import FieldDefinition, definition
 from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.tools.rqt.view import near
+from course_lib.tools.hints import did_you_mean
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
@@ -47,7 +47,7 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
     path = "/" + text.strip("/")
     fitting = [topic for topic in topics if f"{path}/".startswith(f"{topic}/")]
     if not fitting:
-        raise CourseError(f"topic {path} does not exist. {near(path, topics)}")
+        raise CourseError(f"topic {path} does not exist{did_you_mean(path, topics)}")
     topic = max(fitting, key=len)
     type_name = topics[topic][0]
     words = path[len(topic) :].strip("/")
@@ -56,7 +56,9 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
         fields = {field.name: field for field in definition(here).fields} if here else {}
         step = _STEP.fullmatch(word)
         if step is None or step[1] not in fields:
-            raise CourseError(f"{path}: {here or 'a number'} has no field {word!r}. {near(word, fields)}")
+            raise CourseError(
+                f"{path}: {here or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
+            )
         field, index = fields[step[1]], None if step[2] is None else int(step[2])
         _check_index(path, word, field, index)
         steps.append((field.name, index))

@@ -14,7 +14,6 @@ from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.field_path import FieldPath, parse
 from course_lib.tools.rqt.markup import drawing, tag, text
 from course_lib.tools.rqt.view import View
-from course_lib.tools.sources import GraphSource
 
 _SAMPLES = 100_000  # that a curve keeps
 _PLOT = (60.0, 10.0, 640.0, 250.0)  # [px] x, y, width, height
@@ -77,7 +76,7 @@ class PlotView(View):
 
     def _choose(self) -> None:
         """Let there be the curves that are named."""
-        topics = GraphSource(self.graph).topics()
+        topics = self.source.topics()
         paths = [parse(word, topics) for word in self["Topics"].split()]
         self._curves = {
             path.text: self._curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths

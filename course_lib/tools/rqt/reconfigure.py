@@ -3,14 +3,12 @@
 from html import escape
 from typing import Any
 
-from course_lib.errors import CourseError
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import deserialize, message_class
+from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
 from course_lib.tools.rqt.markup import table
-from course_lib.tools.rqt.service_caller import ask, services
-from course_lib.tools.rqt.view import View, near
+from course_lib.tools.rqt.view import View
 
-_LIST = "/list_parameters"
 _WIDTH = {"width": "420px", "flex": "none"}
 _STYLE = {"description_width": "180px"}
 
@@ -24,14 +22,13 @@ class ReconfigureView(View):
         """Make the controls; a word is the node to begin with."""
         from ipywidgets import VBox
 
-        wanted, nodes = self.wanted(), self._nodes()
-        if wanted not in (None, *nodes):
-            raise CourseError(f"Node not found: {wanted}. {near(str(wanted), nodes)}")
         self._values: dict[str, Any] = {}
         self._rows: dict[str, Any] = {}
         self._reading = False  # whether values come from the node, not from the page
         self._table = VBox()
-        self.add_choice("Node", nodes, wanted or (nodes[0] if len(nodes) == 1 else None), self._read)
+        wanted, nodes = self.wanted(), parameter_nodes(self.source)
+        chosen = found_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
+        self.add_choice("Node", nodes, chosen, self._read)
         self.add_text("Filter", hint="part of a name")
 
     def buttons(self) -> list[Any]:
@@ -48,35 +45,28 @@ class ReconfigureView(View):
         if sample.topic == "/parameter_events" and self._rows:
             event: Any = deserialize(sample.cdr, message_class(sample.type_name))
             if event.node == self["Node"]:
-                self._show(
-                    {p.name: value_of(p.value) for p in (*event.new_parameters, *event.changed_parameters)}
-                )
+                changes = (*event.new_parameters, *event.changed_parameters)
+                self._show({change.name: plain_value(change.value) for change in changes})
 
     def refresh(self) -> None:
         """Bring the list of nodes up to date, and the rows that pass the filter."""
-        self.offer("Node", self._nodes())
+        self.offer("Node", parameter_nodes(self.source))
         self._table.children = tuple(row for name, row in self._rows.items() if self["Filter"] in name)
 
     def picture(self) -> str:
         """Write the parameters of the node, or of all, as a table."""
         rows = []
-        for node in [self["Node"]] if self["Node"] else self._nodes():
+        for node in [self["Node"]] if self["Node"] else parameter_nodes(self.source):
             for name, value, about in self._parameters(node):
-                rows.append([escape(str(cell)) for cell in (node, name, shown(value), _note(about))])
+                rows.append([escape(cell) for cell in (node, name, _shown(value), _note(about))])
         return table(("Node", "Parameter", "Value", "Description"), rows, "Parameters")
-
-    def _nodes(self) -> list[str]:
-        return sorted(name.removesuffix(_LIST) for name in services(self.graph) if name.endswith(_LIST))
 
     def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
         """Ask a node for its parameters: names, values and descriptors."""
-        from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
-
-        names = sorted(ask(self.graph, f"{node}{_LIST}", ListParameters.Request()).result.names)
-        values = ask(self.graph, f"{node}/get_parameters", GetParameters.Request(names=names)).values
-        request = DescribeParameters.Request(names=names)
-        about = ask(self.graph, f"{node}/describe_parameters", request).descriptors
-        return list(zip(names, map(value_of, values), about, strict=True))
+        with asked(self.source, node) as ask:
+            names = sorted(ask("list_parameters").result.names)
+            values, about = ask("get_parameters", names).values, ask("describe_parameters", names).descriptors
+        return list(zip(names, map(plain_value, values), about, strict=True))
 
     def _read(self) -> None:
         """Make the rows of the node that is chosen."""
@@ -90,34 +80,33 @@ class ReconfigureView(View):
     def _row(self, name: str, value: Any, about: Any) -> Any:
         from ipywidgets import HTML, HBox
 
-        control, said = editor(name, value, about), HTML()
-        control.tooltip, control.disabled = about.description or name, control.disabled or about.read_only
-        note = HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>")
+        control = _editor(name, value, about)
+        control.tooltip, control.disabled = about.description or name, about.read_only or value is None
 
         def act(change: dict[str, Any]) -> None:
             if not self._reading:
                 self.soon(lambda: self._set(name, change["new"]))
 
         control.observe(act, "value")
-        return HBox([control, note, said])
+        return HBox([control, HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>"), HTML()])
 
-    def _set(self, name: str, text: Any) -> None:
+    def _set(self, name: str, new: Any) -> None:
         """Set a parameter; what the node refuses is taken back, with its reason."""
-        from rcl_interfaces.srv import SetParameters
         from rclpy.impl.parameter_yaml import read_value
         from rclpy.parameter import Parameter
 
-        was, said = self._values[name], self._rows[name].children[2]
+        was = self._values[name]
         try:
-            value = read_value(text) if isinstance(text, str) and not isinstance(was, str) else text
-            request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-            (result,) = ask(self.graph, f"{self['Node']}/set_parameters", request).results
+            value = read_value(new) if isinstance(new, str) and not isinstance(was, str) else new
+            with asked(self.source, self["Node"]) as ask:
+                (result,) = ask("set_parameters", [Parameter(name, value=value)]).results
             refusal = "" if result.successful else result.reason or "the node refuses it"
         except ValueError as error:
-            refusal = f"{text!r} is no value of a parameter: {error}"
+            refusal = f"{new!r} is no value of a parameter: {error}"
         if refusal:
             self._show({name: was})
-        said.value = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
+        said = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
+        self._rows[name].children[2].value = said
 
     def _show(self, values: dict[str, Any]) -> None:
         """Show values that a node has."""
@@ -125,20 +114,19 @@ class ReconfigureView(View):
         for name in values.keys() & self._rows.keys():
             control = self._rows[name].children[0]
             self._values[name] = values[name]
-            control.value = shown(values[name]) if isinstance(control.value, str) else values[name]
+            control.value = _shown(values[name]) if isinstance(control.value, str) else values[name]
         self._reading = False
 
 
 def _note(about: Any) -> str:
     """Say what a descriptor says, in a line."""
-    limits = [
-        f"{r.from_value:g} … {r.to_value:g}" for r in (*about.integer_range, *about.floating_point_range)
-    ]
+    ranges = (*about.integer_range, *about.floating_point_range)
+    limits = [f"{limits.from_value:g} … {limits.to_value:g}" for limits in ranges]
     texts = (*limits, "read-only" if about.read_only else "", about.description, about.additional_constraints)
     return " · ".join(filter(None, texts))
 
 
-def editor(name: str, value: Any, about: Any) -> Any:
+def _editor(name: str, value: Any, about: Any) -> Any:
     """Make the control that suits a value and its descriptor."""
     import ipywidgets as widgets
 
@@ -146,26 +134,17 @@ def editor(name: str, value: Any, about: Any) -> Any:
     if isinstance(value, bool):
         return widgets.Checkbox(value, **settings)
     if not isinstance(value, int | float):
-        return widgets.Text(shown(value), continuous_update=False, disabled=value is None, **settings)
+        return widgets.Text(_shown(value), continuous_update=False, **settings)
     is_int = isinstance(value, int)
     for limits in about.integer_range if is_int else about.floating_point_range:
         low, high = limits.from_value, limits.to_value
-        settings |= {"min": low, "max": high, "step": limits.step or (1 if is_int else (high - low) / 1000)}
-        slider = widgets.IntSlider if is_int else widgets.FloatSlider
+        step = limits.step or (1 if is_int else (high - low) / 1000)
+        slider, form = (widgets.IntSlider, "d") if is_int else (widgets.FloatSlider, ".4g")
+        settings |= {"min": low, "max": high, "step": step, "readout_format": form}
         return slider(value, continuous_update=False, **settings)
     return (widgets.IntText if is_int else widgets.FloatText)(value, **settings)
 
 
-def shown(value: Any) -> str:
-    """Write a value as a text field has it: strings as they are, lists as YAML."""
-    if value is None:
-        return "not set"
-    return str(value if isinstance(value, str | bool | int | float) else list(value))
-
-
-def value_of(message: Any) -> Any:
-    """Give what a ParameterValue holds; None if it is not set."""
-    from rcl_interfaces.msg import Parameter as ParameterMessage
-    from rclpy.parameter import Parameter
-
-    return Parameter.from_parameter_msg(ParameterMessage(value=message)).value
+def _shown(value: Any) -> str:
+    """Write a value as a text field has it: lists as YAML."""
+    return "not set" if value is None else str(value)

@@ -8,6 +8,7 @@ from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
 from course_lib.ros.graph import Graph, current_graph
+from course_lib.tools.hints import did_you_mean
 from course_lib.tools.rqt.bag import BagView
 from course_lib.tools.rqt.console import ConsoleView
 from course_lib.tools.rqt.graph import GraphView
@@ -16,7 +17,7 @@ from course_lib.tools.rqt.reconfigure import ReconfigureView
 from course_lib.tools.rqt.robot_monitor import RobotMonitorView
 from course_lib.tools.rqt.service_caller import ServiceCallerView
 from course_lib.tools.rqt.topic import TopicView
-from course_lib.tools.rqt.view import View, near
+from course_lib.tools.rqt.view import View
 
 _CLASSES = (
     GraphView,
@@ -52,7 +53,9 @@ def rqt(words: Sequence[str]) -> None:
 def _view_class(name: str) -> type[View]:
     plain = name.removeprefix("rqt_")
     if plain not in VIEWS:
-        raise CourseError(f"rqt has no view {name!r} here. {near(plain, list(VIEWS))}")
+        raise CourseError(
+            f"rqt has no view {name!r} here, but {', '.join(VIEWS)}{did_you_mean(plain, VIEWS)}"
+        )
     return VIEWS[plain]
 
 

@@ -9,7 +9,6 @@ from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import table, tag
 from course_lib.tools.rqt.view import View
-from course_lib.tools.sources import GraphSource
 
 _WINDOW_NS = 5 * 10**9  # of robot time
 _COLUMNS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
@@ -61,7 +60,7 @@ class TopicView(View):
         return table(_COLUMNS, rows, "Topics")
 
     def _topics(self) -> dict[str, list[str]]:
-        topics = GraphSource(self.graph).topics(hidden=False)
+        topics = self.source.topics(hidden=False)
         return {topic: types for topic, types in topics.items() if self["Filter"] in topic}
 
     def _row(self, topic: str) -> Any:

@@ -1,8 +1,7 @@
 """What all views of rqt have in common: named controls, and a picture that follows the run."""
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -10,7 +9,9 @@ from course_lib.errors import CourseError
 from course_lib.ros import wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, Sample
+from course_lib.tools.hints import did_you_mean
 from course_lib.tools.rqt.markup import STYLE
+from course_lib.tools.sources import GraphSource
 
 if TYPE_CHECKING:
     from ipywidgets import VBox
@@ -33,7 +34,7 @@ class View:
     def __init__(self, graph: Graph, words: Sequence[str]) -> None:
         from ipywidgets import HTML
 
-        self.graph = graph
+        self.graph, self.source = graph, GraphSource(graph)
         self.words = list(words)
         self.controls: dict[str, Any] = {}
         self.screen = HTML()
@@ -154,7 +155,7 @@ class View:
 
         for name, value in settings.items():
             if name not in self.controls:
-                raise CourseError(f"{self.title} has no control {name!r}. {near(name, self.controls)}")
+                raise CourseError(f"{self.title} has no control {name!r}{did_you_mean(name, self.controls)}")
             try:
                 self.controls[name].value = value
             except TraitError:
@@ -215,11 +216,3 @@ class View:
         if self._stops:
             with baton.unknown():  # a page's matters are none of the program's
                 self._act(self.refresh)
-
-
-def near(name: str, names: Iterable[str]) -> str:
-    """Name what may have been meant, else all there is, as a sentence."""
-    known = list(names)
-    if close := get_close_matches(name, known, 3):
-        return f"Did you mean {' or '.join(close)}?"
-    return f"There are: {', '.join(known) or 'none'}."

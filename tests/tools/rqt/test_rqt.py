@@ -77,7 +77,7 @@ def test_a_broken_perspective_is_an_error(show: Show, tmp_path: Path, text: str,
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("grap", "rqt has no view 'grap' here. Did you mean graph?"),
+        ("grap", "rqt has no view 'grap' here, but graph, plot, "),
         ("", "Write %rqt graph | plot"),
         ("--perspective-file /nowhere/f", "Can't read /nowhere/f"),
         ("save /nowhere/f", "Can't write /nowhere/f"),

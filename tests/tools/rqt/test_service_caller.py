@@ -50,7 +50,7 @@ def test_what_is_no_request_is_explained(view: ServiceCallerView, request_: str,
 def test_silence_is_an_error(view: ServiceCallerView) -> None:
     running_nodes().clear()
     call(view, "a: 1")
-    assert "/add does not answer: is its node running?" in view.notice.value
+    assert "/add does not answer: is it running?" in view.notice.value
 
 
 def test_a_wrong_name_names_the_near_one(view: ServiceCallerView, graph: Graph) -> None:
