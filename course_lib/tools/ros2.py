@@ -141,6 +141,8 @@ class _Parser(ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Show how it is written, and say in one line what is wrong."""
         self.write(self.format_usage())
+        if message.startswith("unrecognized arguments: -"):
+            message += did_you_mean(message.split()[2], self._option_string_actions)
         raise CourseError(f"{self.prog}: error: {message}")
 
 

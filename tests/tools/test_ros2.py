@@ -69,7 +69,7 @@ def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: 
     ("line", "text"),
     [
         ("topic echo", "the following arguments are required: topic_name"),
-        ("topic echo /a --ounce", "unrecognized arguments: --ounce"),
+        ("topic echo /a --ounce", "unrecognized arguments: --ounce. Did you mean --once"),
         ("topic echo /a --truncate-length x", "invalid int value: 'x'"),
     ],
 )
