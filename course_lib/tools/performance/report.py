@@ -37,7 +37,7 @@ _COLUMNS: dict[str, tuple[str, float, str]] = {  # field: heading, factor, forma
 _NOTE = "* processor time on this machine at the wall clock's pace: all other numbers are by robot time"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PerformanceReport:
     """What was measured; a cell shows it as a table.
 
@@ -79,7 +79,7 @@ class PerformanceReport:
         until = min(self.seconds, begin + 1.0) if end is None else end
         return timeline(self.calls, self.start_ns, begin, until)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         from io import StringIO
 
         from rich.console import Console
