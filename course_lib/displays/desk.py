@@ -7,15 +7,16 @@ from typing import Any, TypeGuard
 
 from course_lib.displays import rows
 from course_lib.displays.display import Display
-from course_lib.displays.group import Group
+from course_lib.displays.group import GROUP, Group
 from course_lib.displays.layout import read_layout
 from course_lib.displays.publishing import ToolNode
-from course_lib.displays.registry import REGISTRY, short_name
+from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, short_name
 from course_lib.displays.rows import Row
 from course_lib.displays.selection import selected
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.summary import told
+from course_lib.displays.tools import settings_of
 from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
@@ -111,7 +112,8 @@ class Desk:
     def _state(self) -> dict[str, Any]:
         """Return all that the panels show; rows one by one, as they change one by one."""
         session, tree, view = self._session, rows.display_rows(self._session), rows.view_rows(self._session)
-        self._rows = tree | view
+        tools = rows.tool_rows(session)
+        self._rows = tree | view | tools
         statuses = StatusTable(session.rows())
         worst = rows.worst_of(row.level for row in statuses)
         told_first = [row for row in statuses if row.level == worst]
@@ -119,9 +121,13 @@ class Desk:
         return {
             "tree": list(tree),
             "view": list(view),
+            "toolRows": list(tools),
+            "settings": settings_of(session.tools),
+            "hands": session.view.hands(),
             "views": [repr(session.view), list(VIEWS), [saved.name for saved in session.saved_views]],
             "status": {**rows.marked(worst), "text": _line(told_first, len(session.displays))},
-            "types": [(name, short_name(name)) for name in REGISTRY],
+            "types": [(name, short_name(name)) for name in (*REGISTRY, GROUP)],
+            "undrawn": list(RVIZ_ONLY),
             "topics": topics,
             "frames": sorted({session.fixed_frame, *session.context.frames.buffer.frames()}),
             "tools": [(tool.label, tool.key, tool.gesture) for tool in session.tools],
@@ -137,6 +143,7 @@ class Desk:
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
         wanted = [(name, display.type_name) for name, display in REGISTRY.items() if _has_topic(display)]
+        wanted += RVIZ_ONLY.items()
         shows = [
             (topic, kind, name) for topic, kind in known.items() for name, takes in wanted if takes == kind
         ]
@@ -160,12 +167,17 @@ class Desk:
         return member
 
     def _add(self, order: Order) -> None:
-        name = str(order["class"])
-        if name not in REGISTRY:
+        name, chosen = str(order["class"]), self._rows.get(str(order.get("row")))
+        group = chosen.member if chosen and isinstance(chosen.member, Group) else None
+        if name == GROUP:
+            self._session.add_group("Group", group)
+            return
+        if name not in REGISTRY and name not in RVIZ_ONLY:
             raise CourseError(f"There is no display {name!r} here.")
-        display = REGISTRY[name]
-        topic = {display.topic_label: order["topic"]} if order.get("topic") and _has_topic(display) else {}
-        self._session.add(name, short_name(name), {}, **topic)
+        display = REGISTRY.get(name)
+        label = display.topic_label if display and _has_topic(display) else "Topic"
+        config = {label: {"Value": str(order["topic"])}} if order.get("topic") else {}
+        self._session.add(name, short_name(name), config, group=group)
 
     def _duplicate(self, order: Order) -> None:
         member = self._member(order)
@@ -206,6 +218,8 @@ class Desk:
             view = VIEWS[order["class"]]()
             view.mimic(session.view, session.context.frames)
             session.view = view
+        elif order.get("home"):
+            session.view.return_home()
         elif order.get("save"):
             view = view_of(view_config(session.view))[0]
             view.name = str(order["save"])

@@ -73,6 +73,10 @@ class FrameAligned(FPS):
         super().take(camera)
         self._name_axis()
 
+    def hands(self) -> dict[str, Any]:
+        """Return how the page lets hands turn the view."""
+        return super().hands() | {"aligned": True, "locked": self["Lock Camera"]}
+
     def _name_axis(self) -> None:
         ahead = direction(self["Yaw"], -self["Pitch"])
         near = (name for name, axis in _AXES.items() if ahead @ axis > 0.999)

@@ -17,6 +17,8 @@ _PLANES = {
     "YZ": ((0, 0, 1), (-1, 0, 0), (0, -1, 0)),
 }
 
+_MOST_LINES = 100_000
+
 
 class GridDisplay(ReferenceDisplay):
     """Lines on a plane of a frame."""
@@ -39,7 +41,12 @@ class GridDisplay(ReferenceDisplay):
         """Return the lines, in the grid's own frame."""
         rgba = (*(channel / 255 for channel in self["Color"]), self["Alpha"])
         width = self["Line Width"] if self["Line Style"] == "Billboards" else 0.0
-        return Lines(np.array(list(self._points())), rgba, width, strip=False)
+        cells, layers = self["Plane Cell Count"] + 1, self["Normal Cell Count"]
+        count = 2 * cells * (layers + 1) + cells**2 * (layers > 0)
+        too_many = f"These cells have {count} lines; up to {_MOST_LINES} are drawn here."
+        self.statuses.hint("Cells", *([too_many] if count > _MOST_LINES else []))
+        points = list(self._points()) if count <= _MOST_LINES else np.empty((0, 3))
+        return Lines(points, rgba, width, strip=False)
 
     def offset(self) -> Matrix:
         """Return where the plane lies in the reference frame, shape (4, 4)."""

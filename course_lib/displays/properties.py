@@ -11,6 +11,7 @@ from course_lib.errors import CourseError
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
 Vector: TypeAlias = tuple[float, float, float]
 Convert: TypeAlias = Callable[[Any], Any]
+_LARGEST = 3.4e38  # of a number in four bytes
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,7 @@ def number(low: float = -math.inf, high: float = math.inf) -> Limited:
     """Take a finite number; RViz keeps it within the bounds."""
 
     def convert(value: Any) -> float:
-        if isinstance(value, bool) or not math.isfinite(float(value)):
-            raise ValueError("a number")
-        return min(max(float(value), low), high)
+        return min(max(_finite(value), low), high)
 
     return Limited(_expecting("a number", convert), "number", low, high)
 
@@ -120,7 +119,8 @@ def vector(value: Any) -> Vector:
     """Take three numbers, or a map with X, Y and Z."""
     try:
         x, y, z = (
-            float(part) for part in ([value[axis] for axis in "XYZ"] if isinstance(value, Mapping) else value)
+            _finite(part)
+            for part in ([value[axis] for axis in "XYZ"] if isinstance(value, Mapping) else value)
         )
     except (KeyError, TypeError, ValueError):
         raise ValueError("three numbers, (x, y, z)") from None
@@ -232,6 +232,14 @@ def _expecting(what: str, convert: Convert) -> Convert:
             raise ValueError(what) from None
 
     return checked
+
+
+def _finite(value: Any) -> float:
+    """Return a number that RViz can keep, in four bytes."""
+    number = float(value)
+    if isinstance(value, bool) or not abs(number) < _LARGEST:
+        raise ValueError
+    return number
 
 
 def _plain(label: str) -> str:

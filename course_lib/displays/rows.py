@@ -110,6 +110,15 @@ def view_rows(session: Session) -> Rows:
     return rows
 
 
+def tool_rows(session: Session) -> Rows:
+    """Return the rows of the Tool Properties panel."""
+    rows = Rows()
+    for tool in (tool for tool in session.tools if tool.properties):
+        rows.put(f"tool {tool}", "", tool.label)
+        rows.put_properties(tool, f"tool {tool}")
+    return rows
+
+
 def worst_of(levels: Iterable[Level]) -> Level:
     """Return the level that matters most; hints of ours come after RViz's warnings."""
     return min(levels, key=_WORST_FIRST.index, default="ok")

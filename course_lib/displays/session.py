@@ -135,6 +135,13 @@ class Session:
         self.refresh()
         return display
 
+    def add_group(self, name: str, group: Group | None = None) -> Group:
+        """Add a group of displays, in another one or at the end of the tree."""
+        made = Group(name)
+        (group or self.tree).members.append(made)
+        self._tell()
+        return made
+
     def apply(self, layout: Layout) -> None:
         """Take over a layout, in place of all displays."""
         for display in self.displays:

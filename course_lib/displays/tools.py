@@ -131,6 +131,13 @@ def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> I
             yield f"There is no tool {wanted!r} here; the layout keeps its settings."
 
 
+def settings_of(tools: Sequence[Tool]) -> dict[str, Any]:
+    """Return what the page needs to know of the tools' properties."""
+    single = next(tool.get("Single click", None) for tool in tools if tool.gesture == "point")
+    line = next(tool.get("Line color", None) for tool in tools if tool.gesture == "measure")
+    return {"single": single, "color": "rgb({}, {}, {})".format(*line)}
+
+
 def _place(pose: Message, point: Sequence[float], yaw: float) -> None:
     """Write a pose on the ground; z of the point is 0 there."""
     pose.position.x, pose.position.y = float(point[0]), float(point[1])

@@ -32,6 +32,8 @@ class View(PropertyHolder):
     class_name: ClassVar[str]
     properties: tuple[Property, ...] = COMMON
 
+    lift: ClassVar[float] = 0.0  # by which part of the distance the camera is moved up in the picture
+
     def __init__(self, **properties: object) -> None:
         super().__init__()
         self._target: Matrix = np.eye(4)
@@ -63,6 +65,16 @@ class View(PropertyHolder):
         """Take the properties of a layout, and keep it."""
         self.config, self._followed = config, ""
         return super().load(config)
+
+    def hands(self) -> dict[str, Any]:
+        """Return how the page lets hands turn the view."""
+        return {
+            "inPlace": "Position" in self._values,  # turns around the eye
+            "aligned": False,  # up is that of the target frame
+            "locked": False,
+            "lift": self.lift,
+            "ground": float(self._target[2, 3]),  # [m]
+        }
 
     def return_home(self) -> None:
         """Look from where a new view of this type does, as RViz's key Z has it."""

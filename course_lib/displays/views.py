@@ -31,7 +31,6 @@ class Orbit(View):
     )
 
     turns = False  # about z, with the target frame
-    lift = 0.0  # by which part of the distance the camera is moved up in the picture
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
         turned, sign = self._turned(transform_target_to_fixed), self._sign()

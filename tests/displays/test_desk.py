@@ -6,8 +6,11 @@ from typing import Any
 import pytest
 
 from course_lib.displays.desk import Desk
+from course_lib.displays.layout import read_layout
 from course_lib.displays.session import Session
 from course_lib.displays.viewer import Viewer
+from course_lib.displays.views import FrameAligned, XYOrbit
+from course_lib.displays.writer import member_config
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.qos import Qos
@@ -162,6 +165,70 @@ def test_a_layout_says_on_which_topic_a_tool_publishes(page: Page, graph: Graph)
     page.ask(act="load", name="old.rviz")
     page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
     assert [end.topic for end in graph.endpoints()][-1] == "/move_base_simple/goal"
+
+
+def test_the_properties_of_tools_are_edited_and_saved(page: Page, viewer: Viewer, graph: Graph) -> None:
+    page.ask(act="set", row="tool 2D Pose Estimate#Covariance x", value=0.5)
+    page.ask(act="set", row="tool 2D Goal Pose#Topic", value="/my_goal")
+    page.ask(act="set", row="tool 2D Goal Pose#Topic#Reliability Policy", value="Best Effort")
+    page.ask(act="set", row="tool Publish Point#Single click", value=False)
+    page.ask(act="set", row="tool Measure#Line color", value=[1, 2, 3])
+    assert page.told["settings"] == {"single": False, "color": "rgb(1, 2, 3)"}
+    page.ask(act="publish", tool="2D Goal Pose", point=[1.0, 2.0, 0.0], angle=0.0)
+    (end,) = (end for end in graph.endpoints() if end.topic == "/my_goal")
+    assert (end.qos.reliability, end.qos.depth) == ("best_effort", 5)
+    page.ask(act="save", name="tools.rviz")
+    again = Session(Scene())
+    again.apply(read_layout("tools.rviz"))
+    assert [again.tools[5]["Covariance x"], again.tools[6]["Topic"]] == [0.5, "/my_goal"]
+
+
+def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page, viewer: Viewer) -> None:
+    page.ask(act="add", **{"class": "rviz_common/Group"})
+    row = page.key("Group")
+    page.ask(act="add", **{"class": "rviz_default_plugins/Axes"}, row=row)
+    assert [row["parent"] for row in page.rows() if row["label"] == "Axes"] == [row]
+    page.ask(act="set", row=row, value=False)
+    assert not viewer["Axes"].enabled
+
+
+def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: Viewer, graph: Graph) -> None:
+    graph.add_publisher(graph.add_node("humid", "/"), "/humidity", "sensor_msgs/msg/RelativeHumidity", Qos())
+    page.ask(act="look")
+    topic, _, name = next(shown for shown in page.told["topics"] if shown[0] == "/humidity")
+    assert name in page.told["undrawn"]
+    page.ask(act="add", topic=topic, **{"class": name})
+    (row,) = viewer["RelativeHumidity"].rows()
+    said = "RViz2 draws RelativeHumidity (sensor_msgs/msg/RelativeHumidity); this viewer does not"
+    assert said in row.text
+    assert member_config(viewer["RelativeHumidity"])["Topic"] == {"Value": "/humidity"}
+
+
+def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:
+    viewer.view = XYOrbit(distance=3.0, focal_point=(1.0, 2.0, 0.0))
+    page.ask(act="view", home=True)
+    assert (viewer.view["Distance"], viewer.view["Focal Point"]) == (10.0, (0.0, 0.0, 0.0))
+
+
+def test_the_page_knows_how_each_view_is_turned(page: Page, viewer: Viewer) -> None:
+    viewer.view = XYOrbit()
+    page.ask(act="look")
+    assert page.told["hands"] == {
+        "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0
+    }  # fmt: skip
+    viewer.view = FrameAligned(lock_camera=True)
+    page.ask(act="look")
+    hands = page.told["hands"]
+    assert (hands["inPlace"], hands["aligned"], hands["locked"], hands["lift"]) == (True, True, True, 0.0)
+
+
+def test_a_cloud_that_is_not_selectable_is_not_selected(page: Page, viewer: Viewer) -> None:
+    cloud = viewer.add("PointCloud2")
+    page.ask(act="select", path=f"{cloud.path}/drawn", index=1)
+    assert page.told["selection"].startswith("PointCloud2")
+    cloud["Selectable"] = False
+    page.ask(act="select", path=f"{cloud.path}/drawn", index=1)
+    assert not page.told["selection"].startswith("PointCloud2")
 
 
 def test_the_summary_tells_what_is_where(viewer: Viewer) -> None:

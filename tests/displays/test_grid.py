@@ -87,3 +87,15 @@ def test_the_grid_is_drawn_again_after_a_change_of_the_fixed_frame() -> None:
     bench.session.fixed_frame = "odom"
     assert bench.scene.visible(NODE)
     assert len(ends(bench)) == 44
+
+
+def test_a_grid_that_nobody_could_draw_says_so_and_stays_undrawn() -> None:
+    bench = Bench()
+    display = grid(bench, plane_cell_count=10**9, normal_cell_count=10**6)
+    bench.look()
+    assert len(lines(bench).points) == 0
+    assert "up to 100000 are drawn" in bench.hints(display)[0]
+    display["Plane Cell Count"], display["Normal Cell Count"] = 4, 0
+    bench.look()
+    assert len(lines(bench).points) == 20
+    assert bench.hints(display) == []

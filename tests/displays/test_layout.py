@@ -144,6 +144,15 @@ def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) ->
     assert any("'Distance' is 'far', expected a number" in hint for hint in hints)
 
 
+@pytest.mark.parametrize("value", ["1e999", ".inf", "1e39", "true"])
+def test_numbers_that_rviz_cannot_keep_are_left_out(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "view.rviz"
+    path.write_text(LAYOUT.replace("X: 1", f"X: {value}").replace("Cell Size: 2", f"Cell Size: {value}"))
+    made = Session(Scene())
+    made.apply(read_layout(path))
+    assert (made.view["Focal Point"], made.displays[0]["Cell Size"]) == ((0.0, 0.0, 0.0), 1.0)
+
+
 def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("rviz_default_plugins/XYOrbit", "my_pkg/Drone"))

@@ -13,6 +13,10 @@ export class Orbit {
     this.near = 0.01; // [m]
     this.scale = 0; // pixels per metre, without perspective
     this.inPlace = false; // turns around the eye, as RViz's FPS view
+    this.aligned = false; // `up` is that of a frame, as in RViz's FrameAligned view
+    this.locked = false; // cannot be turned by hand
+    this.lift = 0; // by which part of the distance RViz's XYOrbit view moves the camera up in the picture
+    this.ground = 0; // [m] height of the plane that XYOrbit moves on
     this.shift = [0, 0]; // see Python's Camera
     this.far = FAR; // [m]
   }
@@ -47,44 +51,89 @@ export class Orbit {
 
   /** Turn around the target. @param {number} left [rad] @param {number} over [rad] */
   rotate(left, over) {
-    const offset = this.eye.clone().sub(this.target);
+    const up = new THREE.Vector3(0, 0, 1);
+    if (this.scale) return void this.up.applyAxisAngle(up, left);
+    this.raise(-1);
+    const axis = this.aligned ? this.up.clone() : new THREE.Vector3(0, 0, this.up.z < -0.5 ? -1 : 1);
+    const level = new THREE.Quaternion().setFromUnitVectors(axis, up);
+    const offset = this.eye.clone().sub(this.target).applyQuaternion(level);
     const distance = offset.length();
-    const above = Math.hypot(offset.x, offset.y) < 1e-3 * distance; // then `up` tells the heading
+    const above = Math.hypot(offset.x, offset.y) < 1e-4 * distance; // then `up` tells the heading
     const yaw = (above ? Math.atan2(-this.up.y, -this.up.x) : Math.atan2(offset.y, offset.x)) - left;
-    const pitch = Math.asin(offset.z / distance) + (this.scale ? 0 : over);
-    const held = Math.max(-LIMIT, Math.min(LIMIT, pitch));
-    const [flat, up] = [Math.cos(held), Math.sin(held)];
-    offset.set(Math.cos(yaw) * flat, Math.sin(yaw) * flat, up).multiplyScalar(distance);
+    const pitch = Math.max(-LIMIT, Math.min(LIMIT, Math.asin(offset.z / distance) + over));
+    const [flat, high] = [Math.cos(pitch), Math.sin(pitch)];
+    offset.set(Math.cos(yaw) * flat, Math.sin(yaw) * flat, high).multiplyScalar(distance);
+    offset.applyQuaternion(level.invert());
     if (this.inPlace) this.target.subVectors(this.eye, offset);
     else this.eye.addVectors(this.target, offset);
-    this.up.set(0, 0, 1);
+    this.up.copy(axis);
+    this.raise(1);
   }
 
-  /** Move along the picture. @param {number} dx in pixels @param {number} dy @param {number} height of it */
-  pan(dx, dy, height) {
-    const { matrixWorld } = this.camera(1, 1);
-    const far = 2 * this.eye.distanceTo(this.target) * Math.tan((this.fov * Math.PI) / 360);
-    const unit = this.scale ? 1 / this.scale : far / height; // [m] per pixel
-    const step = new THREE.Vector3(-dx * unit, dy * unit, 0).transformDirection(matrixWorld);
-    step.multiplyScalar(Math.hypot(dx, dy) * unit);
+  /** Move up in the picture by the lift of RViz's XYOrbit. @param {number} sign -1: back to the focal point */
+  raise(sign) {
+    if (!this.lift) return;
+    const away = this.eye.clone().sub(this.target);
+    const step = this.up.clone().projectOnPlane(away.clone().normalize());
+    this.shiftBy(step.setLength(sign * this.lift * away.length()));
+  }
+
+  /** @param {any} step [m] for eye and target */
+  shiftBy(step) {
     this.eye.add(step);
     this.target.add(step);
+  }
+
+  /**
+   * Move along the picture, or on the ground.
+   * @param {number} dx in pixels @param {number} dy @param {{clientWidth: number, clientHeight: number}} box
+   * @param {number[]} at where the pointer is in the box, in pixels
+   */
+  pan(dx, dy, { clientWidth: width, clientHeight: height }, at = [width / 2, height / 2]) {
+    const camera = this.camera(width, height);
+    if (this.lift) {
+      const [from, to] = [[at[0] - dx, at[1] - dy], at].map(([x, y]) =>
+        this.onGround(camera, (2 * x) / width - 1, 1 - (2 * y) / height),
+      );
+      if (from && to) this.shiftBy(from.sub(to).clampLength(0, 1)); // [m], RViz's limit near the horizon
+      return;
+    }
+    const far = 2 * this.eye.distanceTo(this.target) * Math.tan((this.fov * Math.PI) / 360);
+    const unit = this.inPlace ? -0.01 : this.scale ? 1 / this.scale : far / height; // [m] per pixel
+    this.shiftBy(new THREE.Vector3(-dx * unit, dy * unit, 0).applyQuaternion(camera.quaternion));
+  }
+
+  /** @param {any} camera @param {number} x -1..1 in the picture @param {number} y @returns {any} [m] or null */
+  onGround(camera, x, y) {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(x, y), camera);
+    const { origin, direction } = caster.ray;
+    const far = (this.ground - origin.z) / direction.z;
+    return far > 0 && Number.isFinite(far) ? origin.clone().addScaledVector(direction, far) : null;
+  }
+
+  /** Move ahead with what is looked at. @param {number} part of the distance, backward */
+  dolly(part) {
+    this.shiftBy(this.eye.clone().sub(this.target).multiplyScalar(part));
   }
 
   /** @param {number[]} point [m] that is looked at and turned around */
   lookAt(point) {
     const to = new THREE.Vector3(...point);
     if (this.scale) this.eye.add(to.clone().sub(this.target).setZ(0));
+    if (this.lift) to.z = this.ground;
     this.target.copy(to);
+    this.raise(1);
   }
 
   /** @param {number} factor of the distance */
   zoom(factor) {
     if (this.scale) this.scale /= factor;
-    else if (this.inPlace) {
-      const step = this.eye.clone().sub(this.target).normalize().multiplyScalar(10 * (factor - 1)); // [m]
-      this.eye.add(step);
-      this.target.add(step);
-    } else this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FAR / 2).add(this.target);
+    else if (this.inPlace) this.dolly(10 * (factor - 1)); // [m]: the target is 1 m ahead
+    else {
+      this.raise(-1);
+      this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FAR / 2).add(this.target);
+      this.raise(1);
+    }
   }
 }

@@ -109,7 +109,7 @@ export class View {
     /** @type {{x: number, y: number, far: number, button: number} | null} */
     let drag = null;
     on("pointerdown", (event) => {
-      drag = { x: event.clientX, y: event.clientY, far: 0, button: event.shiftKey ? 1 : event.button };
+      drag = { x: event.clientX, y: event.clientY, far: 0, button: buttonOf(event) };
       this.canvas.setPointerCapture(event.pointerId);
       this.canvas.focus({ preventScroll: true });
       event.preventDefault();
@@ -118,7 +118,8 @@ export class View {
       if (!drag) return;
       const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
       drag = { ...drag, x: event.clientX, y: event.clientY, far: drag.far + Math.hypot(dx, dy) };
-      this.move(drag.button, dx, dy);
+      const box = this.canvas.getBoundingClientRect();
+      this.move(drag.button, dx, dy, [event.clientX - box.left, event.clientY - box.top]);
     });
     on("pointerup", (event) => {
       if (drag && drag.far < CLICK) this.options.onClick?.(this.pick(event));
@@ -128,7 +129,7 @@ export class View {
     on("contextmenu", (event) => event.preventDefault());
     on("wheel", (event) => {
       if (!this.options.alone && !event.ctrlKey && document.activeElement !== this.canvas) return;
-      this.move(2, 0, 10 * Math.sign(event.deltaY));
+      this.move(event.shiftKey ? 3 : 2, 0, 10 * Math.sign(event.deltaY || event.deltaX));
       claim(event);
     });
     on("keydown", (event) => {
@@ -141,10 +142,15 @@ export class View {
     });
   }
 
-  /** Turn (left), shift (middle) or zoom. @param {number} button @param {number} dx @param {number} dy */
-  move(button, dx, dy) {
+  /**
+   * Turn (left), shift (middle), zoom (right) or go ahead (3).
+   * @param {number} button @param {number} dx @param {number} dy @param {number[]} [at] the pointer, in pixels
+   */
+  move(button, dx, dy, at) {
+    if (this.orbit.locked) return this.say("Unlock camera in settings to enable mouse interaction.");
     if (button === 0) this.orbit.rotate(dx * TURN, dy * TURN);
-    else if (button === 1) this.orbit.pan(dx, dy, this.canvas.clientHeight);
+    else if (button === 1) this.orbit.pan(dx, dy, this.canvas, at);
+    else if (button === 3 && !this.orbit.lift) this.orbit.dolly(dy * 0.01);
     else this.orbit.zoom(Math.exp(dy * 0.01));
     this.turned();
   }
@@ -181,6 +187,9 @@ export class View {
     return { ...click, path: pathOf(hit.object), point: hit.point.toArray(), normal, index };
   }
 }
+
+/** @param {PointerEvent} event @returns {number} the button; with Shift, left shifts and right goes ahead (3) */
+const buttonOf = ({ button, shiftKey }) => (shiftKey ? (button === 2 ? 3 : 1) : button);
 
 /** Keep an event from the page around the view. @param {Event} event */
 function claim(event) {

@@ -65,7 +65,9 @@ export class Desk {
     this.tree.update(this.state.rows("tree"));
     this.properties.update(this.state.rows("view"));
     this.updateViews(values.views);
-    this.view.orbit.inPlace = values.views[0] === "FPS";
+    this.toolTree.update(this.state.rows("toolRows"));
+    Object.assign(this.view.orbit, values.hands);
+    this.gestures.settings = values.settings;
     const { level, mark, word, text } = values.status;
     const notice = values.notice.text ? values.notice : null;
     this.say(this.status, mark, word, text, level);
@@ -91,13 +93,15 @@ export class Desk {
     const listFor = ({ editor }) => ({ frame: `${this.id}frames`, topic: `${this.id}${editor?.type}` })[editor?.kind] ?? "";
     this.tree = new Tree("Displays", act, listFor);
     this.properties = new Tree("Current view", act, listFor);
+    this.toolTree = new Tree("Tool Properties", act, listFor);
+    const tools = part("details", {}, part("summary", { textContent: "Tool Properties" }), this.toolTree.element);
     this.selection = part("pre", { className: "course-selection", tabIndex: 0, ariaLabel: "Selection", hidden: true });
     this.status = part("span", { className: "course-line" });
     this.notice = part("output", { className: "course-line course-notice" });
     this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
     this.lists = part("div", { hidden: true });
     const left = this.dock("Displays", this.memberButtons(), this.tree.element);
-    this.right = this.dock("Views", this.viewControls(), this.properties.element, this.selection);
+    this.right = this.dock("Views", this.viewControls(), this.properties.element, tools, this.selection);
     this.tools = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" });
     this.buttons = this.state.values.tools.map((tool, index) => this.toolButton(tool, index));
     this.tools.append(...this.buttons);
@@ -164,15 +168,17 @@ export class Desk {
   add() {
     this.addable = part("select", { size: 14 });
     this.fillAddable();
-    ask(this.frame, "Add", this.addable, (choice) => this.state.act("add", JSON.parse(choice)));
+    const row = this.tree.chosen; // a group gets it
+    ask(this.frame, "Add", this.addable, (choice) => this.state.act("add", { ...JSON.parse(choice), row }));
     this.state.act("look"); // the graph may have new topics
   }
 
   fillAddable() {
-    const { types, topics } = this.state.values;
+    const { types, topics, undrawn } = this.state.values;
+    const note = (name) => (undrawn.includes(name) ? " (RViz2 only)" : "");
     const byTopic = topics.map(([topic, type, name]) => [
       JSON.stringify({ class: name, topic }),
-      `${topic} (${type}) → ${name.split("/").pop()}`,
+      `${topic} (${type}) → ${name.split("/").pop()}${note(name)}`,
     ]);
     const byType = types.map(([name, short]) => [JSON.stringify({ class: name }), short]);
     const { value } = this.addable;
@@ -237,6 +243,7 @@ export class Desk {
       layout();
     } else if (event.altKey || target.matches("input, select, textarea, dialog *")) return;
     else if (event.key === "Escape" && this.tool) this.choose(0);
+    else if (event.key === "z") this.returnHome();
     else {
       const index = this.state.values.tools.findIndex(([, key]) => key === event.key);
       if (index < 0) return;
@@ -244,6 +251,13 @@ export class Desk {
     }
     event.preventDefault();
     event.stopPropagation();
+  }
+
+  /** Look from where a new view does, as RViz's key Z has it. */
+  returnHome() {
+    clearTimeout(this.turning);
+    this.view.turnedAt = -Infinity; // the hands are off
+    this.state.act("view", { home: true });
   }
 
   /** Tell Python where the view looks from now, once it rests. */

@@ -1,7 +1,6 @@
 /* global THREE */
 
 const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
-const OLIVE = 0x808000; // of RViz's measured line
 const HINTS = {
   pose: "Click and drag to set position and orientation.",
   point: "Click on a point to publish it.",
@@ -19,6 +18,7 @@ export class Gestures {
   constructor(view, act, say, leave) {
     Object.assign(this, { view, act, say, leave });
     this.tool = { label: "", gesture: "camera" };
+    this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
     this.start = null; // where an arrow or a line begins
     this.drawn = null; // shown over the scene
     view.grab = (event) => this.hear(event);
@@ -55,7 +55,7 @@ export class Gestures {
       this.leave();
     } else if (gesture === "point") {
       this.act("publish", { tool: this.tool.label, point: click.point });
-      this.leave();
+      if (this.settings.single) this.leave();
     }
     return true;
   }
@@ -121,7 +121,7 @@ export class Gestures {
 
   line(from, to) {
     const shape = new THREE.BufferGeometry().setFromPoints([from, to]);
-    this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: OLIVE, depthTest: false })));
+    this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.settings.color, depthTest: false })));
   }
 
   /** @param {any} object shown over the scene in place of the one before, never picked */
