@@ -9,6 +9,7 @@ from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.markup import icon, table
 from course_lib.tools.rqt.view import View
 
+_TYPE = "rcl_interfaces/msg/Log"
 _LIMIT = 20_000  # messages, as in rqt_console
 _SHOWN = 200
 _HEADS = ("#", "Message", "Severity", "Node", "Stamp", "Location")
@@ -42,7 +43,7 @@ class ConsoleView(View):
 
     def hear(self, sample: Sample) -> None:
         """Take a log message, unless that is paused."""
-        if sample.topic == "/rosout" and not self["Pause"]:
+        if (sample.topic, sample.type_name) == ("/rosout", _TYPE) and not self["Pause"]:
             self._count += 1
             self._logs.append((self._count, deserialize(sample.cdr, message_class(sample.type_name))))
 

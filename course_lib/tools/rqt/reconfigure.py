@@ -9,6 +9,7 @@ from course_lib.tools.param import asked, found_node, parameter_nodes, plain_val
 from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import View
 
+_EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 _WIDTH = {"width": "420px", "flex": "none"}
 _STYLE = {"description_width": "180px"}
 
@@ -42,7 +43,7 @@ class ReconfigureView(View):
 
     def hear(self, sample: Sample) -> None:
         """Follow what others set."""
-        if sample.topic == "/parameter_events" and self._rows:
+        if (sample.topic, sample.type_name) == _EVENTS and self._rows:
             event: Any = deserialize(sample.cdr, message_class(sample.type_name))
             if event.node == self["Node"]:
                 changes = (*event.new_parameters, *event.changed_parameters)
@@ -63,6 +64,7 @@ class ReconfigureView(View):
 
     def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
         """Ask a node for its parameters: names, values and descriptors."""
+        self.check_time()
         with asked(self.source, node) as ask:
             names = sorted(ask("list_parameters").result.names)
             values, about = ask("get_parameters", names).values, ask("describe_parameters", names).descriptors
@@ -96,6 +98,7 @@ class ReconfigureView(View):
         from rclpy.parameter import Parameter
 
         was = self._values[name]
+        self.check_time()
         try:
             value = read_value(new) if isinstance(new, str) and not isinstance(was, str) else new
             with asked(self.source, self["Node"]) as ask:

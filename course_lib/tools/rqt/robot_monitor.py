@@ -9,6 +9,7 @@ from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
 from course_lib.tools.rqt.view import View
 
+_TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 TOPICS = ("/diagnostics_agg", "/diagnostics")
 STALE_NS = 5 * 10**9  # without a message, as the aggregator's own limit
 _HISTORY = 30  # messages, as rqt_robot_monitor's timeline
@@ -30,7 +31,8 @@ class RobotMonitorView(View):
 
     def hear(self, sample: Sample) -> None:
         """Take an array of statuses."""
-        if sample.topic not in TOPICS or self["Pause"] or self._topic == TOPICS[0] != sample.topic:
+        is_other = sample.type_name != _TYPE or sample.topic not in TOPICS
+        if is_other or self["Pause"] or self._topic == TOPICS[0] != sample.topic:
             return
         if sample.topic != self._topic:
             self._statuses.clear()  # the aggregator names them otherwise

@@ -68,6 +68,7 @@ class ServiceCallerView(View):
         name = self["Service"]
         if name not in self._services():
             raise CourseError("Choose a service first.")
+        self.check_time()
         kind: Any = service_class(self._services()[name])
         request = kind.Request()
         fill(request, self._request.value)

@@ -6,7 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from course_lib.errors import CourseError
-from course_lib.ros import wall
+from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, Sample
 from course_lib.tools.hints import did_you_mean
@@ -133,6 +133,13 @@ class View:
     def wanted(self) -> str | None:
         """Give the full name of the node or service that the first word names, if there is one."""
         return "/" + self.words[0].strip("/") if self.words else None
+
+    def check_time(self) -> None:
+        """Make sure that nodes can answer; raises a CourseError while robot time is paused."""
+        if pace.wanted() == "real" and pace.speed_of(self.graph).paused:
+            raise CourseError(
+                "Robot time is paused, nobody answers: ▶ in the viewer's Time panel lets it go on."
+            )
 
     def close(self) -> None:
         """Follow the graph no more, and leave the page."""

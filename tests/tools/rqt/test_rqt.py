@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 from rclpy.node import Node
+from std_msgs.msg import Bool
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
@@ -100,3 +101,15 @@ def test_a_view_that_fits_nothing_now_is_left_out_and_named(
     (tmp_path / "f").write_text("- {view: plot, words: [/gone/x]}\n- {view: graph}")
     assert "Node Graph" in show("--perspective-file", str(tmp_path / "f"))
     assert "MatPlot is left out: topic /gone/x does not exist." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("topic", ["/rosout", "/parameter_events", "/diagnostics"])
+def test_a_topic_of_a_wrong_type_disturbs_no_view(graph: Graph, arm: Node, topic: str) -> None:
+    views = [kind(graph, []) for name, kind in VIEWS.items() if name != "bag"]
+    for view in views:
+        view.listen()
+        view.body()
+    arm.create_publisher(Bool, topic, 1).publish(Bool(data=True))
+    for view in views:
+        view.refresh()
+        assert "Bool" not in view.notice.value

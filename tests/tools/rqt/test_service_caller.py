@@ -5,6 +5,7 @@ from rclpy.node import Node
 from course_lib.errors import CourseError
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
+from course_lib.ros.pace import speed_of
 from course_lib.tools.rqt.service_caller import ServiceCallerView
 
 
@@ -65,3 +66,12 @@ def test_services_that_come_later_are_offered_and_the_choice_stays(
     view.refresh()
     assert "/more" in view.controls["Service"].options
     assert view["Service"] == "/add"
+
+
+def test_while_robot_time_is_paused_nobody_is_asked(
+    view: ServiceCallerView, graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    speed_of(graph).paused = True
+    call(view, "a: 1")
+    assert "Robot time is paused, nobody answers" in view.notice.value
