@@ -119,10 +119,11 @@ def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, 
     """
     verb = _verb(words)
     needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
-    if bool(files) + (bag is not None) != 1 and not needs_nothing:
+    starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
+    if bool(files) + (bag is not None) != 1 and not (needs_nothing or starts):
         ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
         raise CourseError(f"Say where to look: {', or '.join(ways)}")
-    if files and not needs_nothing:
+    if (files or starts) and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
         return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
     ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)

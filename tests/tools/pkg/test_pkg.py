@@ -127,3 +127,8 @@ def test_the_kits_packages_are_listed_beside_ones_own(made: str, run: Run) -> No
 def test_pkg_needs_neither_a_program_nor_a_recording(made: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert ros2_over(["pkg", "executables", "my_pkg"], files=[], bag=None, seconds=1.0) == 0
     assert capsys.readouterr().out == "my_pkg talker\n"
+
+
+def test_an_executable_runs_from_the_command_line(made: str, capfd: pytest.CaptureFixture[str]) -> None:
+    assert ros2_over(["run", "my_pkg", "talker"], files=[], bag=None, seconds=1.0) == 0
+    assert capfd.readouterr().out == "Hi from my_pkg.\n"
