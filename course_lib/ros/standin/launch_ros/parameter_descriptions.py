@@ -18,7 +18,10 @@ class ParameterValue:
 
     def evaluate(self, context: LaunchContext) -> Any:
         """Give the value."""
-        value = evaluated(context, self._value, as_text=self._type is str)
+        is_number = isinstance(self._value, int | float)
+        if self._type is str and not is_number:
+            return perform_substitutions(context, self._value)
+        value = evaluated(context, self._value)
         return self._type(value) if isinstance(self._type, type) else value
 
 
@@ -41,13 +44,12 @@ class ParameterFile:
 Parameter = ParameterValue
 
 
-def evaluated(context: LaunchContext, value: Any, *, as_text: bool = False) -> Any:
+def evaluated(context: LaunchContext, value: Any) -> Any:
     """Give a parameter's value: text with substitutions is read as YAML, as in ROS; other text stays."""
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
     if has_substitution(value):
-        text = perform_substitutions(context, value)
-        return text if as_text else _read(text)
+        return _read(perform_substitutions(context, value))
     if isinstance(value, list | tuple):
         return [evaluated(context, part) for part in value]
     return value

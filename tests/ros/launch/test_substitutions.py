@@ -1,0 +1,74 @@
+from pathlib import Path
+
+import pytest
+from launch import LaunchContext
+from launch.substitution import SubstitutionFailure, perform_substitutions
+from launch.substitutions import (
+    Command,
+    EnvironmentVariable,
+    FindExecutable,
+    LaunchConfiguration,
+    PathJoinSubstitution,
+    PythonExpression,
+    TextSubstitution,
+)
+from nav2_common.launch import ReplaceString
+
+
+@pytest.fixture
+def context() -> LaunchContext:
+    context = LaunchContext()
+    context.launch_configurations |= {"use": "False", "n": "3"}
+    return context
+
+
+def test_each_gives_its_text(context: LaunchContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROBOT", "ur10")
+    use = LaunchConfiguration("use")
+    for substitution, text in (
+        (TextSubstitution(text="a"), "a"),
+        (use, "False"),
+        (LaunchConfiguration("other", default=2), "2"),
+        (LaunchConfiguration(["u", "se"]), "False"),
+        (PythonExpression(["not ", use]), "True"),
+        (PythonExpression(["int(", LaunchConfiguration("n"), ") * math.pi > 9 and sqrt(4) == 2"]), "True"),
+        (PathJoinSubstitution(["/a", ["b", TextSubstitution(text="c")], "d"]), "/a/bc/d"),
+        (EnvironmentVariable("ROBOT"), "ur10"),
+        (EnvironmentVariable("NO_ROBOT", default_value="none"), "none"),
+        (Command([FindExecutable(name="echo"), " -n hi"]), "hi"),
+    ):
+        assert context.perform_substitution(substitution) == text
+
+
+@pytest.mark.parametrize(
+    "substitution",
+    [
+        LaunchConfiguration("x"),
+        EnvironmentVariable("NO_ROBOT"),
+        FindExecutable(name="no-such"),
+        Command("false"),
+    ],
+)
+def test_what_is_not_there_is_a_failure(
+    context: LaunchContext, substitution: LaunchConfiguration | Command
+) -> None:
+    with pytest.raises(SubstitutionFailure):
+        substitution.perform(context)
+
+
+def test_xacro_of_a_plain_urdf_is_that_urdf(context: LaunchContext, tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text("<robot name='r'/>")
+    assert Command(["xacro ", str(tmp_path / "r.urdf")]).perform(context) == "<robot name='r'/>"
+
+
+def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchContext, tmp_path: Path) -> None:
+    source = tmp_path / "layout.rviz"
+    source.write_text("Topic: <robot_namespace>/scan")
+    copy = ReplaceString(str(source), {"<robot_namespace>": ("/", LaunchConfiguration("n"))}).perform(context)
+    assert (Path(copy).read_text(), Path(copy).suffix) == ("Topic: /3/scan", ".rviz")
+    assert source.read_text() == "Topic: <robot_namespace>/scan"
+    Path(copy).unlink()
+
+
+def test_joined_parts_are_one_text(context: LaunchContext) -> None:
+    assert perform_substitutions(context, ["a", TextSubstitution(text="b"), Path("c")]) == "abc"

@@ -1,0 +1,63 @@
+from pathlib import Path
+
+import pytest
+from ament_index_python import PackageNotFoundError, get_package_prefix, get_package_share_directory
+
+from course_lib.ros.packages import find_package, packages, source
+
+
+def make(folder: Path, name: str) -> Path:
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text(f"<package>\n  <name>{name}</name></package>")
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AMENT_PREFIX_PATH", "")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+
+
+def test_what_is_built_comes_before_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    built = make(tmp_path / "install" / "robot" / "share" / "robot", "robot")
+    make(tmp_path / "src" / "robot", "robot")
+    sources = make(tmp_path / "src" / "folder", "arm")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "install" / "robot"))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "src"))
+    assert packages() == {"arm": sources, "robot": built}
+    assert get_package_prefix("robot") == str(tmp_path / "install" / "robot")
+    assert get_package_share_directory("arm") == str(sources)
+
+
+def test_sources_in_the_working_folder_and_its_src_are_found(tmp_path: Path) -> None:
+    make(tmp_path / "here" / "robot", "robot")
+    make(tmp_path / "here" / "src" / "arm", "arm")
+    assert set(packages()) == {"robot", "arm"}
+
+
+def test_the_packages_beside_a_file_s_own_are_found(tmp_path: Path) -> None:
+    for name in ("robot", "arm"):
+        make(tmp_path / "install" / name / "share" / name, name)
+    source(tmp_path / "install" / "robot" / "share" / "robot" / "launch" / "x.launch.py")
+    assert set(packages()) == {"robot", "arm"}
+
+
+def test_executables_are_read_from_setup_py_without_running_it(tmp_path: Path) -> None:
+    folder = make(tmp_path / "here" / "robot", "robot")
+    scripts = '["talker = robot.talker:main", f"x"]'
+    (folder / "setup.py").write_text(
+        f'raise SystemExit\nsetup(entry_points={{"console_scripts": {scripts}}})'
+    )
+    found = find_package("robot")
+    assert found is not None
+    assert found.executables == {"talker": ("robot.talker", "main")}
+
+
+def test_a_package_that_is_not_there_is_named_with_those_that_are(tmp_path: Path) -> None:
+    make(tmp_path / "here" / "robot", "robot")
+    with pytest.raises(PackageNotFoundError) as error:
+        get_package_share_directory("robt")
+    assert str(error.value).startswith("package 'robt' not found, searching: [")
+    assert "There is: robot." in str(error.value)
