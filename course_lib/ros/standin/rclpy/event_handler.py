@@ -1,8 +1,10 @@
-"""What a program can be told about the partners of its publishers and subscriptions."""
+"""What a program can be told about the partners of its publishers and subscriptions, and about deadlines."""
 
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.node_handle import Entity, NodeHandle
@@ -11,48 +13,110 @@ from rclpy.qos import QoSPolicyKind
 
 
 @dataclass
-class QoSRequestedIncompatibleQoSInfo:
-    """How many partners did not fit, and which policy was the reason for the last one."""
+class QoSRequestedDeadlineMissedInfo:
+    """How often something has happened: in all, and since it was last told."""
 
     total_count: int
     total_count_change: int
+
+
+@dataclass
+class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
+    """How many partners did not fit, and which policy was the reason for the last one."""
+
     last_policy_kind: QoSPolicyKind
 
 
+@dataclass
+class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
+    """How many partners there have been, and how many there are."""
+
+    current_count: int
+    current_count_change: int
+
+
+@dataclass
+class QoSLivelinessChangedInfo:
+    """How many publishers are alive, and how many have failed to say so in time."""
+
+    alive_count: int
+    not_alive_count: int
+    alive_count_change: int
+    not_alive_count_change: int
+
+
+QoSOfferedDeadlineMissedInfo = QoSRequestedDeadlineMissedInfo
+QoSLivelinessLostInfo = QoSRequestedDeadlineMissedInfo
+QoSMessageLostInfo = QoSRequestedDeadlineMissedInfo
+IncompatibleTypeInfo = QoSRequestedDeadlineMissedInfo
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
-IncompatibleQosCallback = Callable[[QoSRequestedIncompatibleQoSInfo], object]
+QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
+Tell = Callable[[Any], object]
+
+
+class Events:
+    """What one publisher or subscription is told; `tell` gives who is, by the event's name."""
+
+    def __init__(self, tell: Mapping[str, Tell]) -> None:
+        self.tell = tell
+        self._counts: Counter[str] = Counter()
+
+    def count(self, event: str, **more: Any) -> None:
+        """Tell that something has happened once more."""
+        self._counts[event] += 1
+        kind = QoSRequestedIncompatibleQoSInfo if more else QoSRequestedDeadlineMissedInfo
+        self._say(event, kind(self._counts[event], 1, **more))
+
+    def matched(self, change: int) -> None:
+        """Tell that a partner has come (1) or gone (-1)."""
+        self._counts["partners"] += max(change, 0)
+        self._counts["matched"] += change
+        total, now = self._counts["partners"], self._counts["matched"]
+        self._say("matched", QoSSubscriptionMatchedInfo(total, max(change, 0), now, change))
+
+    def alive(self, change: int, failed: int = 0) -> None:
+        """Tell a subscription that publishers are alive, or no more, and how many of them have failed."""
+        self._counts["alive"] += change
+        self._counts["failed"] += failed
+        counts = self._counts["alive"], self._counts["failed"]
+        self._say("liveliness", QoSLivelinessChangedInfo(*counts, change, failed))
+
+    def _say(self, event: str, info: Any) -> None:
+        if event in self.tell:
+            self.tell[event](info)
 
 
 class EventCallbacks:
-    """The callbacks for one side; where none is given, a warning is logged if `use_default_callbacks`."""
+    """The callbacks for one side, by event; where none is given, a warning may be logged instead."""
 
+    _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
     _warning: str
 
-    def __init__(
-        self, *, incompatible_qos: IncompatibleQosCallback | None = None, use_default_callbacks: bool = True
-    ) -> None:
-        self.incompatible_qos = incompatible_qos
+    def __init__(self, *, use_default_callbacks: bool = True, **callbacks: Tell | None) -> None:
+        for name in callbacks.keys() - set(self._events):
+            raise TypeError(f"{type(self).__name__}.__init__() got an unexpected keyword argument '{name}'")
         self.use_default_callbacks = use_default_callbacks
+        self.callbacks = {name: callback for name, callback in callbacks.items() if callback is not None}
 
-    def incompatible_handler(
-        self, node: NodeHandle, topic: str, callback_group: CallbackGroup
-    ) -> Callable[[str], None]:
-        """Return what is to be told the name of the policy that keeps a partner away."""
-        if self.incompatible_qos is not None:
-            return EventHandler(node, callback_group, self.incompatible_qos).happen
-        if not self.use_default_callbacks:
-            return lambda policy: None
-        logger = get_logger(node.logger_name)
-
-        def warn(policy: str) -> None:
-            logger.warning(self._warning.format(topic, policy))
-
-        return warn
+    def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
+        """Give what tells the callbacks, in an executor, and logs the warnings, at once."""
+        tell: dict[str, Tell] = {}
+        if self.use_default_callbacks:
+            warn = get_logger(node.logger_name).warning
+            text = f"Incompatible type on topic '{topic}', no messages will be sent to it."
+            tell["incompatible_type"] = lambda _: warn(text)
+            tell["incompatible_qos"] = lambda info: warn(
+                self._warning.format(topic, QoSPolicyKind(info.last_policy_kind).name)
+            )
+        for name, callback in self.callbacks.items():
+            tell[name] = EventHandler(node, callback_group, callback).happen
+        return Events(tell)
 
 
 class SubscriptionEventCallbacks(EventCallbacks):
-    """What a subscription wants to be told."""
+    """What a subscription wants to be told; messages are never lost here."""
 
+    _events = (*EventCallbacks._events, "message_lost")
     _warning = (
         "New publisher discovered on topic '{}', offering incompatible QoS. "
         "No messages will be received from it. Last incompatible policy: {}"
@@ -71,21 +135,16 @@ class PublisherEventCallbacks(EventCallbacks):
 class EventHandler(Entity):
     """Has an executor call back when an event has happened."""
 
-    def __init__(
-        self, node: NodeHandle, callback_group: CallbackGroup, callback: IncompatibleQosCallback
-    ) -> None:
+    def __init__(self, node: NodeHandle, callback_group: CallbackGroup, callback: Tell) -> None:
         super().__init__(node, callback_group)
         self._callback = callback
-        self._events: list[QoSPolicyKind] = []
-        self._taken = 0
+        self._infos: deque[Any] = deque()
 
-    def happen(self, policy: str) -> None:
-        """Note that a policy keeps a partner away."""
-        self._events.append(QoSPolicyKind[policy])
+    def happen(self, info: Any) -> None:
+        """Note what has happened."""
+        self._infos.append(info)
         self.node_handle.mark_ready(self)
 
     def take(self) -> Callable[[], object]:
         """Take the oldest event that was not told yet."""
-        policy = self._events[self._taken]
-        self._taken += 1
-        return partial(self._callback, QoSRequestedIncompatibleQoSInfo(self._taken, 1, policy))
+        return partial(self._callback, self._infos.popleft())

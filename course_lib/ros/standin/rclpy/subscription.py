@@ -82,6 +82,8 @@ class Subscription(Entity, TopicEnd[MsgT]):
 
     def _receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:
         """Queue a message; a full queue loses its oldest one, whose turn the next one takes."""
+        if self.deadline is not None:
+            self.deadline.feed()
         full = len(self._queue) == self._capacity
         if full:
             self._queue.popleft()

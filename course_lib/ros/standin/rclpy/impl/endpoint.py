@@ -1,7 +1,6 @@
 """A publisher or a subscription as the graph knows it."""
 
-from collections.abc import Callable
-from typing import Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
@@ -10,12 +9,16 @@ from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.qos import QoSProfile
+from rclpy.impl.watchdog import Watchdog
+from rclpy.qos import QoSPolicyKind, QoSProfile
+
+if TYPE_CHECKING:
+    from rclpy.event_handler import Events
 
 MsgT = TypeVar("MsgT", bound=Message)
 
-# Who is told of incompatible partners, by endpoint; of all programs that share a graph.
-_told: WeakKeyDictionary[Graph, dict[int, Callable[[str], None]]] = WeakKeyDictionary()
+# Who is told of partners, by endpoint; of all programs that share a graph.
+_told: WeakKeyDictionary[Graph, dict[int, "Events"]] = WeakKeyDictionary()
 
 
 class Endpoint:
@@ -38,23 +41,41 @@ class Endpoint:
         if self._destroyed:
             return
         self._destroyed = True
-        self.node.graph.remove_endpoint(self.id)
         _told.get(self.node.graph, {}).pop(self.id, None)
+        for publisher, subscription in self.partners():
+            for side in _sides(self.node.graph, publisher, subscription):
+                side.matched(-1)
+            self.tell_of_life(subscription, -1)
+        self.node.graph.remove_endpoint(self.id)
 
     def partner_count(self) -> int:
         """Count the endpoints that it exchanges messages with."""
-        return sum(matches(*pair) for pair in self._pairs())
+        return len(self.partners())
 
-    def on_incompatible(self, handler: Callable[[str], None]) -> None:
-        """Have `handler(policy)` called for each partner whose QoS keeps it away; tell the partners, too."""
-        told = _told.setdefault(self.node.graph, {})
-        told[self.id] = handler
+    def partners(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
+        """List (publisher, subscription) for each endpoint that it exchanges messages with."""
+        return [pair for pair in self._pairs() if matches(*pair)]
+
+    def watch(self, events: "Events") -> None:
+        """Tell `events` of everybody on the other side of the topic, and them of it."""
+        _told.setdefault(self.node.graph, {})[self.id] = events
         for publisher, subscription in self._pairs():
             policy = incompatible(publisher.qos, subscription.qos)
-            if policy is not None and publisher.type_name == subscription.type_name:
-                for side in (publisher.id, subscription.id):
-                    if side in told:  # else it belongs to another process and is told there
-                        told[side](policy)
+            for side in _sides(self.node.graph, publisher, subscription):
+                if publisher.type_name != subscription.type_name:
+                    side.count("incompatible_type")
+                elif policy is not None:
+                    side.count("incompatible_qos", last_policy_kind=QoSPolicyKind[policy])
+                else:
+                    side.matched(1)
+            if matches(publisher, subscription):
+                self.tell_of_life(subscription, 1)
+
+    def tell_of_life(self, subscription: EndpointInfo, change: int, failed: int = 0) -> None:
+        """Tell a subscription that a publisher is alive, or no more."""
+        events = _told.get(self.node.graph, {}).get(subscription.id)
+        if events is not None:
+            events.alive(change, failed)
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each endpoint on the other side of the topic."""
@@ -66,6 +87,12 @@ class Endpoint:
         return [(me, other) if me.kind == "pub" else (other, me) for other in others]
 
 
+def _sides(graph: Graph, *infos: EndpointInfo) -> "list[Events]":
+    """Give who is told for endpoints; one of another process is told there."""
+    told = _told.get(graph, {})
+    return [told[info.id] for info in infos if info.id in told]
+
+
 class TopicEnd(Generic[MsgT]):
     """What a publisher and a subscription share: its messages, its topic as given, its place in the graph."""
 
@@ -74,6 +101,7 @@ class TopicEnd(Generic[MsgT]):
         self.msg_type = msg_type
         self.topic = topic
         self.qos_profile = qos_profile
+        self.deadline: Watchdog | None = None
 
     @property
     def topic_name(self) -> str:
@@ -87,6 +115,8 @@ class TopicEnd(Generic[MsgT]):
     def destroy(self) -> None:
         """Leave the topic; call the node's `destroy_publisher` or `destroy_subscription` instead."""
         self.handle.destroy()
+        if self.deadline is not None:
+            self.deadline.stop()
 
 
 def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:

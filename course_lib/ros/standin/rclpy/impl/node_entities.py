@@ -1,6 +1,7 @@
 """What a node creates and destroys."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, TypeVar
 
 from course_lib.ros.messages import Message, type_name
@@ -14,6 +15,7 @@ from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
 from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.qos_conversion import to_qos
+from rclpy.impl.watchdog import Watchdog
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
 from rclpy.service import Service
@@ -182,8 +184,13 @@ class NodeEntities(NodeGraph):
 
     def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup | None) -> None:
         self._created.append(end)
-        handler = events.incompatible_handler(self.handle, end.topic, group or self.default_callback_group)
-        end.handle.on_incompatible(handler)
+        told = events.bind(self.handle, end.topic, group or self.default_callback_group)
+        limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
+        if limit_ns is not None and "deadline" in told.tell:
+            end.deadline = Watchdog(self.handle, limit_ns, partial(told.count, "deadline"), again=True)
+        if isinstance(end, Publisher):
+            end.lease(partial(told.count, "liveliness"))
+        end.handle.watch(told)
 
     def _all(self, kind: type) -> Iterator[Any]:
         return (created for created in self._created if isinstance(created, kind))

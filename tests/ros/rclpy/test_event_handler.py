@@ -1,0 +1,110 @@
+"""Matched, deadline, liveliness and type events."""
+
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.duration import Duration
+from rclpy.event_handler import (
+    PublisherEventCallbacks,
+    QoSLivelinessChangedInfo,
+    QoSOfferedDeadlineMissedInfo,
+    QoSPublisherMatchedInfo,
+    SubscriptionEventCallbacks,
+)
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import LivelinessPolicy, QoSProfile
+from std_msgs.msg import Int64, String
+
+from course_lib.ros.graph import Graph
+
+LIMITED = QoSProfile(depth=1, deadline=Duration(seconds=1))
+LEASED = QoSProfile(
+    depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=Duration(seconds=1)
+)
+
+
+def spin(node: Node, seconds: float) -> None:
+    """Run the node for a while."""
+    end_ns = node.get_clock().now().nanoseconds + round(seconds * 1e9)
+    while (left := end_ns - node.get_clock().now().nanoseconds) > 0:
+        rclpy.spin_once(node, timeout_sec=left / 1e9)
+
+
+def listen(node: Node, qos: Any = 1, **callbacks: Any) -> Any:
+    events = SubscriptionEventCallbacks(**callbacks)
+    return node.create_subscription(String, "t", lambda message: None, qos, event_callbacks=events)
+
+
+def talk(node: Node, qos: Any = 1, **callbacks: Any) -> Publisher[String]:
+    return node.create_publisher(String, "t", qos, event_callbacks=PublisherEventCallbacks(**callbacks))
+
+
+def test_each_side_is_told_of_partners_that_come_and_go(node: Node) -> None:
+    told: dict[str, list[QoSPublisherMatchedInfo]] = {"pub": [], "sub": []}
+    talk(node, matched=told["pub"].append)
+    subscription = listen(node, matched=told["sub"].append)
+    spin(node, 0.1)
+    assert told["pub"] == told["sub"] == [QoSPublisherMatchedInfo(1, 1, 1, 1)]
+    node.destroy_subscription(subscription)
+    listen(node, QoSProfile(depth=1, deadline=Duration(seconds=1)))  # does not fit
+    spin(node, 0.1)
+    assert told["pub"][1:] == [QoSPublisherMatchedInfo(1, 0, 0, -1)]
+    assert len(told["sub"]) == 1
+
+
+def test_a_missed_deadline_is_told_on_both_sides_once_per_period(node: Node) -> None:
+    told: dict[str, list[QoSOfferedDeadlineMissedInfo]] = {"pub": [], "sub": []}
+    publisher = talk(node, LIMITED, deadline=told["pub"].append)
+    listen(node, LIMITED, deadline=told["sub"].append)
+    spin(node, 2.0)
+    assert told == {"pub": [], "sub": []}  # the time begins with the first message
+    for _ in range(4):
+        publisher.publish(String())
+        spin(node, 0.9)
+    assert told == {"pub": [], "sub": []}
+    spin(node, 1.5)
+    counts = [QoSOfferedDeadlineMissedInfo(1, 1), QoSOfferedDeadlineMissedInfo(2, 1)]
+    assert told == {"pub": counts, "sub": counts}
+    node.destroy_publisher(publisher)
+    spin(node, 1.5)
+    assert told["pub"] == counts
+
+
+def test_a_lease_that_is_over_is_told_until_the_publisher_is_alive_again(node: Node) -> None:
+    lost: list[Any] = []
+    changes: list[QoSLivelinessChangedInfo] = []
+    publisher = talk(node, LEASED, liveliness=lost.append)
+    listen(node, LEASED, liveliness=changes.append)
+    spin(node, 0.1)
+    publisher.assert_liveliness()
+    spin(node, 0.9)
+    assert changes == [QoSLivelinessChangedInfo(1, 0, 1, 0)]
+    assert lost == []
+    spin(node, 3.0)
+    assert changes[1:] == [QoSLivelinessChangedInfo(0, 1, -1, 1)]
+    assert lost == [QoSOfferedDeadlineMissedInfo(1, 1)]
+    publisher.publish(String())
+    spin(node, 0.1)
+    assert changes[2:] == [QoSLivelinessChangedInfo(1, 0, 1, -1)]
+    node.destroy_publisher(publisher)
+    spin(node, 0.1)
+    assert changes[3:] == [QoSLivelinessChangedInfo(0, 0, -1, 0)]
+
+
+def test_another_type_on_the_topic_is_warned_of_on_both_sides(
+    begun: Graph, node: Node, capfd: pytest.CaptureFixture[str]
+) -> None:
+    told: list[Any] = []
+    listen(node, incompatible_type=told.append)
+    node.create_publisher(Int64, "t", 1)
+    spin(node, 0.1)
+    assert len(told) == 1
+    warning = "[talker]: Incompatible type on topic 't', no messages will be sent to it."
+    assert capfd.readouterr().err.count(warning) == 1
+
+
+def test_an_event_that_there_is_not_is_a_type_error_as_in_python() -> None:
+    with pytest.raises(TypeError, match=r"got an unexpected keyword argument 'message_lost'"):
+        PublisherEventCallbacks(message_lost=print)
