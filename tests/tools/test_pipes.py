@@ -75,6 +75,17 @@ def test_an_error_of_the_command_is_the_error_and_no_tool_is_left_behind() -> No
         run_piped("topic info /x | cat", ros2, print)
 
 
+@needs_tools
+def test_where_no_program_may_be_started_the_text_comes_unfiltered(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("subprocess.Popen", refuse)
+    assert output("topic list | wc -l | cat") == (
+        f"No program may be started here; this is what wc would be given:\n{TOPICS}"
+    )
+
+
 @pytest.mark.parametrize(
     ("line", "text"),
     [
