@@ -1,15 +1,24 @@
 """RViz's panels in a real page: what is clicked and typed there reaches the session."""
 
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from geometry_msgs.msg import PointStamped, PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import (
+    PointStamped,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    TransformStamped,
+)
 from playwright.sync_api import Locator
+from tf2_msgs.msg import TFMessage
 
 from course_lib.displays.viewer import Viewer
+from course_lib.displays.views import FrameAligned, TopDownOrtho, View, XYOrbit
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize
 from course_lib.viewer.widget import SceneWidget
@@ -288,6 +297,81 @@ def test_an_fps_view_turns_around_its_eye(bench: Bench) -> None:
     bench.host.carry()
     assert view["Position"] == pytest.approx(position, abs=1e-6)
     assert view["Yaw"] == pytest.approx(yaw - 0.2, abs=1e-3)
+
+
+def show_view(bench: Bench, view: View) -> None:
+    bench.viewer.view = view
+    tell(bench)
+
+
+def tell(bench: Bench) -> None:
+    """Let the page have what was changed, without waiting for its turn."""
+    bench.widget.flush()
+    bench.widget.link.receive({"type": "desk", "act": "look"})
+    bench.host.carry()
+
+
+def rest(bench: Bench) -> None:
+    """Let the page tell where the view was turned to."""
+    bench.page.wait_for_timeout(300)
+    bench.host.carry()
+
+
+def test_an_xy_orbit_moves_turns_and_zooms_with_its_focal_point_on_the_ground(bench: Bench) -> None:
+    show_view(bench, XYOrbit(distance=5.0, yaw=0.0, pitch=0.8))
+    view, canvas = bench.viewer.view, bench.page.locator("canvas")
+    bench.page.keyboard.down("Shift")
+    bench.drag((0, 60), (30, 60))
+    bench.page.keyboard.up("Shift")
+    canvas.press("ArrowLeft")
+    canvas.press("+")
+    rest(bench)
+    x, y, z = view["Focal Point"]
+    assert (x, z) == pytest.approx((0.0, 0.0), abs=1e-3)
+    assert y < -0.05  # what is under the pointer goes to the right with it, where +y is
+    assert view["Yaw"] == pytest.approx(0.08, abs=1e-3)
+    assert (view["Pitch"], view["Distance"]) == pytest.approx((0.8, 5.0 * math.exp(-0.1)), abs=1e-3)
+
+
+def test_a_frame_aligned_view_turns_about_the_axis_of_its_frame_unless_it_is_locked(bench: Bench) -> None:
+    half = 0.5**0.5
+    tilt = TransformStamped(child_frame_id="tilted")
+    tilt.header.frame_id = "map"
+    tilt.transform.rotation = Quaternion(x=half, w=half)  # z of the frame is -y of map
+    publish(bench.graph, "/tf_static", TFMessage(transforms=[tilt]))
+    show_view(bench, FrameAligned(target_frame="tilted", yaw=0.5, pitch=0.3, position=(1.0, 2.0, 3.0)))
+    view = bench.viewer.view
+    bench.drag((0, 0), (40, 20))
+    rest(bench)
+    assert (view["Yaw"], view["Pitch"]) == pytest.approx((0.3, 0.4), abs=1e-3)
+    assert view["Position"] == pytest.approx((1.0, 2.0, 3.0), abs=1e-6)
+    view["Lock Camera"] = True
+    tell(bench)
+    bench.drag((0, 0), (40, 20))
+    rest(bench)
+    assert view["Yaw"] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_a_view_from_above_turns_and_z_brings_it_back(bench: Bench) -> None:
+    show_view(bench, TopDownOrtho(scale=50.0))
+    view = bench.viewer.view
+    bench.drag((0, 0), (40, 20))
+    rest(bench)
+    assert (view["Angle"], view["Scale"]) == pytest.approx((0.2, 50.0), abs=1e-3)
+    bench.page.locator("canvas").press("z")
+    bench.host.carry()
+    assert (view["Angle"], view["Scale"]) == (0.0, 10.0)
+
+
+def test_the_properties_of_a_tool_are_typed_in_the_views_panel(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.page.get_by_text("Tool Properties", exact=True).click()
+    bench.row("2D Goal Pose").press("ArrowRight")
+    field = bench.page.get_by_role("textbox", name="Topic")
+    field.fill("/my_goal")
+    field.press("Enter")
+    bench.host.carry()
+    assert bench.viewer.session.tools[6]["Topic"] == "/my_goal"
 
 
 def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
