@@ -78,13 +78,10 @@ def _play(source: Source, arguments: Namespace, write: Write, events: list[tuple
 
 def _chosen(recording: Recording, start_ns: int, arguments: Namespace) -> Iterator[Sample]:
     """Yield what is to be played, under the names that were asked for, ticks of /clock between it."""
-    end_ns = recording.end_ns
-    if arguments.playback_duration >= 0:
-        end_ns = start_ns + round(arguments.playback_duration * 1e9)
     names = dict(arguments.remap)
     tick_ns = start_ns
     for sample in recording.samples:
-        if not start_ns <= sample.stamp_ns <= end_ns or not _wants(arguments, sample.topic):
+        if sample.stamp_ns < start_ns or not _wants(arguments, sample.topic):
             continue
         while arguments.clock and tick_ns <= sample.stamp_ns:
             yield _tick(tick_ns)
@@ -139,7 +136,6 @@ BAG_PLAY = Verb(
             help="Sleep before play (each loop), in seconds",
         ),
         value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
-        value("--playback-duration", type=float, default=-1.0, help="Play so many seconds; negative: all"),
     ),
     run,
 )

@@ -14,6 +14,7 @@ _LICENSES = (  # what ament_copyright knows, by SPDX identifier
     "GPL-3.0-only", "LGPL-3.0-only", "MIT", "MIT-0",
 )  # fmt: skip
 _NO_LICENSE = "TODO: License declaration"
+_SETUP = ("setup.py", "setup.cfg")
 _TESTS = ("test/test_copyright.py", "test/test_flake8.py", "test/test_pep257.py")
 _MAIN = "def main():\n    print('Hi from {package}.')\n\n\nif __name__ == '__main__':\n    main()\n"
 
@@ -28,40 +29,22 @@ def create(source: Source, arguments: Namespace, write: Write) -> None:
         write("Supported licenses:\n" + "\n".join(_LICENSES) + "\n")
         return
     _check(arguments)
-    name, node = arguments.package_name, arguments.node_name
-    if node and node == arguments.library_name:
-        node = f"{node}_node"
-        write(
-            f"[WARNING] node name can not be equal to the library name\n[WARNING] renaming node to {node}\n"
-        )
-    maintainer = arguments.maintainer_name
-    email = arguments.maintainer_email or f"{maintainer}@todo.todo"
-    text = PackageText(
-        name,
-        maintainer=maintainer,
-        email=email,
-        description=arguments.description,
-        license=arguments.license,
-        version="0.0.0",
-        executables={node: f"{node}:main"} if node else {},
-        depends=arguments.dependencies,
-    )
+    text = _text(arguments)
     write("going to create a new package\n")
     for what, said in (
-        ("package name", name),
+        ("package name", text.name),
         ("destination directory", Path(arguments.destination_directory).absolute()),
         ("package format", 3),
         ("version", text.version),
         ("description", text.description),
-        ("maintainer", [f"{maintainer} <{email}>"]),
+        ("maintainer", [f"{text.maintainer} <{text.email}>"]),
         ("licenses", [text.license]),
         ("build type", "ament_python"),
-        ("dependencies", arguments.dependencies),
-        *([("node_name", node)] if node else []),
-        *([("library_name", arguments.library_name)] if arguments.library_name else []),
+        ("dependencies", text.depends),
+        *([("node_name", arguments.node_name)] if arguments.node_name else []),
     ):
         write(f"{what}: {said}\n")
-    _write_files(text, node, arguments, write)
+    _write_files(text, arguments, write)
     if text.license not in _LICENSES:
         known = "\n".join(_LICENSES)
         write(
@@ -69,6 +52,20 @@ def create(source: Source, arguments: Namespace, write: Write) -> None:
             "LICENSE file has been created.\n"
             f"It is recommended to use one of the ament license identifiers:\n{known}\n"
         )
+
+
+def _text(arguments: Namespace) -> PackageText:
+    node, maintainer = arguments.node_name, arguments.maintainer_name
+    return PackageText(
+        arguments.package_name,
+        maintainer=maintainer,
+        email=arguments.maintainer_email or f"{maintainer}@todo.todo",
+        description=arguments.description,
+        license=arguments.license,
+        version="0.0.0",
+        executables={node: f"{node}:main"} if node else {},
+        depends=arguments.dependencies,
+    )
 
 
 def _check(arguments: Namespace) -> None:
@@ -92,37 +89,22 @@ def _check(arguments: Namespace) -> None:
         )
 
 
-def _write_files(text: PackageText, node: str | None, arguments: Namespace, write: Write) -> None:
-    name, library = text.name, arguments.library_name
-    files = package_files(text)
-    if node:
-        files[f"{name}/{node}.py"] = _MAIN.format(package=name)
-
-    def folder(path: str) -> None:
-        write(f"creating folder {_shown(arguments, path)}\n")
-        Path(arguments.destination_directory, path).mkdir(parents=True)
-
-    def file(path: str) -> None:
-        write(f"creating {_shown(arguments, f'{name}/{path}')}\n")
-        Path(arguments.destination_directory, name, path).write_text(files.get(path, ""), encoding="utf-8")
-
-    folder(name)
-    file("package.xml")
-    write("creating source folder\n")
-    folder(f"{name}/{name}")
-    file("setup.py")
-    file("setup.cfg")
-    folder(f"{name}/resource")
-    file(f"resource/{name}")
-    file(f"{name}/__init__.py")
-    folder(f"{name}/test")
-    for path in _TESTS:
-        file(path)
-    if node:
-        file(f"{name}/{node}.py")
-    if library:
-        folder(f"{name}/{name}/{library}")
-        file(f"{name}/{library}/__init__.py")
+def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
+    """Write the files that ros2cli writes, in its order; what ends in a slash is a folder."""
+    name, files = text.name, package_files(text)
+    code = [f"{name}/{node}.py" for node in text.executables]
+    files |= dict.fromkeys(code, _MAIN.format(package=name))
+    for path in ("", "package.xml", f"{name}/", *_SETUP, "resource/", f"resource/{name}",
+                 f"{name}/__init__.py", "test/", *_TESTS, *code):  # fmt: skip
+        if path == f"{name}/":
+            write("creating source folder\n")
+        what = "creating" if path in files else "creating folder"
+        write(f"{what} {_shown(arguments, f'{name}/{path}'.rstrip('/'))}\n")
+        target = Path(arguments.destination_directory, name, path)
+        if path in files:
+            target.write_text(files[path], encoding="utf-8")
+        else:
+            target.mkdir(parents=True)
 
 
 def _shown(arguments: Namespace, path: str) -> str:
@@ -150,7 +132,6 @@ PKG_CREATE = Verb(
         value("--maintainer-email", help="email address of the maintainer of this package"),
         value("--maintainer-name", default=getpass.getuser(), help="name of the maintainer of this package"),
         value("--node-name", help="name of the empty executable"),
-        value("--library-name", help="name of the empty library"),
     ),
     create,
     looks=False,

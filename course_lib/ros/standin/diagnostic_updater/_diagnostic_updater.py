@@ -75,35 +75,7 @@ class CompositeDiagnosticTask(DiagnosticTask):
         self.tasks.append(t)
 
 
-class DiagnosticTaskVector:
-    """The tasks of an updater."""
-
-    def __init__(self) -> None:
-        self.tasks: list[DiagnosticTask] = []
-        self.lock = Lock()
-
-    def addedTaskCallback(self, task: DiagnosticTask) -> None:
-        """Hear of a task that was added."""
-
-    def add(self, task: DiagnosticTask | str, fn: Fill | None = None) -> None:
-        """Add a task: `add(task)`, or `add(name, function)`."""
-        added = FunctionDiagnosticTask(task, fn) if isinstance(task, str) and fn else task
-        if isinstance(added, str):
-            raise TypeError(f"add({task!r}): give the task's function, too, like add({task!r}, self.check).")
-        with self.lock:
-            self.tasks.append(added)
-            self.addedTaskCallback(added)
-
-    def removeByName(self, name: str) -> bool:
-        """Remove the first task of a name; says whether there was one."""
-        with self.lock:
-            found = next((task for task in self.tasks if task.name == name), None)
-            if found is not None:
-                self.tasks.remove(found)
-        return found is not None
-
-
-class Updater(DiagnosticTaskVector):
+class Updater:
     """Runs its tasks once per period and publishes their statuses on /diagnostics.
 
     Args:
@@ -112,7 +84,8 @@ class Updater(DiagnosticTaskVector):
     """
 
     def __init__(self, node: Node, period: float = 1.0) -> None:
-        super().__init__()
+        self.tasks: list[DiagnosticTask] = []
+        self.lock = Lock()
         self.node = node
         self.publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 1)
         self._period: float = node.declare_parameter("diagnostic_updater.period", period).value
@@ -135,6 +108,23 @@ class Updater(DiagnosticTaskVector):
         self._period = period
         self.timer.reset()  # in ROS as well the former timer goes on beside the new one
         self.timer = self.node.create_timer(period, self.update)
+
+    def add(self, task: DiagnosticTask | str, fn: Fill | None = None) -> None:
+        """Add a task, `add(task)` or `add(name, function)`, and publish that the node starts up."""
+        added = FunctionDiagnosticTask(task, fn) if isinstance(task, str) and fn else task
+        if isinstance(added, str):
+            raise TypeError(f"add({task!r}): give the task's function, too, like add({task!r}, self.check).")
+        with self.lock:
+            self.tasks.append(added)
+            self.publish(DiagnosticStatusWrapper(name=added.getName(), message="Node starting up"))
+
+    def removeByName(self, name: str) -> bool:
+        """Remove the first task of a name; says whether there was one."""
+        with self.lock:
+            found = next((task for task in self.tasks if task.name == name), None)
+            if found is not None:
+                self.tasks.remove(found)
+        return found is not None
 
     def update(self) -> None:
         """Run the tasks and publish; warns once if all is well but no hardware ID was set."""
@@ -169,10 +159,6 @@ class Updater(DiagnosticTaskVector):
             fields = {name: getattr(status, name) for name in ("level", "message", "hardware_id", "values")}
             array.status.append(DiagnosticStatus(name=f"{self.node_name}: {status.name}", **fields))
         self.publisher.publish(array)
-
-    def addedTaskCallback(self, task: DiagnosticTask) -> None:
-        """Publish that the node starts up."""
-        self.publish(DiagnosticStatusWrapper(name=task.name, message="Node starting up"))
 
     def _run(self, task: DiagnosticTask) -> DiagnosticStatusWrapper:
         given = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)

@@ -5,7 +5,7 @@ from typing import Any
 from rclpy.publisher import Publisher
 from rclpy.time import Time
 
-from diagnostic_updater._diagnostic_updater import CompositeDiagnosticTask, DiagnosticTaskVector
+from diagnostic_updater._diagnostic_updater import CompositeDiagnosticTask, Updater
 from diagnostic_updater._update_functions import (
     FrequencyStatus,
     FrequencyStatusParam,
@@ -17,7 +17,7 @@ from diagnostic_updater._update_functions import (
 class HeaderlessTopicDiagnostic(CompositeDiagnosticTask):
     """Checks the rate of a topic; call `tick` for each message."""
 
-    def __init__(self, name: str, diag: DiagnosticTaskVector, freq: FrequencyStatusParam) -> None:
+    def __init__(self, name: str, diag: Updater, freq: FrequencyStatusParam) -> None:
         super().__init__(f"{name} topic status")
         self.diag = diag
         self.freq = FrequencyStatus(freq)
@@ -37,7 +37,7 @@ class TopicDiagnostic(HeaderlessTopicDiagnostic):
     """Checks the rate of a topic and the age of its stamps."""
 
     def __init__(
-        self, name: str, diag: DiagnosticTaskVector, freq: FrequencyStatusParam, stamp: TimeStampStatusParam
+        self, name: str, diag: Updater, freq: FrequencyStatusParam, stamp: TimeStampStatusParam
     ) -> None:
         super().__init__(name, diag, freq)
         self.stamp = TimeStampStatus(stamp)
@@ -55,7 +55,7 @@ class DiagnosedPublisher(TopicDiagnostic):
     def __init__(
         self,
         pub: Publisher[Any],
-        diag: DiagnosticTaskVector,
+        diag: Updater,
         freq: FrequencyStatusParam,
         stamp: TimeStampStatusParam,
     ) -> None:
