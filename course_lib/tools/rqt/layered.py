@@ -48,32 +48,20 @@ def layered(
 
 def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
     """Give each node the length of the longest way to it; edges that close a circle do not count."""
-    after: dict[str, list[str]] = {name: [] for name in names}
-    for start, end in edges:
-        after[start].append(end)
-    order: list[str] = []
-    state: dict[str, int] = {}  # 1: being visited, 2: done
-    forward: list[Edge] = []
+    heights: dict[str, int] = {}  # the longest way from each node on; -1 while it is looked for
 
-    def visit(name: str) -> None:
-        state[name] = 1
-        for end in after[name]:
-            if state.get(end) != 1:
-                forward.append((name, end))
-            if end not in state:
-                visit(end)
-        state[name] = 2
-        order.insert(0, name)
+    def height(name: str) -> int:
+        if name not in heights:
+            heights[name] = -1
+            heights[name] = 1 + max((height(end) for start, end in edges if start == name), default=-1)
+        return heights[name]
 
-    ends = {end for _, end in edges}
+    ends, depths = {end for _, end in edges}, dict[str, int]()
     for name in sorted(names, key=lambda name: name in ends):  # sources first
-        if name not in state:
-            visit(name)
-    depths = dict.fromkeys(names, 0)
-    for name in order:
-        for start, end in forward:
-            if start == name:
-                depths[end] = max(depths[end], depths[name] + 1)
+        height(name)
+    for name in sorted(names, key=lambda name: -heights[name]):
+        before = (start for start, end in edges if end == name and heights[start] > heights[name])
+        depths[name] = 1 + max((depths[start] for start in before), default=-1)
     return depths
 
 
