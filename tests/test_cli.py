@@ -141,3 +141,4 @@ def test_ros2_looks_at_programs_and_at_recordings(tmp_path: Path) -> None:
     course("run", str(PROGRAM), "--seconds", "1", "--bag", "bag", cwd=tmp_path)
     listed = course("ros2", "--bag", "bag", "topic", "list", "-t", cwd=tmp_path)
     assert "/count [std_msgs/msg/Int32]\n" in listed.stdout
+    assert course("ros2", "--bag", "bag", "service", "list", cwd=tmp_path).returncode == 0

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
+from course_lib.ros import standin_path
 from course_lib.tools.action import ACTION_VERBS
 from course_lib.tools.bag.info import BAG_INFO
 from course_lib.tools.bag.play import BAG_PLAY
@@ -117,6 +118,7 @@ def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, 
     Raises:
         CourseError: Nowhere to look, or in two places; otherwise as `ros2`.
     """
+    standin_path.install()  # verbs import rclpy
     verb = _verb(words)
     needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
     starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
