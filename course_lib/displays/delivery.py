@@ -22,6 +22,16 @@ def reaches(sample: Sample, subscription: Subscription, match_qos: bool) -> bool
     return problem is None
 
 
+def hint_at_held(subscription: Subscription) -> None:
+    """Say, until more comes, that a publisher holds something that a display does not ask for."""
+    topic = subscription.topic
+    text = (
+        f"{topic} was published before this display was here, and its publisher holds it for latecomers; "
+        "ask for it with Durability Policy: Transient Local."
+    )
+    subscription.statuses.hint(f"Topic {topic}", text)
+
+
 def silence(display: Display, types: Mapping[str, str]) -> list[StatusRow]:
     """Say which of the topics that were heard, by name and type, a silent display could listen to."""
     topics = {subscription.topic for subscription in display.subscriptions}

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from itertools import chain
 from typing import Any
 
-from course_lib.displays.delivery import reaches, silence
+from course_lib.displays.delivery import hint_at_held, reaches, silence
 from course_lib.displays.display import Context, Display, Subscription, node_name
 from course_lib.displays.frames import NS, Frames
 from course_lib.displays.group import GROUP, Group
@@ -231,10 +231,14 @@ class Session:
         return [*display.rows(), *silence(display, self.types)]
 
     def catch_up(self, subscriptions: Iterable[Subscription]) -> None:
-        """Take what publishers hold for latecomers that ask for it."""
+        """Take what publishers hold for latecomers that ask for it, and tell those that do not of it."""
+        held = list(self.latched())
         wanting = [s for s in subscriptions if s.qos.durability == "transient_local"]
-        for sample in self.latched():
+        for sample in held:
             self._deliver(sample, wanting)
+        for missing in (s for s in subscriptions if s not in wanting):
+            if any(sample.topic == missing.topic for sample in held):
+                hint_at_held(missing)
 
     def _tell(self) -> None:
         for listener in tuple(self.after_frame):

@@ -79,7 +79,7 @@ def test_a_class_that_only_rviz_draws_is_kept_with_a_hint() -> None:
     (row,) = bench.session.add("rviz_default_plugins/Effort", "Effort", {}).rows()
     assert (row.level, row.text) == (
         "hint",
-        "RViz2 draws Effort; this viewer does not, and keeps its settings.",
+        "RViz2 draws Effort (sensor_msgs/msg/JointState); this viewer does not, and keeps its settings.",
     )
 
 

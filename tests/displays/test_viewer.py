@@ -61,8 +61,10 @@ def test_a_late_display_gets_what_publishers_hold_only_if_it_asks_for_it(graph: 
     viewer = Viewer()
     display = viewer.add("Marker", topic="/m")
     assert shown(viewer) == {"Grid"}
+    assert "ask for it with Durability Policy: Transient Local" in str(viewer.statuses())
     display["Durability Policy"] = "Transient Local"
     assert shown(viewer) == {"Grid", "Marker"}
+    assert "Transient Local" not in str(viewer.statuses())
 
 
 def test_a_late_viewer_hears_static_transforms(graph: Graph) -> None:
