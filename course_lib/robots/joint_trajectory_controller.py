@@ -42,7 +42,7 @@ class JointTrajectoryController(Node):
         robot_description: str,
         *,
         start: Mapping[str, float] | None = None,
-        rate: float = 50.0,
+        rate: float = 20.0,
         **options: Unpack[NodeOptions],
     ) -> None:
         self._joints = SimulatedJoints(parse_urdf(robot_description), start or {})

@@ -31,7 +31,7 @@ class OmniBase(Node):
         options: What any node takes.
     """
 
-    def __init__(self, *, rate: float = 50.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
+    def __init__(self, *, rate: float = 20.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
         import pinocchio as pin
 
         super().__init__("omni_base", **options)

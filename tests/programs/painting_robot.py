@@ -60,7 +60,7 @@ def nodes() -> list[Node]:
     """The robot and its operator."""
     urdf = mobile_manipulator().urdf
     arm = JointTrajectoryController(urdf, start=START)
-    return [OmniBase(), arm, RobotStatePublisher(urdf, publish_frequency=50.0), Operator()]
+    return [OmniBase(), arm, RobotStatePublisher(urdf), Operator()]
 
 
 def main() -> None:

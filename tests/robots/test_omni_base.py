@@ -39,7 +39,7 @@ class Scene:
     """A base and its driver."""
 
     def __init__(self, run: Run, on: On) -> None:
-        self.base, self.driver, self.on, self._run = OmniBase(), Driver(), on, run
+        self.base, self.driver, self.on, self._run = OmniBase(rate=50.0), Driver(), on, run
 
     def run(self, seconds: float) -> None:
         self._run(seconds, self.base, self.driver)

@@ -30,7 +30,7 @@ class Client:
     """A controller and a client of its action."""
 
     def __init__(self, run: Run, on: On) -> None:
-        self.controller = JointTrajectoryController(mobile_manipulator().urdf, start=START)
+        self.controller = JointTrajectoryController(mobile_manipulator().urdf, start=START, rate=50.0)
         self.node, self._run, self._on = Node("client"), run, on
         self.client = ActionClient(
             self.node, FollowJointTrajectory, "/arm_controller/follow_joint_trajectory"

@@ -1,17 +1,22 @@
 """The words that check files are written in; each gives a `Check`."""
 
 from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing
+from course_lib.grading.vocabulary.layouts import expect_display, expect_drawn, expect_layout
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
+from course_lib.grading.vocabulary.trajectories import expect_trajectory
 from course_lib.grading.vocabulary.transforms import expect_circling_frame, expect_transform
 from course_lib.grading.vocabulary.values import expect_text, expect_value
 
 __all__ = [
     "expect_circle",
     "expect_circling_frame",
+    "expect_display",
+    "expect_drawn",
     "expect_joint_states",
     "expect_joint_swing",
+    "expect_layout",
     "expect_marker",
     "expect_marker_count",
     "expect_message",
@@ -19,6 +24,7 @@ __all__ = [
     "expect_stamps",
     "expect_text",
     "expect_topic",
+    "expect_trajectory",
     "expect_transform",
     "expect_value",
 ]

@@ -1,0 +1,63 @@
+"""Expectations on trajectories that are sent to an arm."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
+from course_lib.robots.spline import Waypoint
+from course_lib.ros import standin_path
+from course_lib.ros.clock import START_NS
+from course_lib.ros.messages import type_name
+
+TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
+
+
+@word("trajectory {index} on {topic}")
+def expect_trajectory(
+    evidence: Evidence, topic: str, goal: Mapping[str, float], *, index: int = 0, at: float, seconds: float
+) -> Iterable[Problem]:
+    """A trajectory, counted from 0, is one that joint_trajectory_controller takes, and it ends in `goal`.
+
+    Goal is by joint, in any order, [rad]; it stands still there. The message comes `at` [s] after the start,
+    and its last point is `seconds` later.
+    """
+    standin_path.install()  # the judge's process has not imported any ROS name yet
+    from rclpy.time import Time
+
+    from course_lib.robots.trajectory import waypoints_of
+
+    came = [(when, message) for when, message in evidence.messages(topic) if type_name(message) == TRAJECTORY]
+    if not came:
+        return [nothing_on(evidence, topic)]
+    if len(came) <= index:
+        message = f"{len(came)} trajectories came on {topic}, expected at least {index + 1}"
+        return [Problem(message, "a trajectory is missing")]
+    when, sent = came[index]
+    try:
+        *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
+    except CourseError as refused:
+        return [Problem(f"the controller says: {refused}", "the controller refuses the trajectory")]
+    return list(_differs(last, goal, when, at, seconds))
+
+
+def _differs(
+    last: Waypoint, goal: Mapping[str, Any], when: float, at: float, seconds: float
+) -> Iterator[Problem]:
+    if not close(when, at, TIME_TOLERANCE):
+        message = f"the trajectory came after {number(when, 's')}, expected after {number(at, 's')}"
+        yield Problem(message, "a trajectory is sent at the wrong time")
+    if not close(last.seconds, seconds, TIME_TOLERANCE):
+        message = (
+            f"its last point is reached after {number(last.seconds, 's')}, expected {number(seconds, 's')}"
+        )
+        yield Problem(message, "the time of a trajectory is wrong")
+    if len(last.state) < 2:
+        message = "its last point has no velocities, so the arm would stop with a jerk"
+        yield Problem(message, "a trajectory has no velocities")
+    for (joint, expected), position in zip(goal.items(), last.state[0].tolist(), strict=True):
+        if not close(position, expected, TOLERANCE):
+            message = f"{joint} goes to {number(position, 'rad')}, expected {number(expected, 'rad')}"
+            yield Problem(message, "a trajectory leads to the wrong position of a joint")

@@ -1,0 +1,64 @@
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import expect_trajectory
+
+MakeEvidence = Callable[..., Evidence]
+TOPIC = "/arm_controller/joint_trajectory"
+CHECK = expect_trajectory(TOPIC, {"lift": 1.5, "elbow": 0.5}, at=1.0, seconds=3.0)
+
+
+def sent(at: float = 1.0, names: tuple[str, ...] = ("elbow", "lift"), seconds: int = 3, **point: Any) -> Any:
+    fields = {"positions": [0.5, 1.5], "velocities": [0.0, 0.0]} | point
+    last = JointTrajectoryPoint(**fields)
+    last.time_from_start.sec = seconds
+    return (at, TOPIC, JointTrajectory(joint_names=list(names), points=[last]))
+
+
+def test_joints_may_come_in_any_order(evidence: MakeEvidence) -> None:
+    assert CHECK.judge(evidence(sent())).message == "as expected"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message", "mistake"),
+    [
+        (
+            sent(positions=[0.5, -1.5]),
+            "lift goes to -1.50 rad, expected 1.50 rad",
+            "a trajectory leads to the wrong position of a joint",
+        ),
+        (
+            sent(names=("elbow", "shoulder")),
+            "the controller says: Incoming joint shoulder doesn't match the controller's joints.",
+            "the controller refuses the trajectory",
+        ),
+        (
+            sent(velocities=[]),
+            "its last point has no velocities, so the arm would stop with a jerk",
+            "a trajectory has no velocities",
+        ),
+        (
+            sent(seconds=30),
+            "its last point is reached after 30.00 s, expected 3.00 s",
+            "the time of a trajectory is wrong",
+        ),
+        (
+            sent(at=0.0),
+            "the trajectory came after 0.00 s, expected after 1.00 s",
+            "a trajectory is sent at the wrong time",
+        ),
+    ],
+)
+def test_what_is_wrong_is_named(evidence: MakeEvidence, wrong: Any, message: str, mistake: str) -> None:
+    verdict = CHECK.judge(evidence(wrong))
+    assert (verdict.score, verdict.message, verdict.mistake) == (0.0, message, mistake)
+
+
+def test_a_trajectory_that_did_not_come_is_missed(evidence: MakeEvidence) -> None:
+    assert "nothing was published on" in CHECK.judge(evidence()).message
+    second = expect_trajectory(TOPIC, {"lift": 1.5, "elbow": 0.5}, index=1, at=1.0, seconds=3.0)
+    assert "1 trajectories came on" in second.judge(evidence(sent())).message
