@@ -80,6 +80,7 @@ class Processes:
             try:
                 process.run()
             finally:
+                _remove_nodes()
                 self.ended.append(number)
 
         daemon = graph.notebook  # a kernel ends without waiting for them
@@ -111,6 +112,14 @@ class Processes:
     def _join(self) -> None:
         for thread in self._threads:
             thread.join()
+
+
+def _remove_nodes() -> None:
+    """Take the nodes that the calling program has left out of the graph: their process is gone."""
+    from rclpy.impl.run import current_run
+
+    for node in tuple(current_run().nodes):
+        current_graph().remove_node(node)
 
 
 def _exit_code(code: object) -> int:

@@ -12,7 +12,7 @@ CELLS = (PROGRAMS / "dashboard.py").read_text().split("# %%\n")[1:]
 
 def write_notebook(path: Path, cells: Sequence[str]) -> Path:
     """Write code cells as a notebook."""
-    code = [
+    code: list[dict[str, object]] = [
         {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None, "source": cell}
         for cell in cells
     ]

@@ -44,7 +44,7 @@ def workspace(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_package_xml_is_what_catkin_pkg_expects(package: Path) -> None:
-    from catkin_pkg.package import parse_package
+    from catkin_pkg.package import parse_package  # type: ignore[import-untyped]  # it ships no types
 
     parsed = parse_package(package)
     parsed.validate()

@@ -1,6 +1,7 @@
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,8 +17,9 @@ Write = Callable[..., Path]
 def heard(recording: Recording) -> Counter[str]:
     """Count the texts, as topic and what it says."""
     cls = message_class("std_msgs/msg/String")
-    samples = (s for s in recording.samples if s.type_name == "std_msgs/msg/String")
-    return Counter(f"{s.topic} {deserialize(s.cdr, cls).data}" for s in samples)
+    samples = [s for s in recording.samples if s.type_name == "std_msgs/msg/String"]
+    messages: list[Any] = [deserialize(s.cdr, cls) for s in samples]
+    return Counter(f"{s.topic} {m.data}" for s, m in zip(samples, messages, strict=True))
 
 
 @pytest.mark.parametrize(
@@ -149,6 +151,15 @@ def test_a_mistake_in_the_file_is_a_traceback(launch_file: Write, capsys: pytest
     assert (
         "TypeError: Node.__init__() got an unexpected keyword argument 'paramters'" in capsys.readouterr().err
     )
+
+
+def test_a_file_that_returns_no_description_is_told_how_to_end(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("def generate_launch_description():\n    pass\n")
+    assert recorded(file)[1] == 1
+    assert "returned None; end it with: return LaunchDescription" in capsys.readouterr().out
 
 
 def test_two_runs_of_a_launch_are_alike(launch_file: Write) -> None:

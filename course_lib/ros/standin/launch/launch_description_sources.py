@@ -36,7 +36,12 @@ class LaunchDescriptionSource:
                 f"launch file at '{file}' does not contain the required function "
                 "'generate_launch_description()'"
             )
-        description: LaunchDescription = names["generate_launch_description"]()
+        description = names["generate_launch_description"]()
+        if not isinstance(description, LaunchDescription):
+            raise InvalidPythonLaunchFileError(
+                f"generate_launch_description() in '{file}' returned {description!r}; end it with: return "
+                "LaunchDescription([...])"
+            )
         return description
 
 

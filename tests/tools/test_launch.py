@@ -1,0 +1,98 @@
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+
+from course_lib.errors import CourseError
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.live import live_runs
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.sources import GraphSource
+from tests.ros.launch.conftest import launch_file as launch_file
+from tests.ros.launch.conftest import robot as robot
+
+Run = Callable[..., None]
+
+
+@pytest.fixture
+def graph(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Graph]:
+    """A notebook's graph, in a folder with the package my_robot."""
+    from course_lib.ros import virtual_time
+
+    virtual_time.install()
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    with use_graph(Graph(notebook=True)) as graph:
+        yield graph
+        for run in live_runs(graph):
+            run.stop()
+        rclpy.try_shutdown()
+
+
+def run(graph: Graph, line: str) -> None:
+    """Run a command line."""
+    ros2(line.split(), GraphSource(graph), print)
+
+
+def names(graph: Graph) -> list[str]:
+    return sorted(node.name for node in graph.nodes())
+
+
+def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch_file: Run) -> None:
+    launch_file("Node(**TALKER, name='a')", "Node(**TALKER, name='b')")
+    run(graph, "launch my_robot robot.launch.py")
+    heard: list[str] = []
+    graph.tap(lambda sample: heard.append(sample.topic))
+    spin_for(2.0)
+    assert heard.count("/chatter") == 4
+    (launched,) = live_runs(graph)
+    assert launched.state().startswith("▶ running: robot.launch.py")
+    launched.stop()
+    spin_for(2.0)
+    assert heard.count("/chatter") == 4
+    assert live_runs(graph) == ()
+
+
+def test_the_same_launch_again_takes_the_place_of_the_first(graph: Graph, launch_file: Run) -> None:
+    launch_file("Node(**TALKER)")
+    for _ in range(2):
+        run(graph, "launch my_robot robot.launch.py")
+    assert names(graph).count("talker") == 1
+    assert len(live_runs(graph)) == 1
+
+
+def test_run_starts_one_executable_with_its_words(graph: Graph, robot: Path) -> None:
+    run(graph, "run my_robot talker --ros-args -r __node:=other")
+    assert "other" in names(graph)
+
+
+def test_a_launch_that_ends_by_itself_is_no_run(graph: Graph, launch_file: Run) -> None:
+    launch_file("Node(package='my_robot', executable='fail')")
+    run(graph, "launch my_robot robot.launch.py")
+    assert live_runs(graph) == ()
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("launch my_robt robot.launch.py", "package 'my_robt' not found"),
+        ("launch my_robot other.launch.py", "There is: robot.launch.py"),
+        ("launch nowhere.launch.py", "No such launch file"),
+        ("run my_robot talkr", "Did you mean 'talker'"),
+    ],
+)
+def test_what_is_not_there_is_named(graph: Graph, launch_file: Run, line: str, said: str) -> None:
+    launch_file("Node(**TALKER)")
+    with pytest.raises(CourseError, match=said):
+        run(graph, line)
+
+
+def test_arguments_are_shown_without_starting_anything(
+    graph: Graph, launch_file: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    launch_file("DeclareLaunchArgument('word', default_value='hi')", "Node(**TALKER)")
+    run(graph, "launch my_robot robot.launch.py --show-args")
+    assert "'word':" in capsys.readouterr().out
+    assert names(graph) == []
