@@ -79,26 +79,13 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
     """
     for name in (command[0] for command in commands if shutil.which(command[0]) is None):
         raise CourseError(f"There is no program {name} on this machine: leave out `| {name} …`.")
-    at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []  # lines come as in a terminal
     running: list[subprocess.Popen[bytes]] = []
     with ExitStack() as stack:
         result = Path(stack.enter_context(TemporaryDirectory()), "result")
         come, out = stack.enter_context(result.open("a+b")), stack.enter_context(result.open("ab"))
         stack.callback(_end, running)
         for command in commands:
-            source = running[-1].stdout if running else subprocess.PIPE
-            to = out if command is commands[-1] else subprocess.PIPE
-            running.append(
-                subprocess.Popen(
-                    [*at_once, *command],
-                    stdin=source,
-                    stdout=to,
-                    stderr=out,
-                    start_new_session=True,  # ■ is not for them
-                )
-            )
-            if running[1:] and running[-2].stdout:
-                running[-2].stdout.close()  # now the next command alone holds it
+            _start(command, running, out if command is commands[-1] else subprocess.PIPE, out)
         first = running[0].stdin
         assert first is not None  # it is a pipe
 
@@ -115,6 +102,24 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
             for process in running:
                 process.wait()
             _pass_on(come, write)
+
+
+def _start(
+    words: Sequence[str], running: list[subprocess.Popen[bytes]], out: IO[bytes] | int, errors: IO[bytes]
+) -> None:
+    """Start a program that reads from the last one that is running."""
+    at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []  # lines come as in a terminal
+    source = running[-1].stdout if running else subprocess.PIPE
+    started = subprocess.Popen(
+        [*at_once, *words],
+        stdin=source,
+        stdout=out,
+        stderr=errors,
+        start_new_session=True,  # ■ is not for it
+    )
+    running.append(started)
+    if source and not isinstance(source, int):
+        source.close()  # now the new one alone holds it
 
 
 def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
