@@ -201,9 +201,11 @@ class PropertyHolder:
 
     def _take(self, properties: Iterable[Property]) -> list[str]:
         wrong = []
+        parents = {prop.path[:-1] for prop in self.properties}
         for prop in properties:
             value = _nested(self._loaded, prop.path)
-            if value is not None and not prop.is_read_only:
+            only_below = prop.path in parents and isinstance(value, Mapping)
+            if value is not None and not only_below and not prop.is_read_only:
                 try:
                     self[prop.label] = value
                 except CourseError as error:

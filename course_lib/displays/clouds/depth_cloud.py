@@ -90,10 +90,6 @@ class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
         self._depth = message
         self._match()
 
-    def grows(self) -> bool:
-        """Say whether points shall be as large as their pixels."""
-        return bool(self["Auto Size"])
-
     def _images(self, topic: str, take: Any) -> Subscription:
         hint = self[_HINTS[topic]]
         packed = hint != "raw"
@@ -148,9 +144,8 @@ class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
             return
         self.statuses.set("ok", "Image Size", f"{color_size[1]} x {color_size[0]}")
         frames = image.header.frame_id, color.header.frame_id
-        if frames[0] != frames[1]:
-            wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
-            self.statuses.hint("Frames", f"RViz warns for a moment: {wrong}")
+        wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
+        self.statuses.hint("Frames", *([f"RViz warns for a moment: {wrong}"] if len({*frames}) > 1 else []))
 
     def _has_moved(self, transform: Matrix) -> bool:
         turn = transform[:3, :3].T @ self._camera[:3, :3]

@@ -112,13 +112,9 @@ class CloudDisplay(TopicDisplay):
         in_pixels = style == "Points"
         size = (self["Size (Pixels)" if in_pixels else "Size (m)"],) * 3
         colors = self._colors(shown.cloud)
-        grow = self.grows() and not in_pixels
+        grow = not in_pixels and bool(self._values.get("Auto Size"))
         drawn = Points(shown.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
         self.context.scene.set_object(shown.path, drawn)
-
-    def grows(self) -> bool:
-        """Say whether points are larger the greater their z is."""
-        return False
 
     def _colors(self, cloud: Cloud) -> Floats:
         """Return RGBA of each point, shape (N, 4); alpha of a channel counts only if it is called rgba."""

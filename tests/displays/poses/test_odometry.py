@@ -61,6 +61,15 @@ def test_the_shape_has_the_properties_below_it() -> None:
     assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 0.5]
 
 
+def test_a_layout_may_name_what_is_below_a_property_alone() -> None:
+    bench = Bench()
+    config = {"Topic": {"Depth": 7}, "Covariance": {"Position": {"Scale": 2}}}
+    display = bench.session.add("rviz_default_plugins/Odometry", "Shown", config)
+    assert (display["Topic/Depth"], display["Covariance/Position/Scale"]) == (7, 2)
+    assert display["Covariance/Position"]
+    assert not bench.hints(display)
+
+
 def test_covariances_are_shown_at_each_step() -> None:
     bench = Bench()
     display = add(bench, "Odometry")
