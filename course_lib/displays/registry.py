@@ -1,5 +1,7 @@
 """Which class of display is made by what; the table to add one to."""
 
+from difflib import get_close_matches
+
 from course_lib.displays.axes import AxesDisplay
 from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
 from course_lib.displays.clouds.laser_scan import LaserScanDisplay
@@ -99,6 +101,9 @@ class FailedDisplay(Display):
             f"According to the loaded plugin descriptions the class {self.wanted} with base class type "
             f"rviz_common::Display does not exist. Declared types are  {' '.join(_declared())}",
         )
+        near = get_close_matches(short_name(self.wanted), [short_name(name) for name in _declared()], 1, 0.8)
+        ros_1 = f"{self.wanted} is ROS 1's name. " if self.wanted.startswith("rviz/") else ""
+        self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in near))
 
 
 def make_display(context: Context, class_name: str, name: str, path: str) -> Display:

@@ -135,6 +135,11 @@ class Session:
         self.refresh()
         return display
 
+    def group(self, name: str) -> Group:
+        """Return the first group with a name, which is made if there is none."""
+        found = (group for group in self.tree.groups() if group.name == name)
+        return next(found, None) or self.add_group(name)
+
     def add_group(self, name: str, group: Group | None = None) -> Group:
         """Add a group of displays, in another one or at the end of the tree."""
         made = Group(name)

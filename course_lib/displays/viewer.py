@@ -14,11 +14,13 @@ import numpy.typing as npt
 from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
+from course_lib.displays.options import Options
 from course_lib.displays.panel import Panel
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.summary import told
+from course_lib.displays.tools import Tool
 from course_lib.displays.views import View
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
@@ -74,7 +76,13 @@ class Viewer:
         save_rviz(self.session, path)
 
     def add(
-        self, class_name: str, topic: str | None = None, *, name: str | None = None, **properties: Any
+        self,
+        class_name: str,
+        topic: str | None = None,
+        *,
+        name: str | None = None,
+        group: str | None = None,
+        **properties: Any,
     ) -> Display:
         """Add a display, as RViz's Add button does.
 
@@ -82,6 +90,7 @@ class Viewer:
             class_name: RViz's name, ``Marker`` or ``rviz_default_plugins/Marker``.
             topic: Its Topic property, or whatever the display calls it.
             name: Its class if not given.
+            group: The group that holds it, made if there is none of that name.
             properties: By RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell Size": 0.5}``.
 
         Raises:
@@ -96,7 +105,8 @@ class Viewer:
             raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")
         if topic is not None:
             properties[getattr(REGISTRY[wanted], "topic_label", "Topic")] = topic
-        return self.session.add(wanted, name or short_name(wanted), {}, **properties)
+        holder = self.session.group(group) if group else None
+        return self.session.add(wanted, name or short_name(wanted), {}, group=holder, **properties)
 
     def remove(self, display: Display) -> None:
         """Remove a display."""
@@ -129,6 +139,18 @@ class Viewer:
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
         self.session.fixed_frame = frame
+
+    @property
+    def options(self) -> Options:
+        """RViz's Global Options: ``viewer.options["Background Color"] = "#ffffff"``."""
+        return self.session.options
+
+    def tool(self, label: str) -> Tool:
+        """Return a tool by the label of its button: ``viewer.tool("2D Goal Pose")["Topic"] = "/goal"``."""
+        tools = {tool.label: tool for tool in self.session.tools}
+        if label not in tools:
+            raise CourseError(f"No tool is called {label!r}; there is {', '.join(tools)}.")
+        return tools[label]
 
     @property
     def view(self) -> View:

@@ -123,8 +123,11 @@ def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) ->
 
 
 def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:
-    (row,) = session.displays[3].rows()
-    assert "'rviz/Grid', could not be loaded" in row.text
+    error, hint = session.displays[3].rows()
+    assert error.level == "error"
+    assert "'rviz/Grid', could not be loaded" in error.text
+    assert hint.level == "hint"
+    assert hint.text == "rviz/Grid is ROS 1's name. RViz2 has the class rviz_default_plugins/Grid."
 
 
 def test_the_configuration_is_kept_with_what_we_do_not_know(session: Session) -> None:

@@ -11,6 +11,7 @@ import pytest
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from course_lib.displays.group import Group
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
@@ -292,3 +293,32 @@ def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
 
 def test_it_prints_alike_in_every_run(graph: Graph) -> None:
     assert repr(Viewer()) == "<Viewer of map with Grid>"
+
+
+def test_options_and_tools_are_set_by_rviz_s_labels(graph: Graph, tmp_path: Path) -> None:
+    viewer = Viewer()
+    viewer.options["Frame Rate"] = 10
+    viewer.options["Background Color"] = "#ffffff"
+    viewer.tool("2D Goal Pose")["Topic"] = "/my_goal"
+    viewer.save_rviz(tmp_path / "mine.rviz")
+    again = Viewer.from_rviz(tmp_path / "mine.rviz")
+    assert (again.options["Frame Rate"], again.scene.background) == (10, (255, 255, 255))
+    assert again.tool("2D Goal Pose")["Topic"] == "/my_goal"
+    with pytest.raises(CourseError, match="No tool is called 'Goal'; there is Interact, Move Camera"):
+        viewer.tool("Goal")
+    with pytest.raises(CourseError, match="has no property 'Frame Rat', but 'Frame Rate'"):
+        viewer.options["Frame Rat"] = 5
+
+
+def test_displays_are_added_to_groups(graph: Graph, tmp_path: Path) -> None:
+    viewer = Viewer()
+    boxes, names = viewer.add("Marker", group="Seen"), viewer.add("TF", group="Seen")
+    viewer.save_rviz(tmp_path / "mine.rviz")
+    again = Viewer.from_rviz(tmp_path / "mine.rviz")
+    (group,) = (member for member in again.session.tree.members if isinstance(member, Group))
+    assert (group.name, [display.name for display in group.displays()]) == ("Seen", [boxes.name, names.name])
+
+
+def test_a_class_that_only_rviz2_draws_is_named_with_what_it_shows(graph: Graph) -> None:
+    with pytest.raises(CourseError, match=r"RViz2 draws Effort \(sensor_msgs/msg/JointState\)"):
+        Viewer().add("Effort")
