@@ -21,6 +21,7 @@ _ARROW = (
     '<defs><marker id="rqt-arrow" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" '
     'orient="auto"><path d="M0 0 8 4 0 8z" fill="var(--rqt-dim)"/></marker></defs>'
 )
+_BAD = " (QoS!)"  # some publisher does not reach some subscription
 _HALF = 14.0  # [px] half the height of a node
 
 
@@ -43,7 +44,7 @@ class GraphView(View):
         nodes, edges = set(self._names().values()), self._edges()
         topics = {name for edge in edges for name in edge} - nodes
         bad = self._incompatible()
-        names = {name: name.strip() + " (QoS!)" * (name[1:] in bad) for name in sorted(nodes | topics)}
+        names = {name: name.strip() + _BAD * (name[1:] in bad) for name in sorted(nodes | topics)}
         if not names:
             return "<p>No node is there: make one, like node = MyNode().</p>"
         widths = {name: 26 + 6.8 * len(words) for name, words in names.items()}
@@ -90,8 +91,9 @@ class GraphView(View):
             if self["Show"] == NODES:
                 pairs = ((a, b) for a in ends for b in ends if (a.kind, b.kind) == ("pub", "sub"))
                 for a, b in pairs:
-                    label = edges.setdefault((names[a.node], names[b.node]), [])
-                    label += [topic] if topic not in label else []
+                    lines = edges.setdefault((names[a.node], names[b.node]), [])
+                    line = topic + _BAD * bool(incompatible(a.qos, b.qos))
+                    lines += [line] if line not in lines else []
             else:
                 for end in ends:
                     ways = (names[end.node], f" {topic}")

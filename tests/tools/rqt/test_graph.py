@@ -59,7 +59,10 @@ def test_a_topic_whose_qos_does_not_fit_says_so_in_words(graph: Graph, planner: 
     weak = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     Node("camera").create_publisher(String, "label", weak)
     planner.create_subscription(String, "label", lambda _: None, 10)
-    assert "/label (QoS!)" in drawn(GraphView(graph, []))
+    view = GraphView(graph, [])
+    assert "/label (QoS!)" in drawn(view)
+    view.controls["Show"].value = NODES
+    assert "/label (QoS!)" in drawn(view)
 
 
 def test_namespaces_are_groups(graph: Graph, arm: Node, planner: Node) -> None:

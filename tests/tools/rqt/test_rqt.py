@@ -1,3 +1,4 @@
+import asyncio
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -113,3 +114,30 @@ def test_a_topic_of_a_wrong_type_disturbs_no_view(graph: Graph, arm: Node, topic
     for view in views:
         view.refresh()
         assert "Bool" not in view.notice.value
+
+
+@pytest.mark.parametrize("name", [name for name in VIEWS if name != "bag"])
+def test_in_a_page_every_control_has_a_name_and_close_ends_listening(
+    graph: Graph, arm: Node, name: str
+) -> None:
+    view = VIEWS[name](graph, [])
+    taps = len(graph._taps)
+
+    async def shown() -> Any:
+        frame = view.widget()
+        await asyncio.sleep(0)
+        return frame
+
+    head, controls, _, *_ = asyncio.run(shown()).children
+    assert all(one.description for one in (*controls.children, *head.children[1:]))
+    assert len(graph._taps) == taps + 1
+    view.close()
+    assert len(graph._taps) == taps
+
+
+def test_a_cell_that_is_run_again_closes_its_former_view(show: Show, graph: Graph, arm: Node) -> None:
+    show("graph")
+    (former,) = graph.state["rqt.views"].values()
+    show("graph")
+    assert former.closed
+    assert len(graph.state["rqt.views"]) == 1
