@@ -1,7 +1,7 @@
 """Displays of forces and velocities: Wrench, TwistStamped and AccelStamped (WrenchVisual, ScrewVisual)."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,13 +16,6 @@ _UNIT_ARROW = (1.0, 0.1, 0.3, 0.2)  # lengths and diameters of shaft and head, t
 _ANGLES = np.arange(4, 33) * 2 * np.pi / 32  # of the points of a circle with a gap for its tip
 _ALONG_Y = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # takes x to y
 _NAN_STATUS = "Message might contain floating point values (nans or infs)"
-
-
-class Kept(NamedTuple):
-    """A message in the fixed frame."""
-
-    transform: Matrix  # from its frame to the fixed frame, shape (4, 4)
-    vectors: Matrix  # straight and turning, shape (2, 3)
 
 
 def _properties(straight: str, turning: str) -> tuple[Property, ...]:
@@ -49,21 +42,10 @@ class ScrewDisplay(HistoryDisplay):
         """Show a message."""
         field, *names = self.path_to_vectors
         both = [getattr(getattr(message, field), name) for name in names]
-        vectors = self.accepted(np.array([(v.x, v.y, v.z) for v in both]))
+        vectors = self._accepted(np.array([(v.x, v.y, v.z) for v in both]))
         transform = None if vectors is None else self.transform_at(message.header)
         if vectors is not None and transform is not None:
-            self.keep(Kept(transform, vectors))
-
-    def accepted(self, vectors: Matrix) -> Matrix | None:
-        """Return the vectors to show, or None and a status if RViz refuses them."""
-        if np.isfinite(vectors).all():
-            return vectors
-        self.statuses.set("error", "Topic", INVALID)
-        return None
-
-    def hides_small(self) -> bool:
-        """Say whether vectors that are shorter than their arrows are wide are left out."""
-        return bool(self["Hide Small Values"])
+            self.keep((transform, vectors))
 
     def parts(self) -> Mapping[str, Drawable]:
         """Return the arrows of all vectors, and what goes around those that turn."""
@@ -83,11 +65,22 @@ class ScrewDisplay(HistoryDisplay):
                 parts |= {f"circle {i}": Lines(c, rgba, abs(width) * 0.05) for i, c in enumerate(circles)}
         return parts
 
+    def _accepted(self, vectors: Matrix) -> Matrix | None:
+        """Return the vectors to show, or None if RViz refuses them; wrenches may have zeros for NaNs."""
+        if np.isfinite(vectors).all():
+            return vectors
+        if self._values.get("Accept NaN Values"):
+            self.statuses.set("ok", "Topic", _NAN_STATUS)
+            return np.nan_to_num(vectors, posinf=0.0, neginf=0.0)
+        self.statuses.set("error", "Topic", INVALID)
+        return None
+
     def _shown(self, row: int, scale: float) -> Iterator[tuple[Matrix, Matrix, float]]:
         """Iterate over transform, direction and length of the vectors that are long enough."""
+        hides = self._values.get("Hide Small Values", True)  # wrenches have no such property
         for transform, vectors in self.kept:
             size = float(np.linalg.norm(vectors[row]))
-            if size and (size * scale > self["Arrow Width"] or not self.hides_small()):
+            if size and (size * scale > self["Arrow Width"] or not hides):
                 yield transform, vectors[row] / size, size * scale
 
 
@@ -99,17 +92,6 @@ class WrenchDisplay(ScrewDisplay):
     path_to_vectors = ("wrench", "force", "torque")
     labels = ("Force", "Torque")
     properties = (*_properties(*labels), Property("Accept NaN Values", False, flag))
-
-    def accepted(self, vectors: Matrix) -> Matrix | None:
-        """Take zeros for NaNs, if that is asked for."""
-        if not self["Accept NaN Values"] or np.isfinite(vectors).all():
-            return super().accepted(vectors)
-        self.statuses.set("ok", "Topic", _NAN_STATUS)
-        return np.nan_to_num(vectors, posinf=0.0, neginf=0.0)
-
-    def hides_small(self) -> bool:
-        """Hide them always: there is no property for it."""
-        return True
 
 
 class TwistStampedDisplay(ScrewDisplay):
