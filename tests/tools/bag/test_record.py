@@ -6,8 +6,10 @@ from rclpy.node import Node
 
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
 from course_lib.tools.ros2 import ros2
-from course_lib.tools.sources import RecordingSource
+from course_lib.tools.sources import GraphSource, RecordingSource
 
 Run = Callable[[str], str]
 
@@ -71,3 +73,19 @@ def test_a_bag_is_filtered_into_another_one(bag: Path) -> None:
 def test_mistakes_have_ros2s_words(bag: Path, run: Run, line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
+
+
+def test_an_interrupt_ends_the_recording_and_keeps_it(
+    talker: Node, graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source, written, wait = GraphSource(graph), list[str](), GraphSource.wait
+
+    def interrupted(self: GraphSource, ready: Callable[[], bool], seconds: float | None) -> bool:
+        if graph.now_ns > START_NS + 2 * 10**9:
+            raise KeyboardInterrupt
+        return wait(self, ready, seconds)
+
+    monkeypatch.setattr(GraphSource, "wait", interrupted)
+    ros2(["bag", "record", "-a", "-o", "kept"], source, written.append)
+    assert counts("kept")["/chatter"] == 4
+    assert written[-1].endswith("[rosbag2_recorder]: Recording stopped\n")
