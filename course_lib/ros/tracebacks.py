@@ -6,6 +6,8 @@ from pathlib import Path
 from traceback import TracebackException
 from types import TracebackType
 
+from course_lib.ros.hints import add_hint
+
 KIT = str(Path(__file__).resolve().parent.parent)
 
 
@@ -25,6 +27,7 @@ def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
 
 def print_error(error: BaseException) -> None:
     """Show an error on stderr as Python does, without the kit's frames and without causes inside the kit."""
+    add_hint(error)
     shown = TracebackException.from_exception(error)
     _shorten(shown)
     sys.stderr.write("".join(shown.format()))

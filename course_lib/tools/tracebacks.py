@@ -4,6 +4,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
+from course_lib.ros.hints import add_hint
 from course_lib.ros.tracebacks import without_the_kit
 
 if TYPE_CHECKING:
@@ -26,5 +27,6 @@ def _show(
         said = str(error) or "the cell was stopped."
         shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
     else:
+        add_hint(error)
         shell.showtraceback((kind, error, without_the_kit(trace)), tb_offset=tb_offset)
     return []

@@ -42,7 +42,7 @@ def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(tmp_path: P
 def test_a_wrong_field_shows_ross_text_below_the_students_line(tmp_path: Path) -> None:
     shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1", tmp_path)
     assert "Float64().data = 1" in shown
-    assert shown.strip().endswith("AssertionError: The 'data' field must be of type 'float'")
+    assert "\nAssertionError: The 'data' field must be of type 'float'\nhint: write the number with" in shown
     assert "messages" not in shown
 
 

@@ -1,5 +1,6 @@
 """Nodes: what a ROS program is made of."""
 
+from inspect import isfunction
 from typing import TypedDict
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
@@ -12,8 +13,10 @@ from rclpy.executors import Executor
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments, joined, parse
 from rclpy.impl.node_entities import NodeEntities
+from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.node_parameters import NodeParameters
+from rclpy.impl.parameter_setting import ParameterSetting
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.impl.run import current_run
 from rclpy.impl.same_name import settle_same_names
@@ -155,6 +158,11 @@ class Node(NodeEntities, NodeParameters):
         if run.rosout.get(self.handle.logger_name, self) is self._rosout:
             del run.rosout[self.handle.logger_name]
         self.handle.leave()
+
+
+for _part in (NodeGraph, NodeEntities, ParameterSetting, NodeParameters):
+    for _function in filter(isfunction, vars(_part).values()):  # errors name them as if they were here
+        _function.__qualname__ = f"Node.{_function.__name__}"
 
 
 def _enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:

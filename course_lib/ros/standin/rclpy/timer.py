@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from course_lib.ros.baton import baton
+from course_lib.ros.baton import DeadlockError, baton
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
 from rclpy.context import Context
@@ -60,6 +60,8 @@ class Timer(Entity):
             missed = 1 + late_ns // self.timer_period_ns if self.timer_period_ns else 0
             self._next_ns = self._next_ns + missed * self.timer_period_ns if missed else now_ns
         self._arm()
+        if self.callback is None:
+            raise TypeError("'NoneType' object is not callable")
         return self.callback
 
     def cancel(self) -> None:
@@ -146,6 +148,12 @@ class Rate:
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
         if self.timer.is_destroyed:
             raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
+        executor = self.timer.node_handle.executor
+        if executor is not None and executor.is_held_up(self.timer):
+            raise DeadlockError(
+                "Rate.sleep() waits for a tick that comes only after this callback has ended. Use a timer, "
+                "or a MultiThreadedExecutor."
+            )
         ticks = self._ticks
         with baton.known():
             baton.wait(

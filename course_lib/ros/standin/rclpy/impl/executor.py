@@ -86,7 +86,12 @@ class Executor(AbstractContextManager["Executor"]):
         return True
 
     def spin(self) -> None:
-        """Run callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
+        """Run callbacks until the shutdown or the end of the run; in a notebook's cell until ■.
+
+        A callback that spins its own executor gets Python's ValueError, as in rclpy, where it is a generator.
+        """
+        if self._num_threads == 1 and threading.get_ident() in self._under_way:
+            raise ValueError("generator already executing")
         if self._context.graph.notebook and threading.current_thread() is threading.main_thread():
             driving.spin_cell(self)
             return

@@ -66,11 +66,12 @@ class NodeEntities(NodeGraph):
             callback_group: The group of `event_callbacks`.
             event_callbacks: What it wants to be told about subscriptions.
         """
-        node, profile, full_topic = self.handle, _to_profile(qos_profile), self.resolve_topic_name(topic)
+        profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
+        node, full_topic = self.handle, self.resolve_topic_name(topic)
         require_type(msg_type, "message")
         added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
         publisher = Publisher(Endpoint(node, added, full_topic), msg_type, topic, profile)
-        self._keep(publisher, event_callbacks or PublisherEventCallbacks(), callback_group)
+        self._keep(publisher, event_callbacks or PublisherEventCallbacks(), group)
         return publisher
 
     def create_subscription(
@@ -95,9 +96,9 @@ class NodeEntities(NodeGraph):
             event_callbacks: What it wants to be told about publishers.
             raw: Whether the callback gets the serialised bytes.
         """
-        profile, full_topic = _to_profile(qos_profile), self.resolve_topic_name(topic)
+        profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
+        full_topic = self.resolve_topic_name(topic)
         require_type(msg_type, "message")
-        group = callback_group or self.default_callback_group
         subscription = Subscription(self.handle, msg_type, topic, full_topic, callback, group, profile, raw)
         self._keep(subscription, event_callbacks or SubscriptionEventCallbacks(), group)
         return subscription
@@ -182,9 +183,9 @@ class NodeEntities(NodeGraph):
         rate.destroy()
         return self.destroy_timer(rate.timer)
 
-    def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup | None) -> None:
+    def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
         self._created.append(end)
-        told = events.bind(self.handle, end.topic, group or self.default_callback_group)
+        told = events.bind(self.handle, end.topic, group)
         limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
         if limit_ns is not None and "deadline" in told.tell:
             end.deadline = Watchdog(self.handle, limit_ns, partial(told.count, "deadline"), again=True)

@@ -16,12 +16,12 @@ class NodeGraph:
     """The part of Node that asks the graph."""
 
     def __init__(self, handle: NodeHandle) -> None:
-        self.__handle = handle
+        self._Node__handle = handle
 
     @property
     def handle(self) -> NodeHandle:
         """The node as the graph knows it."""
-        return self.__handle
+        return self._Node__handle
 
     def get_node_names(self) -> list[str]:
         """List the names of all nodes."""

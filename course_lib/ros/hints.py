@@ -1,0 +1,194 @@
+"""One line that helps with a common mistake, below what ROS itself says of it."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from traceback import walk_tb
+
+from course_lib.ros.messages.definitions import type_names
+
+
+@dataclass(frozen=True)
+class Hint:
+    """What to say to an error whose text matches; `where` has the file and the function that raised it."""
+
+    text: str
+    hint: str  # may name the text's groups: {1}
+    where: str = ""
+
+
+_HINTS: Mapping[str, tuple[Hint, ...]] = {
+    "AttributeError": (
+        Hint(
+            r"'(\w+)' object has no attribute '_(Node__handle|default_callback_group|logger|parameter)",
+            "call super().__init__('a_name') first in {1}.__init__().",
+        ),
+        Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
+        Hint(
+            "'Future' object has no attribute",
+            "the answer comes later: future.add_done_callback(f), or await it, then future.result().",
+        ),
+    ),
+    "TypeError": (
+        Hint(r"Node.__init__\(\) missing .* 'node_name'", "name the node: super().__init__('a_name')."),
+        Hint("'NoneType' object is not callable", "give the function itself, without ().", "timer.py:take"),
+        Hint(r"Expected <class '.*\.(\w+)'>, got <class 'str'>", "put it into a message: {1}(data=...)."),
+        Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
+        Hint(
+            r"Expected <class '.*\.(\w+)'>, got",
+            "the publisher was made for {1}: publish one, or create it with the other type.",
+        ),
+        Hint("missing .* 'qos_profile'", "say how many messages are kept, like 10, as the last argument."),
+        Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
+        Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
+        Hint(
+            "is not (a list of )?one of the allowed types",
+            "bool, int, float, str, or a list of one of them.",
+        ),
+        Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", "client.py:call_async"),
+        Hint("^$", "end the service's callback with: return response.", "service.py:_answer"),
+        Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", "client.py:_request"),
+        Hint(
+            "takes 1 positional argument but 2",
+            "write def answer(self, request, response).",
+            "executor.py:await_or_execute",
+        ),
+        Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
+        Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
+        Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
+        Hint("with different clock types", "write Time(clock_type=ClockType.ROS_TIME)."),
+        Hint("instances of 'Time' and", "compare with a Time or a Duration: Duration(seconds=5.0)."),
+        Hint("-: 'Time' and 'Time'", "messages cannot be subtracted: Time.from_msg(stamp) can."),
+        Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
+        Hint(
+            "missing 1 required positional argument",
+            "a timer's callback takes no argument; a method has self first.",
+            "executor.py:await_or_execute",
+        ),
+        Hint(
+            r"(\w+).__init__\(\) takes 1 positional",
+            "name what you give: {1}(data=...).",
+            "message.py:__init__",
+        ),
+        Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
+    ),
+    "RuntimeError": (
+        Hint(
+            r"Subscription.__init__\(\): callback",
+            "write def heard(self, msg), and give the function itself: self.heard, without ().",
+        ),
+        Hint("init.. must only be called once", "one rclpy.init() per program; rclpy.ok() says if it was."),
+        Hint("must be initialized before it can be shutdown", "rclpy.try_shutdown() never complains."),
+        Hint(
+            "The (message|service|action) type provided",
+            "messages come from .msg, services from .srv, actions from .action.",
+        ),
+    ),
+    "RCLError": (
+        Hint("timer period must be non-negative", "give the period in seconds, like 0.1 for 10 Hz."),
+        Hint("rcl_shutdown already called", "rclpy.try_shutdown() never complains."),
+    ),
+    "ValueError": (
+        Hint("statically typed parameter", "give a default value, or a type: Parameter.Type.DOUBLE."),
+        Hint("generator already executing", "a callback must not spin: use await, or add_done_callback."),
+        Hint(
+            "could not convert string to float",
+            "give the period in seconds, as a number.",
+            "node_entities.py:create_timer",
+        ),
+        Hint("severity cannot be changed between calls", "write one line for each severity."),
+    ),
+    "InvalidTopicNameException": (
+        Hint("", "use letters, digits and underscores, and begin with a letter, like robot/front_camera."),
+    ),
+    "InvalidServiceNameException": (
+        Hint("", "use letters, digits and underscores, and begin with a letter, like robot/reset."),
+    ),
+    "InvalidNodeNameException": (
+        Hint("", "use letters, digits and underscores, like front_camera; the rest is for namespace=."),
+    ),
+    "InvalidNamespaceException": (
+        Hint("", "use letters, digits and underscores, and begin with a letter, like /robot_1."),
+    ),
+    "InvalidHandle": (Hint("", "it was destroyed before; make a new one, or destroy it later."),),
+    "NotInitializedException": (Hint("", "call rclpy.init() first."),),
+    "AssertionError": (
+        Hint("'([rgba])' field must be of type 'float'", "colours go from 0.0 to 1.0."),
+        Hint("field must be of type 'float'", "write the number with a point: 1.0, or float(x)."),
+        Hint("field must be of type 'int'", "write int(x), or round(x)."),
+        Hint("field must be of type 'str'", "write str(x), or an f-string."),
+        Hint("'level' field must be of type 'bytes'", "write DiagnosticStatus.OK, WARN, ERROR or STALE."),
+        Hint("sub message of type '.*_Result'", "end the callback with return MyAction.Result()."),
+        Hint("sub message of type 'Time'", "write node.get_clock().now().to_msg()."),
+        Hint(
+            "sub message of type 'Quaternion'",
+            "an angle is no rotation yet: Quaternion(z=sin(yaw / 2), w=cos(yaw / 2)).",
+        ),
+        Hint(r"sub message of type '(\w+)'", "make one, with names: {1}(x=1.0, ...)."),
+        Hint(r"each value of type '(\w+)'", "give a list of them: [{1}(x=1.0, ...)]."),
+        Hint(
+            "Invalid arguments passed to constructor: dict_keys",
+            "it takes depth, history, reliability, durability, deadline, lifespan.",
+        ),
+        Hint(
+            "Invalid arguments passed to constructor",
+            "%ros2 interface show tells what the fields are called.",
+        ),
+    ),
+    "ParameterAlreadyDeclaredException": (
+        Hint("", "declare it once, in __init__; set_parameters changes it."),
+    ),
+    "ParameterNotDeclaredException": (Hint("", "declare it first: self.declare_parameter('a_name', 1.0)."),),
+    "ParameterUninitializedException": (Hint("", "declare it with a default value, or set it before."),),
+    "NotImplementedError": (Hint("Service classes can not", "make its request: AddTwoInts.Request(a=1)."),),
+    "LookupException": (Hint("", "is the frame published, spelt so? %ros2 run tf2_tools view_frames."),),
+    "InvalidArgumentException": (
+        Hint("cannot start with a '/'", "write the frame's name without the slash."),
+        Hint("cannot be empty", "fill in header.frame_id."),
+    ),
+    "ConnectivityException": (
+        Hint("", "a transform between two trees is missing: %ros2 run tf2_tools view_frames."),
+    ),
+    "ExtrapolationException": (
+        Hint("into the future", "ask for the latest one, Time(), or give a timeout."),
+    ),
+    "TypeException": (Hint("is not loaded or supported", "import tf2_geometry_msgs."),),
+    "ImportError": (
+        Hint(
+            r"cannot import name '(\w+)' from '(\w+_(msgs|srvs|interfaces))'",
+            "write from {2}.msg import {1}, or .srv, or .action.",
+        ),
+        Hint(
+            r"cannot import name '\w+' from '(\w+).(msg|srv|action)'",
+            "%ros2 interface package {1} lists its types.",
+        ),
+    ),
+    "ModuleNotFoundError": (
+        Hint(r"No module named '(\w+)_msgs'", "put the folder {1}_msgs with its msg beside the program."),
+    ),
+    "InvalidQoSProfileException": (Hint("", "say how many messages are kept: depth=10."),),
+}
+
+
+def add_hint(error: BaseException) -> None:
+    """Add a line "hint: ..." to an error that is a common mistake, once."""
+    found = hint(error)
+    if found and not getattr(error, "__notes__", None):
+        error.add_note(f"hint: {found}")
+
+
+def hint(error: BaseException) -> str:
+    """Find what helps; "" if nothing is known."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    code = frames[-1].f_code if frames else None
+    where = f"{Path(code.co_filename).name}:{code.co_name}" if code else ""
+    for one in _HINTS.get(type(error).__name__, ()):
+        match = re.search(one.text, str(error))
+        if match and one.where in where:
+            return one.hint.format(match[0], *match.groups())
+    unknown = re.match(r"'(\w+)' object has no attribute", str(error))
+    types = [name for name in type_names() if unknown and name.endswith(f"/{unknown[1]}")]
+    if types:
+        return f"%ros2 interface show {' or '.join(types)} lists its fields."
+    return ""
