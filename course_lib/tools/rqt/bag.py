@@ -83,8 +83,7 @@ class BagView(View):
             return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
         stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
         words = escape(to_yaml(deserialize(sample.cdr, message_class(sample.type_name)), Style()))
-        head = f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p>"
-        return head + tag("div", f"<pre>{words}</pre>", tabindex=0, **{"class": "rqt-scroll"})
+        return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{words}</pre>"
 
     def _index(self, seconds: float) -> int:
         """Say how many messages there are up to a time [s]."""

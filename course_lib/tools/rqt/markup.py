@@ -13,7 +13,7 @@ STYLE = """<style>
 .rqt .widget-checkbox { margin-right: 8px; }
 .rqt p { margin: 3px 0; }
 .rqt .rqt-notice { background: #fff3cd; color: #222; padding: 3px 8px; border-left: 4px solid #d98200; }
-.rqt .rqt-scroll { max-height: 360px; overflow: auto; }
+.rqt .rqt-screen { max-height: 560px; overflow: auto; }
 .rqt table { border-collapse: collapse; width: 100%; font-size: 12.5px; }
 .rqt thead th { position: sticky; top: 0; background: var(--jp-layout-color2, Canvas); }
 .rqt th, .rqt td { padding: 2px 8px; border-bottom: 1px solid var(--rqt-line); text-align: left;
@@ -73,8 +73,7 @@ def drawing(shapes: str, width: float, height: float, said: str) -> str:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:
-    """Write a table that scrolls; its cells are HTML."""
+    """Write a table; its cells are HTML."""
     head = "".join(tag("th", name, scope="col") for name in heads)
     body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
-    inside = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return tag("div", inside, role="region", tabindex="0", aria_label=said, **{"class": "rqt-scroll"})
+    return tag("table", f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>", aria_label=said)

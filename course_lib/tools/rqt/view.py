@@ -37,7 +37,8 @@ class View:
         self.graph, self.source = graph, GraphSource(graph)
         self.words = list(words)
         self.controls: dict[str, Any] = {}
-        self.screen = HTML()
+        self.screen = HTML(tabbable=True)  # it is what scrolls, so that new pictures leave it where it is
+        self.screen.add_class("rqt-screen")
         self.notice = HTML()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._late: asyncio.TimerHandle | None = None
@@ -185,7 +186,7 @@ class View:
     def static(self) -> str:
         """Write what a page without widgets shows."""
         head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
-        return f"{STYLE}<div class='rqt'>{head}{self.picture()}</div>"
+        return f"{STYLE}<div class='rqt'>{head}<div class='rqt-screen'>{self.picture()}</div></div>"
 
     def say(self, text: str) -> None:
         """Show a line of text above the picture; "" takes it away."""
