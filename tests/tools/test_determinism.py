@@ -36,7 +36,7 @@ def test_twenty_runs_of_each_program_give_one_digest_and_equal_bytes(tmp_path: P
 
     with ThreadPoolExecutor(2) as pool:
         runs = list(pool.map(run, range(RUNS)))
-    assert len(runs[0]) == 7
+    assert len(runs[0]) == len(programs) > 6
     for program, facts in runs[0].items():
         assert {other[program] for other in runs} == {facts}, program
 
