@@ -32,14 +32,22 @@ def read_layout(path: str | Path) -> Layout:
         CourseError: If there is no such file, or if it is no YAML; with line and column.
     """
     try:
-        parsed = parse_yaml(Path(path).read_text(encoding="utf-8"))
+        return layout_of(Path(path).read_text(encoding="utf-8"), Path(path).name)
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise CourseError(f"{path} is no .rviz file: it is not even text.") from None
     except CourseError as error:
         raise CourseError(f"{path}, {error}") from None
-    return _Parts(parsed).layout(Path(path).name)
+
+
+def layout_of(text: str, name: str) -> Layout:
+    """Read the text of an .rviz file; problems in it call it by a name.
+
+    Raises:
+        CourseError: If it is no YAML; begins with line and column.
+    """
+    return _Parts(parse_yaml(text)).layout(name)
 
 
 def text_at(config: Config, label: str) -> str:

@@ -133,7 +133,7 @@ def _shaded(sample: npt.NDArray[np.intp], value: Floats, mask: npt.NDArray[np.ui
     rows, columns = mask.shape[:2]
     row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
     column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
-    ink = mask[row, column].reshape(len(row), -1)
+    ink = mask[row, column].reshape(len(row), mask.size // (rows * columns))
     color[:, -ink.shape[1] :] *= ink / np.float32(255)
     inked = color[:, 3] > 0.01
     return Fragments(sample[inked], depth[inked], color[inked])

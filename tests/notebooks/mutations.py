@@ -20,7 +20,7 @@ class Operator:
     names: str
 
 
-GEOMETRY = "position|size|scale|circle|point|width|height|line|at the end|turn"
+GEOMETRY = "position|[Dd]istance|size|scale|circle|point|width|height|line|at the end|turn"
 
 OPERATORS = (
     Operator(
@@ -57,6 +57,10 @@ OPERATORS = (
         "off by one: one id for all", r"id=int\([^)]*\)", "id=0", r"id|shows \d|count|no marker|place|turn"
     ),
     Operator("half forgotten", r" / 2(?= \+|  #)", "", GEOMETRY),
+    Operator("layout: policy", '"Best Effort"', '"Reliable"', "Reliab|RELIAB|status|draws nothing"),
+    Operator("layout: fixed frame", r'(fixed_frame ?= ?)"world"', r'\1"map"', "Fixed Frame"),
+    Operator("comparison: limit", "charge >= ", "charge > ", "value"),
+    Operator("groups not entered", r"yield from found\(.*", "continue", "list"),
     Operator("comparison turned", r"(?<=score) >= ", " < ", "shows|count|no marker"),
     Operator("lifetime: none", r"marker\.lifetime = .*", "pass", "lifetime"),
     Operator(

@@ -104,6 +104,15 @@ def test_capital_letters_have_the_height_asked_for_and_stand_in_the_middle() -> 
     assert (columns.min() + columns.max()) / 2 == pytest.approx(99.5, abs=2)
 
 
+def test_text_at_the_edge_of_the_picture_leaves_no_trace_but_does_no_harm() -> None:
+    scene = from_above(Text("far away", 0.5, (1, 1, 1, 1)), Text("in the corner", 0.5, (1, 1, 1, 1)))
+    for path, place in {"0": 100.0, "1": 5.0}.items():
+        transform_text_to_scene = np.eye(4)
+        transform_text_to_scene[:2, 3] = place  # [m]
+        scene.set_transform(path, transform_text_to_scene)
+    assert drawn(scene).shape == (SIZE[1], SIZE[0], 3)
+
+
 def test_colours_of_vertices_run_into_each_other() -> None:
     corners = [[-4, -3, 0], [4, -3, 0], [0, 3, 0]]
     mesh = Mesh(corners, None, [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)], lit=False)
@@ -170,7 +179,8 @@ def test_points_in_pixels_are_round_if_they_are_discs() -> None:
     assert area == pytest.approx(4 * np.sin(np.pi / 4) * 20**2, rel=0.02)  # eight corners stand for a circle
 
 
-CELLS = np.array([[(255, 0, 0, 255), (0, 255, 0, 255)], [(0, 0, 255, 255), (255, 255, 255, 0)]], np.uint8)
+CELLS = [[0, 1], [2, 3]]
+PALETTE = np.tile([(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 0)], (64, 1))
 
 
 def on_sheet(scene: Scene) -> list[list[int]]:
@@ -180,21 +190,21 @@ def on_sheet(scene: Scene) -> list[list[int]]:
 
 
 def test_a_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
-    scene = from_above(Sheet(CELLS, 2.0))
+    scene = from_above(Sheet(CELLS, PALETTE, 2.0))
     scene.set_transform("0", [[1, 0, 0, -2], [0, 1, 0, -2], [0, 0, 1, 0], [0, 0, 0, 1]])
     assert on_sheet(scene) == [[0, 0, 255], [0, 0, 0], [255, 0, 0], [0, 255, 0]]
 
 
 @pytest.mark.parametrize(("behind", "seen"), [(False, [255, 0, 0]), (True, [0, 0, 255])])
 def test_a_sheet_behind_everything_hides_nothing(behind: bool, seen: list[int]) -> None:
-    scene = from_above(box((0, 0, 1, 1)), Sheet(CELLS[:1, :1], 2.0, behind=behind))
+    scene = from_above(box((0, 0, 1, 1)), Sheet([[0]], PALETTE, 2.0, behind=behind))
     scene.set_transform("1", [[1, 0, 0, -1], [0, 1, 0, -1], [0, 0, 1, 3], [0, 0, 0, 1]])
     assert middle(scene) == seen
 
 
-@pytest.mark.parametrize("alpha", [255, 128])
+@pytest.mark.parametrize("alpha", [1.0, 0.5])
 def test_what_lies_on_a_sheet_is_seen(alpha: int) -> None:
-    sheet = Sheet([[(255, 0, 0, alpha)] * 4], 2.0)
+    sheet = Sheet([[0] * 4], [(1, 0, 0, alpha)] * 256, 2.0)
     line = Lines([(0, 1, 0), (8, 1, 0)], (0, 0, 1, 1), width=0.5)
     scene = from_above(sheet, line)
     scene.set_transform("1", np.eye(4))

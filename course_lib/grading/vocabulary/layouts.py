@@ -1,0 +1,183 @@
+"""Expectations on layouts: the text of an .rviz file that was handed in, or returned by a function."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from course_lib.displays.group import GROUP
+from course_lib.displays.layout import Config, Layout, layout_of, text_at
+from course_lib.displays.registry import full_name, short_name
+from course_lib.displays.session import Session
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.message_data import build
+from course_lib.grading.task import Message
+from course_lib.grading.vocabulary.values import compare
+from course_lib.grading.vocabulary.wording import Problem, listed, word
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import serialize
+from course_lib.ros.qos import Qos
+from course_lib.viewer.scene import Scene
+
+TOPICS = ("Topic", "Description Topic", "Depth Map Topic")
+MAX_TEXT = 200_000  # characters of a layout that is looked at
+
+
+@word("the layout has {class_name}")
+def expect_display(
+    evidence: Evidence,
+    class_name: str,
+    topic: str | None = None,
+    *,
+    properties: Mapping[str, Any] | None = None,
+    call: int = 0,
+) -> Iterable[Problem]:
+    """An enabled display of a class, on a topic, with values by RViz's labels; "Topic/Depth" for inner ones."""
+    found, problems = _layout(evidence, call)
+    displays = [config for config in _displays(found.displays) if _class_of(config) == class_name]
+    if not problems and not displays:
+        there = listed([_class_of(config) for config in _displays(found.displays)]) or "no display"
+        message = f"no enabled display {class_name} is in the layout, it has {there}"
+        return [Problem(message, "a display is missing, or not enabled")]
+    if topic is not None and displays:
+        on_topic = [config for config in displays if _topic_of(config) == topic]
+        if not on_topic:
+            came = listed([repr(_topic_of(config)) for config in displays])
+            return [Problem(f"{class_name} listens to {came}, expected {topic!r}", "a topic is wrong")]
+        displays = on_topic
+    return [*problems, *(_values(displays[0], properties or {}, class_name) if displays else ())]
+
+
+@word("the layout's options and view")
+def expect_layout(
+    evidence: Evidence,
+    *,
+    fixed_frame: str | None = None,
+    view: str | None = None,
+    view_properties: Mapping[str, Any] | None = None,
+    call: int = 0,
+) -> Iterable[Problem]:
+    """The Fixed Frame, the class of the current view, and values of it by RViz's labels."""
+    found, problems = _layout(evidence, call)
+    yield from problems
+    if problems:
+        return
+    frame, view_class = text_at(found.options, "Fixed Frame"), _class_of(found.view)
+    if fixed_frame not in (None, frame):
+        yield Problem(f"the Fixed Frame is {frame!r}, expected {fixed_frame!r}", "the Fixed Frame is wrong")
+    if view not in (None, view_class):
+        yield Problem(f"the view is {view_class!r}, expected {view!r}", "the view is of another class")
+    else:
+        yield from _values(found.view, view_properties or {}, "the view")
+
+
+@word("{class_name} draws, with no warning")
+def expect_drawn(
+    evidence: Evidence,
+    class_name: str,
+    messages: Sequence[Message],
+    *,
+    best_effort: Sequence[str] = (),
+    call: int = 0,
+) -> Iterable[Problem]:
+    """A display of the layout draws these messages, and all its statuses are Ok.
+
+    Args:
+        evidence: With the layout.
+        class_name: RViz's short name.
+        messages: What a robot publishes, in order of time.
+        best_effort: Topics whose publisher does not resend.
+        call: Which call returned the layout.
+    """
+    found, problems = _layout(evidence, call)
+    configs = [config for config in _displays(found.displays) if _class_of(config) == class_name]
+    if problems or not configs:
+        message = f"no enabled display {class_name} is in the layout"
+        return problems or [Problem(message, "a display is missing, or not enabled")]
+    # Only this display is made: a layout may ask for a grid of a billion lines.
+    options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
+    session = Session(Scene())
+    session.apply(Layout(options=options, displays=(configs[0],)))
+    for sample in _samples(messages, best_effort, evidence.personal):
+        session.receive(sample)
+    session.update(START_NS + round(messages[-1].at * 1e9) + 10**8)
+    return list(_silent(session, class_name))
+
+
+def _silent(session: Session, class_name: str) -> Iterator[Problem]:
+    rows = [row for row in session.rows() if row.level != "ok"]
+    for row in rows:
+        said = f"{row.display}, {row.name}: {row.text}"
+        yield Problem(said, f"{class_name} or its frames show a status that is not Ok")
+    drawn = session.context.scene.objects()
+    if not rows and not any(path.startswith(session.displays[0].path) for path in drawn):
+        yield Problem(
+            f"{class_name} draws nothing of what the robot publishes", f"{class_name} draws nothing"
+        )
+
+
+def _samples(
+    messages: Sequence[Message], best_effort: Sequence[str], personal: Mapping[str, Any]
+) -> Iterator[Sample]:
+    for message in messages:
+        qos = Qos()
+        if message.topic in best_effort:
+            qos = replace(qos, reliability="best_effort")
+        if message.topic == "/tf_static":
+            qos = replace(qos, durability="transient_local")
+        cdr = serialize(build(message, personal))
+        yield Sample(START_NS + round(message.at * 1e9), message.topic, message.type_name, cdr, qos, 0)
+
+
+def _layout(evidence: Evidence, call: int) -> tuple[Layout, list[Problem]]:
+    """The layout that was handed in, and why it is none."""
+    text = evidence.returns[call] if call < len(evidence.returns) else None
+    if not isinstance(text, str) or not text.strip():
+        return Layout(), [Problem("no text of a layout came back", "there is no layout")]
+    if len(text) > MAX_TEXT:
+        return Layout(), [Problem(f"the layout has {len(text)} characters", "the layout is too long")]
+    try:
+        found = layout_of(text, "the layout")
+    except CourseError as error:
+        return Layout(), [Problem(str(error), "the layout is no YAML")]
+    return found, [Problem(problem, "the layout has another structure") for problem in found.problems[:1]]
+
+
+def _displays(configs: Iterable[Config]) -> Iterator[Config]:
+    """The enabled displays, those in enabled groups too."""
+    for config in configs:
+        if text_at(config, "Enabled").lower() == "false":
+            continue
+        if config.get("Class") == GROUP:
+            yield from _displays(config.get("Displays") or ())
+        else:
+            yield config
+
+
+def _class_of(config: Config) -> str:
+    return short_name(full_name(text_at(config, "Class")))
+
+
+def _topic_of(config: Config) -> str:
+    topic = next((config[label] for label in TOPICS if label in config), None)
+    return text_at(topic, "Value") if isinstance(topic, Mapping) else str(topic)
+
+
+def _values(config: Config, properties: Mapping[str, Any], what: str) -> Iterator[Problem]:
+    for path, expected in properties.items():
+        value: Any = config
+        for label in path.split("/"):
+            value = value.get(label) if isinstance(value, Mapping) else None
+        yield from compare(_typed(value, expected), expected, 1e-3, "", f"{path!r} of {what}")
+
+
+def _typed(value: Any, expected: Any) -> Any:
+    """A value of a layout, which is text, as a number or a truth value if one is expected."""
+    if isinstance(value, str) and isinstance(expected, bool):
+        return {"true": True, "false": False}.get(value.lower(), value)
+    if isinstance(value, str) and isinstance(expected, int | float):
+        with suppress(ValueError):
+            return float(value)
+    return value

@@ -1,0 +1,176 @@
+"""Week 5, configurations: tasks, hints and public checks."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from course_lib.grading.inputs import header, pose, transforms, xyz
+from course_lib.grading.task import Call, Message, Scenario, Task, my
+from course_lib.grading.vocabulary import expect_display, expect_drawn, expect_layout, expect_value
+
+GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
+SMALL_LAYOUT = """
+Visualization Manager:
+  Displays:
+    - {Class: rviz_default_plugins/Grid, Name: Floor, Enabled: true}
+    - Class: rviz_common/Group
+      Name: Sensors
+      Enabled: true
+      Displays:
+        - {Class: rviz_default_plugins/LaserScan, Name: Laser, Enabled: true}
+        - {Class: rviz_default_plugins/Image, Name: Camera, Enabled: false}
+"""
+
+
+def frames(at: float) -> Message:
+    """The robot's frames, as it stands there."""
+    base = pose("world", "base_link", (1.0, 0.0, 0.0))
+    return transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
+
+
+def scan(at: float) -> Message:
+    """A half circle of 3 m."""
+    fields: Mapping[str, Any] = {
+        "header": header(at, "laser"),
+        "angle_min": -1.5,
+        "angle_max": 1.5,
+        "angle_increment": 0.1,
+        "range_max": 10.0,
+        "ranges": [3.0] * 31,
+    }
+    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
+
+
+def detections(at: float) -> Message:
+    """One person."""
+    marker = {
+        "header": header(at, "world"),
+        "ns": "people",
+        "type": 1,
+        "pose": {"position": xyz((3.0, 0.0, 0.9)), "orientation": {"w": 1.0}},
+        "scale": xyz((0.5, 0.5, 1.8)),
+        "color": {"g": 1.0, "a": 1.0},
+    }
+    return Message("/detections", "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
+
+
+ROBOT = tuple(message for n in range(1, 5) for message in (frames(n / 2), scan(n / 2), detections(n / 2)))
+BEST_EFFORT = ("/scan",)
+
+ROBOT_LAYOUT = Task(
+    "week05.robot_layout",
+    title="A layout by hand",
+    kind="function",
+    name="robot_layout",
+    hints=(
+        "Add the displays with Add → By topic, open each by its triangle, then press Ctrl+S in the view.",
+        "The scan needs Reliability Policy: Best Effort. Distance is in the panel Views, below Orbit.",
+        "return Path('robot_layout.rviz').read_text(), after you have saved under that name.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(),),
+            checks=(
+                expect_layout(
+                    fixed_frame="world", view="Orbit", view_properties={"Distance": my("distance")}
+                ).titled("Fixed Frame and view"),
+                expect_display("TF", properties={"Show Names": True}).titled("TF with names"),
+                expect_display("MarkerArray", "/detections").titled("the detections"),
+                expect_drawn("LaserScan", ROBOT, best_effort=BEST_EFFORT).titled("the scan is drawn"),
+            ),
+        ),
+    ),
+    personal={"distance": (6.0, 7.0, 8.0, 9.0, 11.0, 12.0)},  # [m]; 10 is the default
+)
+
+LAYOUT_FOR = Task(
+    "week05.layout_for",
+    title="A layout by code",
+    kind="function",
+    name="layout_for",
+    hints=(
+        "topics.items() gives pairs of a topic and its display. viewer.add takes the class first.",
+        "viewer.add(display_class, topic, name=topic) returns the display. Set properties by labels.",
+        "added['Topic/Reliability Policy'] = 'Best Effort' for sensors; save_rviz, then read_text.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call("odom", {"/front/scan": "LaserScan", "/plan": "Path"}),),
+            checks=(
+                expect_layout(fixed_frame="odom").titled("the Fixed Frame"),
+                expect_display(
+                    "LaserScan", "/front/scan", properties={"Topic/Reliability Policy": "Best Effort"}
+                ).titled("the scan, with best effort"),
+                expect_display("Path", "/plan", properties={"Name": "/plan"}).titled("the path and its name"),
+            ),
+        ),
+    ),
+)
+
+MENDED_LAYOUT = Task(
+    "week05.mended_layout",
+    title="A mended layout",
+    kind="function",
+    name="mended_layout",
+    hints=(
+        "Mend the Fixed Frame first, look at the statuses again, then go on from the top.",
+        "Two faults have no status: a check box, and a camera that is very far away.",
+        "Frame world; Frames enabled; Laser Best Effort; People on /detections; Distance about 8 m.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(),),
+            checks=(
+                expect_layout(fixed_frame="world").titled("the Fixed Frame"),
+                expect_display("TF", properties={"Name": "Frames"}).titled("the frames are enabled"),
+                expect_drawn("LaserScan", ROBOT, best_effort=BEST_EFFORT).titled("the scan is drawn"),
+                expect_drawn("MarkerArray", ROBOT).titled("the people are drawn"),
+            ),
+        ),
+    ),
+)
+
+BATTERY_BAR = Task(
+    "week05.battery_bar",
+    title="A display for the battery",
+    kind="function",
+    name="battery_bar",
+    hints=(
+        "How high is the bar at a charge of 0.5? Where is its centre, if it stands on the ground?",
+        "The size along z is charge * height, and the centre is half of that. Limit the charge first.",
+        "charge = min(max(charge, 0.0), 1.0); the color is green from 0.2 on, else red.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(0.5, 1.0), Call(0.1, 2.0)),
+            checks=(
+                expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar"),
+                expect_value([[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED], call=1, name="a nearly empty bar"),
+            ),
+        ),
+    ),
+)
+
+DISPLAYS_IN = Task(
+    "week05.displays_in",
+    title="What is in a layout",
+    kind="function",
+    name="displays_in",
+    hints=(
+        "data = yaml.safe_load(text); the list is data['Visualization Manager']['Displays'].",
+        "A function that calls itself goes into groups. display['Class'].split('/')[-1] is the short class.",
+        "for display in displays: leave it out if it is not enabled; go into a group; else list the pair.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(SMALL_LAYOUT),),
+            checks=(expect_value([["Floor", "Grid"], ["Laser", "LaserScan"]], name="the list"),),
+        ),
+    ),
+)
+
+TASKS = (ROBOT_LAYOUT, LAYOUT_FOR, MENDED_LAYOUT, BATTERY_BAR, DISPLAYS_IN)
