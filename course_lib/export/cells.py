@@ -28,7 +28,8 @@ def read_cells(file: Path) -> list[Cell]:
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise CourseError(f"{file} cannot be read: {error}. Give a notebook or a Python file.") from error
+        reason = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise CourseError(f"{file} cannot be read: {reason}. Give a notebook or a Python file.") from error
     if file.suffix != ".ipynb":
         return [Cell(1, text, marked=True)]
     try:

@@ -47,7 +47,7 @@ def lacks(folder: Path) -> Report:
         if (folder / file).is_file():
             missing += check(folder / file, name)
     if (folder / "package.xml").is_file():
-        advised += _placeholders((folder / "package.xml").read_text(encoding="utf-8"))
+        advised += _advice((folder / "package.xml").read_text(encoding="utf-8"))
     return Report(name, tuple(missing), tuple(advised))
 
 
@@ -68,7 +68,7 @@ def _manifest(file: Path, name: str) -> Iterator[str]:
         yield "package.xml: <export><build_type>ament_python</build_type></export>"
     named = {(one.text or "").strip() for one in root if one.tag.endswith("depend")}
     ros, others = dependencies(_imports(file.parent / name), name)
-    for tag, names in (("depend", ros), ("exec_depend", others), ("test_depend", _TESTED_BY)):
+    for tag, names in (("depend", ros), ("exec_depend", others)):
         yield from (f"package.xml: <{tag}>{one}</{tag}>" for one in names if one not in named)
 
 
@@ -101,7 +101,10 @@ def _cfg(file: Path, name: str) -> Iterator[str]:
     )
 
 
-def _placeholders(text: str) -> Iterator[str]:
+def _advice(text: str) -> Iterator[str]:
+    for name in _TESTED_BY:
+        if f"<test_depend>{name}<" not in text:
+            yield f"package.xml: <test_depend>{name}</test_depend>"
     if "TODO" in text:
         yield "package.xml: words in the place of each TODO"
     if "@todo" in text or "example.com" in text:

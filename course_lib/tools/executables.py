@@ -96,6 +96,13 @@ def _static_transform_publisher() -> None:
     _spin()
 
 
+def _ros2() -> None:
+    from course_lib.tools.ros2 import ros2
+    from course_lib.tools.sources import DISCOVERY, GraphSource
+
+    ros2(_own_words(), GraphSource(current_graph(), discovery=DISCOVERY), sys.stdout.write)
+
+
 def _rqt(name: str) -> None:
     """Say where it is: rqt's windows are in notebooks."""
     sys.stdout.write(
@@ -135,6 +142,7 @@ def _with_rclpy(work: Callable[[], None]) -> int:
 
 
 _WORK: dict[tuple[str, str], Callable[[], None]] = {
+    ("ros2cli", "ros2"): _ros2,
     ("rviz2", "rviz2"): _rviz2,
     ("diagnostic_aggregator", "aggregator_node"): _aggregator_node,
     ("robot_state_publisher", "robot_state_publisher"): _robot_state_publisher,

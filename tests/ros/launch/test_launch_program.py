@@ -109,6 +109,19 @@ def test_handlers_take_starts_ends_and_the_shutdown(
     assert heard(recording) == {"/chatter 'hi' --ros-args": 1}  # the talker was ended before its first tick
 
 
+def test_ros2_is_a_process_too(launch_file: Write) -> None:
+    words = "['ros2', 'topic', 'pub', '--once', '-w', '0', '/words', 'std_msgs/msg/String', '{data: hey}']"
+    line = "topic pub --once -w 0 /words std_msgs/msg/String '{data: ho}'"
+    file = launch_file(
+        f"(first := ExecuteProcess(cmd={words}, output='screen'))",
+        "RegisterEventHandler(OnProcessExit(target_action=first, on_exit="
+        f"ExecuteProcess(cmd=[[FindExecutable(name='ros2'), \" {line}\"]], shell=True)))",
+    )
+    recording, code = recorded(file, seconds=3.0)
+    assert code == 0
+    assert heard(recording) == {"/words hey": 1, "/words ho": 1}
+
+
 def test_a_process_that_dies_is_named_and_the_others_go_on(
     launch_file: Write, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,8 +1,9 @@
 """What a launch can do."""
 
 import os
+import shlex
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 from launch.action import Action, Entities, LaunchDescriptionEntity, listed
 from launch.conditions import Condition
@@ -13,6 +14,8 @@ from launch.launch_context import LaunchContext
 from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import LaunchDescriptionSource
 from launch.substitution import SomeSubstitutionsType, perform_substitutions
+
+_PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2"}  # of the programs that the kit provides
 
 
 class DeclareLaunchArgument(Action):
@@ -219,19 +222,22 @@ class Shutdown(EmitEvent):
 
 
 class ExecuteProcess(Action):
-    """Would run any program."""
+    """Runs `ros2 …` or `rviz2 …`; other programs would not be on robot time."""
 
     def __init__(self, *, cmd: Iterable[SomeSubstitutionsType], **options: Any) -> None:
         super().__init__(condition=options.get("condition"))
         self._cmd = list(cmd)
 
-    def execute(self, context: LaunchContext) -> NoReturn:
-        """Refuse: programs outside the graph are not on robot time."""
-        command = " ".join(perform_substitutions(context, part) for part in self._cmd)
-        raise RuntimeError(
-            f"ExecuteProcess is not available here: `{command}` would run outside robot time. Start "
-            "nodes with launch_ros.actions.Node; run other commands beside the launch."
-        )
+    def execute(self, context: LaunchContext) -> None:
+        """Start it, or refuse."""
+        words = [perform_substitutions(context, part) for part in self._cmd]
+        program, *rest = shlex.split(words[0]) if len(words) == 1 else words
+        if program not in _PACKAGES:
+            raise RuntimeError(
+                f"ExecuteProcess is not available here: `{shlex.join([program, *rest])}` would run outside "
+                "robot time. Start nodes with launch_ros.actions.Node; run other commands beside the launch."
+            )
+        context.runner.start(self, _PACKAGES[program], program, [*rest, "--ros-args"])
 
 
 def _pop(context: LaunchContext) -> None:

@@ -88,9 +88,9 @@ class FindExecutable(Substitution):
         self._name = name
 
     def perform(self, context: LaunchContext) -> str:
-        """Find it; xacro, which the kit has not, is found by its name: Command says more."""
+        """Find it; what the kit provides, and xacro, of which Command says more, are there by name."""
         name = perform_substitutions(context, self._name)
-        found = shutil.which(name) or ("xacro" if name == "xacro" else None)
+        found = shutil.which(name) or (name if name in ("ros2", "rviz2", "xacro") else None)
         if found is None:
             raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
         return found
