@@ -40,7 +40,7 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
     (file, *more) = commands.pop()
     if signs[-1] == "|" or arrows[1:] or more:
         raise CourseError(f"Write one file, at the end: ros2 topic list > topics.txt, not: ros2 {line}")
-    return commands, ("a" if arrows == [">>"] else "w", Path(file))
+    return commands, ("a" if arrows == [">>"] else "w", Path(file).expanduser())
 
 
 def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
