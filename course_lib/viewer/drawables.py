@@ -142,19 +142,23 @@ class Text:
 
 
 class Sheet:
-    """A picture that lies in the xy plane of its node, its first pixel at the origin; nothing shades it.
+    """Cells in the xy plane of its node, the first one at the origin; nothing shades them.
 
     What lies in the same plane is seen on it.
 
     Args:
-        pixels: RGBA, 0..255, shape (rows, columns, 4); rows go along y.
-        cell: Width of a pixel in [m].
+        cells: Numbers of their colours, shape (rows, columns); rows go along y.
+        colors: Shape (256, 4).
+        width: Of a cell in [m].
         behind: Whether it is behind everything, wherever it is.
     """
 
-    def __init__(self, pixels: npt.ArrayLike, cell: float, behind: bool = False) -> None:
-        self.pixels: npt.NDArray[np.uint8] = checked("pixels", pixels, np.uint8, (None, None, 4))
-        self.cell = float(cell)
+    def __init__(
+        self, cells: npt.ArrayLike, colors: npt.ArrayLike, width: float, behind: bool = False
+    ) -> None:
+        self.cells: npt.NDArray[np.uint8] = checked("cells", cells, np.uint8, (None, None))
+        self.colors = rgba(colors, 256)
+        self.width = float(width)
         self.behind = behind
 
 

@@ -102,9 +102,10 @@ def _described(thing: Drawable) -> dict[str, Any]:
         fields["placements"] = columns(thing.placements)
     if isinstance(thing, Text):
         fields.update(_glyphs(thing))
-    if isinstance(thing, Inset | Sheet):
-        fields.update(rows=thing.pixels.shape[0], columns=thing.pixels.shape[1])
+    if isinstance(thing, Sheet):
+        fields.update(rows=thing.cells.shape[0], columns=thing.cells.shape[1])
     if isinstance(thing, Inset):
+        fields.update(rows=thing.pixels.shape[0], columns=thing.pixels.shape[1])
         fields["camera"] = thing.camera and vars(thing.camera)
     return {"kind": type(thing).__name__.lower(), **fields}
 

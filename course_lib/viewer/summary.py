@@ -27,7 +27,7 @@ def _what(thing: Drawable) -> str:
     if isinstance(thing, Lines):
         return _counted(len(thing.points) - 1 if thing.strip else len(thing.points) // 2, "line")
     if isinstance(thing, Sheet):
-        return f"a picture of {thing.pixels.shape[1]} x {thing.pixels.shape[0]} cells"
+        return f"{thing.cells.shape[1]} x {thing.cells.shape[0]} cells"
     return f"the words {thing.text!r}" if isinstance(thing, Text) else "an object of meshcat"
 
 
@@ -43,8 +43,8 @@ def _middle(scene: Scene, path: str, thing: Drawable) -> str:
     elif isinstance(thing, Mesh):
         points = thing.vertices
     elif isinstance(thing, Sheet):
-        rows, columns = thing.pixels.shape[:2]
-        points = np.array([(0, 0, 0), (columns * thing.cell, rows * thing.cell, 0)])
+        rows, columns = thing.cells.shape
+        points = np.array([(0, 0, 0), (columns * thing.width, rows * thing.width, 0)])
     else:
         points = thing.points if isinstance(thing, Lines | Points) else np.zeros((1, 3))
     transform = scene.world_transform(path)

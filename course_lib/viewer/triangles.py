@@ -23,7 +23,6 @@ from course_lib.viewer.scene import Scene
 from course_lib.viewer.shapes import SQUARE, unit_shape, unit_spot
 from course_lib.viewer.text import rasterized
 
-
 _ON_SHEETS = 1e-3  # like RViz's depth bias of 16 units some 10 m away
 
 
@@ -188,13 +187,14 @@ def _text(text: Text, view: View) -> Triangles:
 
 
 def _sheet(sheet: Sheet, view: View) -> Triangles:
-    rows, columns = sheet.pixels.shape[:2]
+    rows, columns = sheet.cells.shape
     unit = SQUARE + np.array([0.5, 0.5, 0], np.float32)
-    size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.cell)
+    size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.width)
     square = _triangles(view.points(unit * size), np.ones(4, np.float32)).corners
     square[..., 7:] = unit[..., :2]
-    blended = bool((sheet.pixels[..., 3] < 255).any())
-    return Triangles(square, blended, sheet.pixels[::-1], sheet.behind, _ON_SHEETS)
+    blended = bool((sheet.colors[..., 3] < OPAQUE_FROM).any())
+    pixels = np.rint(sheet.colors * 255).astype(np.uint8)[sheet.cells[::-1]]
+    return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
 
 
 _SEEN: dict[type[Drawable], Callable[[Any, View], Triangles]] = {

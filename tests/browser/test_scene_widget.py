@@ -154,7 +154,7 @@ def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
         Points([[0, 0, 0]], (1, 0, 0, 1), (0.3, 0.3)),
         Text("MW", 0.5, (1, 0, 0, 1)),
         Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], None, (1, 0, 0, 1)),
-        Sheet([[(255, 0, 0, 255)] * 2] * 2, 1.0),
+        Sheet(np.zeros((2, 2)), [(1, 0, 0, 1)] * 256, 1.0),
         Solids("sphere", [np.eye(4)], (1, 0, 0, 1)),
         Solids("cylinder", [np.eye(4)], (1, 0, 0, 1)),
         Solids("cone", [np.eye(4)], (1, 0, 0, 1), lit=False),

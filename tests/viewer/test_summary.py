@@ -22,7 +22,7 @@ def test_each_kind_is_named_counted_and_placed_in_the_scene() -> None:
     scene.set_object("robot/skin", Mesh(corners, None, WHITE))
     scene.set_object("robot/path", Lines(corners, WHITE))
     scene.set_object("robot/cloud", Points(corners, WHITE, (0.1, 0.1)))
-    scene.set_object("robot/map", Sheet(np.zeros((4, 6, 4)), 0.5))
+    scene.set_object("robot/map", Sheet(np.zeros((4, 6)), [WHITE] * 256, 0.5))
     scene.set_object("robot/name", Text("Ada", 0.2))
     assert summary(scene) == [
         "robot/boxes: 2 boxes at (1, 0, 1)",
@@ -30,7 +30,7 @@ def test_each_kind_is_named_counted_and_placed_in_the_scene() -> None:
         "robot/skin: 1 triangle at (2, 2, 0)",
         "robot/path: 2 lines at (2, 2, 0)",
         "robot/cloud: 3 points at (2, 2, 0)",
-        "robot/map: a picture of 6 x 4 cells at (2.5, 1, 0)",
+        "robot/map: 6 x 4 cells at (2.5, 1, 0)",
         "robot/name: the words 'Ada' at (1, 0, 0)",
     ]
 

@@ -13,7 +13,7 @@ from course_lib.displays.poses.arrow import INVALID, is_finite
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.statuses import Level
 from course_lib.displays.topic_display import qos_of, with_qos
-from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Sheet
+from course_lib.viewer.drawables import Drawable, Sheet
 
 _UPDATES = "Update Topic"
 _UPDATE = "map_msgs/msg/OccupancyGridUpdate"
@@ -88,10 +88,9 @@ class MapDisplay(DrawnDisplay):
         if self._map is None:
             return {}
         threshold = self["Binary threshold"] if self["Binary representation"] else None
-        colors = palette(self["Color Scheme"], threshold)
-        if self["Alpha"] < OPAQUE_FROM:
-            colors[:, 3] = np.rint(colors[:, 3] * self["Alpha"])
-        return {"map": Sheet(colors[self._cells], self._map.info.resolution, self["Draw Behind"])}
+        colors = palette(self["Color Scheme"], threshold) / 255
+        colors[:, 3] *= self["Alpha"]
+        return {"map": Sheet(self._cells, colors, self._map.info.resolution, self["Draw Behind"])}
 
     def _place(self) -> None:
         """Put the map where its frame is: now, or at its stamp if that is asked for and known."""

@@ -53,9 +53,12 @@ export function buildSolids(solids) {
 }
 
 /** @param {any} sheet drawn with sharp cells, as three.js draws a DataTexture */
-export function buildSheet({ pixels, rows, columns, cell, behind }) {
+export function buildSheet({ cells, colors, rows, columns, width: cell, behind }) {
   const [width, height] = [columns * cell, rows * cell];
-  const see = seesThrough(pixels);
+  const see = seesThrough(colors);
+  const pixels = new Uint8Array(4 * cells.length);
+  const [words, palette] = [pixels, colors.slice()].map((bytes) => new Uint32Array(bytes.buffer));
+  for (let i = 0; i < words.length; i++) words[i] = palette[cells[i]];
   const map = new THREE.DataTexture(pixels, columns, rows, THREE.RGBAFormat);
   map.needsUpdate = true;
   const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !behind });

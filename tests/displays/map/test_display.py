@@ -46,9 +46,9 @@ def test_a_map_lies_at_its_origin_in_its_frame_row_by_row_along_y() -> None:
     message.info.origin.position.x = 2.0
     bench.hear("/map", message)
     bench.look()
-    colors = palette("map")
-    assert sheet(bench).pixels.tolist() == colors[[[0, 100], [255, 0]]].tolist()
-    assert sheet(bench).cell == 0.5
+    assert sheet(bench).cells.tolist() == [[0, 100], [255, 0]]
+    np.testing.assert_allclose(sheet(bench).colors, palette("map") / 255, atol=1e-6)
+    assert sheet(bench).width == 0.5
     assert bench.scene.world_transform(PATH)[:3, 3].tolist() == [3, 0, 0]
 
 
@@ -104,8 +104,7 @@ def test_updates_come_beside_the_map_and_change_a_part() -> None:
     bench.hear("/map_updates", change(0, 0, (WALL,)))  # before the first map there is nothing to change
     bench.hear("/map", grid((FREE, FREE, FREE), (FREE, FREE, FREE)))
     bench.hear("/map_updates", change(1, 1, (WALL, UNKNOWN)), at=0.5)
-    cells = [[0, 0, 0], [0, 100, 255]]
-    assert sheet(bench).pixels.tolist() == palette("map")[cells].tolist()
+    assert sheet(bench).cells.tolist() == [[0, 0, 0], [0, 100, 255]]
     assert bench.said(display, "Update") == ("ok", "Update OK")
     assert bench.said(display, "Topic") == ("ok", "1 update messages received at 2.0 hz.")
 
@@ -145,16 +144,16 @@ def test_a_changed_property_draws_the_map_anew(label: str, value: Any) -> None:
     before = sheet(bench)
     display[label] = value
     after = sheet(bench)
-    assert (before.pixels.tolist(), before.behind) != (after.pixels.tolist(), after.behind)
+    assert (before.colors.tolist(), before.behind) != (after.colors.tolist(), after.behind)
 
 
 def test_the_threshold_of_a_binary_map_is_kept_within_0_and_100() -> None:
     bench = Bench()
     display = add(bench, binary_representation=True)
     bench.hear("/map", grid((FREE, 30, WALL)))
-    before = sheet(bench).pixels.tolist()
+    before = sheet(bench).colors.tolist()
     display["Binary threshold"] = 20
-    assert sheet(bench).pixels.tolist() != before
+    assert sheet(bench).colors.tolist() != before
     display["Binary threshold"] = 1000
     assert display["Binary threshold"] == 100
 
