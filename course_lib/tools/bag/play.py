@@ -1,12 +1,13 @@
 """`ros2 bag play`."""
 
 from argparse import ArgumentTypeError, Namespace
+from collections import deque
 from collections.abc import Iterator
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.qos import Qos
 from course_lib.tools.bag.options import READER, pattern, several
@@ -50,25 +51,47 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
             events = [
                 (s.stamp_ns - start_ns, publishers[s.topic, s.type_name, s.qos], s.cdr) for s in samples
             ]
-            _play(source, arguments, write, events)
+            _play(source, arguments, write, _Player(graph, node, events, arguments.rate))
     finally:
         graph.remove_node(node)
 
 
-def _play(source: Source, arguments: Namespace, write: Write, events: list[tuple[int, int, bytes]]) -> None:
-    """Publish (after so long [ns], by whom, what), once or until ■; without a page for a while."""
+class _Player:
+    """Publishes events (after so long [ns], by whom, what) as the graph's clock comes to them."""
+
+    def __init__(self, graph: Graph, node: int, events: list[tuple[int, int, bytes]], rate: float) -> None:
+        self._graph, self._node, self._events, self._rate = graph, node, events, rate
+
+    def play(self, source: Source) -> None:
+        """Publish all of them, until the end of the run or an interrupt."""
+        self._start_ns, self._left = self._graph.now_ns, deque(self._events)
+        self._schedule()
+        try:
+            source.wait(lambda: not self._left, None)
+            if not self._graph.ended:
+                source.wait(lambda: False, GRACE)
+        finally:
+            self._left.clear()
+
+    def _schedule(self) -> None:
+        if self._left:
+            due_ns = self._start_ns + round(self._left[0][0] / self._rate)
+            self._graph.call_at(due_ns, self._publish, node=self._node, entity=0)
+
+    def _publish(self) -> None:
+        if self._left:
+            _, publisher, cdr = self._left.popleft()
+            self._graph.publish(publisher, cdr)
+            self._schedule()
+
+
+def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -> None:
+    """Play once, or again and again until ■; without a page for a while."""
     graph, limit = source.graph, source.limit()
     zero_ns = graph.now_ns
     while True:
         source.wait(lambda: False, arguments.delay)
-        start_ns = graph.now_ns
-        for after_ns, publisher, cdr in events:
-            due_ns = start_ns + round(after_ns / arguments.rate)
-            source.wait(lambda: False, max(0, due_ns - graph.now_ns) * 1e-9)
-            if graph.ended:
-                return
-            graph.publish(publisher, cdr)
-        source.wait(lambda: False, GRACE)
+        player.play(source)
         if not arguments.loop or graph.ended:
             return
         if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:

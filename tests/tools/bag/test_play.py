@@ -13,7 +13,7 @@ from course_lib.recording import Recording
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
-from course_lib.tools.ros2 import ros2
+from course_lib.tools.ros2 import ros2, ros2_over
 from course_lib.tools.sources import RecordingSource
 from tests.tools.bag.conftest import BAG_START
 
@@ -132,3 +132,19 @@ def test_over_a_recording_nobody_listens(bag: Path) -> None:
         CourseError, match=r"Nobody listens: course bag play --run program.py /.*five, or look"
     ):
         ros2(["bag", "play", str(bag)], RecordingSource(Recording(())), print)
+
+
+def test_the_end_of_the_run_is_the_end_of_the_play(
+    bag: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "ear.py").write_text(
+        "import rclpy\n"
+        "from rclpy.node import Node\n"
+        "from std_msgs.msg import String\n"
+        "rclpy.init()\n"
+        "node = Node('ear')\n"
+        "node.create_subscription(String, '/a', lambda message: print('heard', message.data), 10)\n"
+        "rclpy.spin(node)\n"
+    )
+    assert ros2_over(["bag", "play", str(bag)], files=[tmp_path / "ear.py"], bag=None, seconds=3.0) == 0
+    assert capfd.readouterr().out.splitlines()[2:] == ["heard 0", "heard 2"]
