@@ -11,6 +11,7 @@ STYLE = """<style>
 .rqt .widget-html { flex-shrink: 1; }
 .rqt .widget-html-content { line-height: 1.4; }
 .rqt .widget-checkbox { margin-right: 8px; }
+.rqt .widget-checkbox label { display: flex; align-items: center; }
 .rqt p { margin: 3px 0; }
 .rqt .rqt-notice { background: #fff3cd; color: #222; padding: 3px 8px; border-left: 4px solid #d98200; }
 .rqt .rqt-screen { max-height: 560px; overflow: auto; }

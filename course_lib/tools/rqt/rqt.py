@@ -7,7 +7,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
-from course_lib.ros.graph import Graph, current_graph
+from course_lib.ros.graph import current_graph
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.rqt.bag import BagView
 from course_lib.tools.rqt.console import ConsoleView
@@ -30,6 +30,7 @@ _CLASSES = (
     RobotMonitorView,
 )
 VIEWS: Mapping[str, type[View]] = {view.name: view for view in _CLASSES}
+_OPEN = "rqt.views"  # in the graph's state: by what they were called with
 _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt save FILE."
 
 
@@ -59,24 +60,17 @@ def _view_class(name: str) -> type[View]:
     return VIEWS[plain]
 
 
-def _open_views(graph: Graph) -> dict[tuple[str, ...], View]:
-    """Give the views that follow the graph, by what they were called with."""
-    views: dict[tuple[str, ...], View] = graph.state.setdefault("rqt.views", {})
-    return views
-
-
 def _show(views: Sequence[View]) -> None:
     """Show views that follow the run; without a page, their pictures after a while of it."""
     from IPython.display import HTML, display
 
-    graph = current_graph()
-    is_fast, opened = pace.wanted() == "fast", _open_views(graph)
+    opened: dict[tuple[str, ...], View] = current_graph().state.setdefault(_OPEN, {})
     for view in views:
         key = (view.name, *view.words)
         if key in opened:  # a cell that is run again
             opened.pop(key).close()
         opened[key] = view
-    if not is_fast:
+    if pace.wanted() == "real":
         for view in views:
             display(view.widget())  # type: ignore[no-untyped-call]  # IPython does not annotate it
         return
@@ -94,8 +88,11 @@ def _save(file: Path) -> None:
     """Write the views that are open, with their words and what their controls say."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    views = [view for view in _open_views(current_graph()).values() if not view.closed]
-    about = [{"view": v.name, "words": v.words, "controls": v.settings()} for v in views]
+    views: list[View] = [v for v in current_graph().state.get(_OPEN, {}).values() if not v.closed]
+    about = [
+        {"view": view.name, "words": view.words, "controls": {name: view[name] for name in view.controls}}
+        for view in views
+    ]
     try:
         file.write_text(yaml.safe_dump(about, sort_keys=False, allow_unicode=True), encoding="utf-8")
     except OSError as error:

@@ -115,7 +115,7 @@ class View:
         return button
 
     def buttons(self) -> list[Any]:
-        """List the buttons that stand behind the controls."""
+        """List the buttons that stand beside the title."""
         return [self.button("Refresh", "refresh", lambda: None)]
 
     def body(self) -> list[Any]:
@@ -148,10 +148,6 @@ class View:
         self.closed = True
         if self._frame is not None:
             self._frame.close()
-
-    def settings(self) -> dict[str, Any]:
-        """Give what the controls say, by their names."""
-        return {name: self[name] for name in self.controls}
 
     def restore(self, settings: Mapping[str, Any]) -> None:
         """Set controls; what is not there now, like a node, is said above the picture.
