@@ -74,6 +74,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
     ),
     "RuntimeError": (
+        Hint("Task got bad yield: <rclpy", "in a cell: rclpy.spin_until_future_complete(node, future)."),
         Hint(
             r"Subscription.__init__\(\): callback",
             "write def heard(self, msg), and give the function itself: self.heard, without ().",
