@@ -53,6 +53,14 @@ class PerformanceReport:
     callbacks: tuple[CallbackRow, ...]
     calls: tuple[Call, ...]
 
+    @property
+    def busy(self) -> dict[str, float]:
+        """Give, by node, the share of robot time in which its callbacks were under way."""
+        nodes = dict.fromkeys((row.node for row in self.callbacks), 0.0)
+        for row in self.callbacks:
+            nodes[row.node] += row.busy
+        return nodes
+
     def to_plain(self) -> dict[str, Any]:
         """Give all that robot time decides as dicts and lists: the same in every run."""
         callbacks = [{k: v for k, v in asdict(row).items() if k != "load"} for row in self.callbacks]
@@ -60,6 +68,7 @@ class PerformanceReport:
             "seconds": self.seconds,
             "topics": [asdict(row) for row in self.topics],
             "callbacks": callbacks,
+            "nodes": self.busy,
         }
 
     def figure(self) -> Chart:

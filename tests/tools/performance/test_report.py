@@ -95,7 +95,8 @@ def test_rates_and_delays_are_those_of_the_command_line(graph: Graph) -> None:
 
 
 def test_a_slow_callback_is_found_with_what_it_keeps_waiting(graph: Graph) -> None:
-    rows = {(row.node, row.callback): row for row in measured(2.05).callbacks}
+    report = measured(2.05)
+    rows = {(row.node, row.callback): row for row in report.callbacks}
     assert set(rows) == {
         ("/camera", "timer 0.1 s"),
         ("/detector", "/image"),
@@ -107,6 +108,7 @@ def test_a_slow_callback_is_found_with_what_it_keeps_waiting(graph: Graph) -> No
     assert slow.busy == pytest.approx(0.08 * 20 / 2.05, abs=0.02)
     assert held_up.longest_wait == pytest.approx(0.031)  # due at 0.25 s, free at 0.201 + 0.08 s
     assert 0 < slow.load < 1
+    assert report.busy == {"/camera": 0.0, "/detector": pytest.approx(slow.busy)}
 
 
 def test_robot_time_decides_all_but_the_processors_load(graph: Graph) -> None:
