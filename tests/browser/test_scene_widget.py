@@ -173,6 +173,22 @@ def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawabl
     assert [click.path for click in clicks] == ["thing"]
 
 
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_transparent_sheet_is_blended_with_the_background_and_hides_what_is_below_unless_behind(
+    host: Host, behind: bool
+) -> None:
+    scene = from_above()
+    scene.background = (0, 0, 0)
+    scene.set_object("sheet", Sheet(np.zeros((2, 2)), [(1, 0, 0, 0.5)] * 256, 1.0, behind))
+    scene.set_object("box", box((0, 0, 255)))
+    scene.set_transform("box", [[1, 0, 0, 1.5], [0, 1, 0, 1.5], [0, 0, 1, -2], [0, 0, 0, 1]])
+    shown(host, scene)
+    pixels = host.pixels()
+    assert count(pixels, (128, 0, 0), within=2) > 1000
+    assert (count(pixels, (0, 0, 255), within=2) > 1000) == behind
+    assert (count(pixels, (128, 0, 128), within=2) > 1000) != behind
+
+
 def test_a_drag_turns_the_view_and_the_wheel_zooms_once_the_view_was_clicked(host: Host) -> None:
     scene = from_above()
     scene.set_object("box", box(RED))

@@ -64,6 +64,7 @@ export function buildSheet({ cells, colors, rows, columns, width: cell, behind }
   const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !behind });
   paint.depthWrite = !see && !behind;
   if (behind) paint.blending = THREE.CustomBlending; // among what is opaque, as it comes first
+  paint.blendSrcAlpha = THREE.OneFactor; // as in three.js's own blending: the view stays opaque
   Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // as RViz's maps: farther away
   const mesh = new THREE.Mesh(new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0), paint);
   mesh.renderOrder = behind ? -1 : 0;
