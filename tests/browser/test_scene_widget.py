@@ -181,7 +181,7 @@ def test_a_transparent_sheet_is_blended_with_the_background_and_hides_what_is_be
     scene.background = (0, 0, 0)
     scene.set_object("sheet", Sheet(np.zeros((2, 2)), [(1, 0, 0, 0.5)] * 256, 1.0, behind))
     scene.set_object("box", box((0, 0, 255)))
-    scene.set_transform("box", [[1, 0, 0, 1.5], [0, 1, 0, 1.5], [0, 0, 1, -2], [0, 0, 0, 1]])
+    scene.set_transform("box", [[1.0, 0, 0, 1.5], [0, 1.0, 0, 1.5], [0, 0, 1.0, -2], [0, 0, 0, 1.0]])
     shown(host, scene)
     pixels = host.pixels()
     assert count(pixels, (128, 0, 0), within=2) > 1000
