@@ -24,6 +24,10 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             r"'(\w+)' object has no attribute '_(Node__handle|default_callback_group|logger|parameter)",
             "call super().__init__('a_name') first in {1}.__init__().",
         ),
+        Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", "updater.py:_run"),
+        Hint(
+            "'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "functions.py:tick"
+        ),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
         Hint(
             "'Future' object has no attribute",

@@ -26,6 +26,8 @@ from rclpy.parameter import Parameter
 from rclpy.time import Time
 from sensor_msgs.msg import Image
 
+from course_lib.ros.hints import hint
+
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
@@ -289,5 +291,6 @@ def test_a_diagnosed_publisher_checks_rate_and_stamps(node: Node) -> None:
 def test_a_stamp_message_is_no_time_here_as_in_ros(node: Node) -> None:
     bounds = FrequencyStatusParam({"min": 1.0})
     topic = TopicDiagnostic("scan", Updater(node), bounds, TimeStampStatusParam())
-    with pytest.raises(AttributeError, match="'Time' object has no attribute 'nanoseconds'"):
+    with pytest.raises(AttributeError, match=r"^'Time' object has no attribute 'nanoseconds'$") as raised:
         topic.tick(TimeMessage())  # type: ignore[arg-type]
+    assert hint(raised.value) == "write Time.from_msg(stamp), with rclpy's Time."

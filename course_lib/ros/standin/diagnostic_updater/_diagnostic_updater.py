@@ -4,7 +4,6 @@
 
 from collections.abc import Callable, Sequence
 from threading import Lock
-from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
@@ -163,14 +162,8 @@ class Updater:
     def _run(self, task: DiagnosticTask) -> DiagnosticStatusWrapper:
         given = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)
         given.summary(DiagnosticStatus.ERROR, "No message was set")
-        status: Any = task.run(given)
-        if status is None:
-            raise AttributeError(
-                "'NoneType' object has no attribute 'level'\n"
-                f"hint: the task '{task.name}' must give its status back: end it with `return stat`."
-            )
-        if self.verbose and status.level != DiagnosticStatus.OK:
-            text = f"Name: {status.name}, status{' ' * 24}{status.level}: {status.message}"
+        status = task.run(given)
+        if status.level != DiagnosticStatus.OK and self.verbose:
+            text = f"Name: {status.name}, status{' ' * 24}{status.level!r}: {status.message}"
             self.node.get_logger().warn(f"Non-zero diagnostic status. {text}")
-        checked: DiagnosticStatusWrapper = status
-        return checked
+        return status
