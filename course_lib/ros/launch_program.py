@@ -15,7 +15,7 @@ from launch.events import Event, ProcessExited, ProcessStarted, Shutdown
 from launch.launch_context import LaunchContext
 from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
-from launch.substitution import SubstitutionFailure, perform_substitutions
+from launch.substitution import SubstitutionFailure, text_of
 from launch_ros.actions import Node
 
 from course_lib.errors import CourseError
@@ -80,7 +80,7 @@ class LaunchProgram(Process):
         for argument in declared(self.describe(), self._context):
             lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
             if argument.default_value is not None:
-                default = perform_substitutions(self._context, argument.default_value)
+                default = text_of(self._context, argument.default_value)
                 self._context.launch_configurations.setdefault(argument.name, default)
                 lines.append(f"        (default: {default!r})")
         return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])

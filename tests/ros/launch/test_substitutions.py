@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 from launch import LaunchContext
-from launch.substitution import SubstitutionFailure, perform_substitutions
+from launch.substitution import SubstitutionFailure, text_of
 from launch.substitutions import (
     Command,
     EnvironmentVariable,
@@ -71,4 +71,4 @@ def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchCont
 
 
 def test_joined_parts_are_one_text(context: LaunchContext) -> None:
-    assert perform_substitutions(context, ["a", TextSubstitution(text="b"), Path("c")]) == "abc"
+    assert text_of(context, ["a", TextSubstitution(text="b"), Path("c")]) == "abc"

@@ -1,7 +1,6 @@
 """ROS's launch: descriptions of what to start, in Python files; the kit's stand-in."""
 
 from launch.action import Action as Action
-from launch.action import Entities as SomeEntitiesType
 from launch.action import LaunchDescriptionEntity as LaunchDescriptionEntity
 from launch.conditions import Condition as Condition
 from launch.events import Event as Event
@@ -10,16 +9,3 @@ from launch.launch_description import LaunchDescription as LaunchDescription
 from launch.launch_description_sources import LaunchDescriptionSource as LaunchDescriptionSource
 from launch.substitution import SomeSubstitutionsType as SomeSubstitutionsType
 from launch.substitution import Substitution as Substitution
-
-__all__ = [
-    "Action",
-    "Condition",
-    "Event",
-    "LaunchContext",
-    "LaunchDescription",
-    "LaunchDescriptionEntity",
-    "LaunchDescriptionSource",
-    "SomeEntitiesType",
-    "SomeSubstitutionsType",
-    "Substitution",
-]

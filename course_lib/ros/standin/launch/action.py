@@ -1,6 +1,6 @@
 """What descriptions are made of."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Optional, TypeAlias
 
 if TYPE_CHECKING:
@@ -17,23 +17,20 @@ class LaunchDescriptionEntity:
 
 
 Entities: TypeAlias = LaunchDescriptionEntity | Iterable[LaunchDescriptionEntity]
+Do: TypeAlias = Callable[["LaunchContext"], Entities | None]
 
 
 class Action(LaunchDescriptionEntity):
-    """Something to be done, unless its condition is false."""
+    """Something to be done, unless its condition is false; `do` returns what is to be done next."""
 
-    def __init__(self, *, condition: Optional["Condition"] = None) -> None:
-        self.condition = condition
+    def __init__(self, do: Do, *, condition: Optional["Condition"] = None) -> None:
+        self._do, self._condition = do, condition
 
     def visit(self, context: "LaunchContext") -> Entities | None:
         """Do it, unless the condition is false."""
-        if self.condition is None or self.condition.evaluate(context):
-            return self.execute(context)
+        if self._condition is None or self._condition.evaluate(context):
+            return self._do(context)
         return None
-
-    def execute(self, context: "LaunchContext") -> Entities | None:
-        """Do it; returns what is to be done next."""
-        raise NotImplementedError(type(self).__name__)
 
 
 def listed(entities: Entities | None) -> list[LaunchDescriptionEntity]:

@@ -1,4 +1,4 @@
-"""What a launch can do."""
+"""What a launch can do; every action takes a `condition`."""
 
 import os
 import shlex
@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from launch.action import Action, Entities, LaunchDescriptionEntity, listed
-from launch.conditions import Condition
 from launch.event_handlers import BaseEventHandler
 from launch.events import Event
 from launch.events import Shutdown as ShutdownEvent
 from launch.launch_context import LaunchContext
 from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import LaunchDescriptionSource
-from launch.substitution import SomeSubstitutionsType, perform_substitutions
+from launch.substitution import SomeSubstitutionsType as Some
+from launch.substitution import text_of
 
 _PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2"}  # of the programs that the kit provides
 
@@ -25,30 +25,28 @@ class DeclareLaunchArgument(Action):
         self,
         name: str,
         *,
-        default_value: SomeSubstitutionsType | None = None,
+        default_value: Some | None = None,
         description: str | None = None,
         choices: list[str] | None = None,
-        condition: Condition | None = None,
+        **options: Any,
     ) -> None:
-        super().__init__(condition=condition)
+        super().__init__(self._declare, **options)
         self.name, self.default_value, self.choices = name, default_value, choices
         if choices is not None and isinstance(default_value, str) and default_value not in choices:
             raise RuntimeError(
                 f'Provided default_value "{default_value}" is not in provided choices "{choices}".'
             )
-        self.description = description or (
-            "no description given" if choices is None else f"One of: {choices}"
-        )
+        self.description = description or (f"One of: {choices}" if choices else "no description given")
         if description and choices:
             self.description = f"{description.removesuffix('.')}. Valid choices are: {choices}"
 
-    def execute(self, context: LaunchContext) -> None:
+    def _declare(self, context: LaunchContext) -> None:
         """Set the default where nothing else is set; raises RuntimeError with launch's texts."""
         configurations = context.launch_configurations
         if self.name not in configurations:
             if self.default_value is None:
                 raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
-            configurations[self.name] = perform_substitutions(context, self.default_value)
+            configurations[self.name] = text_of(context, self.default_value)
         value = configurations[self.name]
         if self.choices is not None and value not in self.choices:
             raise RuntimeError(
@@ -60,27 +58,21 @@ class DeclareLaunchArgument(Action):
 class SetLaunchConfiguration(Action):
     """Gives an argument a value."""
 
-    def __init__(
-        self, name: SomeSubstitutionsType, value: SomeSubstitutionsType, *, condition: Condition | None = None
-    ) -> None:
-        super().__init__(condition=condition)
-        self._name, self._value = name, value
+    def __init__(self, name: Some, value: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            context.launch_configurations[text_of(context, name)] = text_of(context, value)
 
-    def execute(self, context: LaunchContext) -> None:
-        """Set it."""
-        context.launch_configurations[perform_substitutions(context, self._name)] = perform_substitutions(
-            context, self._value
-        )
+        super().__init__(do, **options)
 
 
-class SetEnvironmentVariable(SetLaunchConfiguration):
+class SetEnvironmentVariable(Action):
     """Gives a variable of the environment a value."""
 
-    def execute(self, context: LaunchContext) -> None:
-        """Set it."""
-        context.environment[perform_substitutions(context, self._name)] = perform_substitutions(
-            context, self._value
-        )
+    def __init__(self, name: Some, value: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            os.environ[text_of(context, name)] = text_of(context, value)
+
+        super().__init__(do, **options)
 
 
 class OpaqueFunction(Action):
@@ -92,14 +84,9 @@ class OpaqueFunction(Action):
         function: Callable[..., Entities | None],
         args: Iterable[Any] = (),
         kwargs: Mapping[str, Any] | None = None,
-        condition: Condition | None = None,
+        **options: Any,
     ) -> None:
-        super().__init__(condition=condition)
-        self._function, self._args, self._kwargs = function, tuple(args), dict(kwargs or {})
-
-    def execute(self, context: LaunchContext) -> Entities | None:
-        """Call it."""
-        return self._function(context, *self._args, **self._kwargs)
+        super().__init__(lambda context: function(context, *args, **(kwargs or {})), **options)
 
 
 class GroupAction(Action):
@@ -111,126 +98,105 @@ class GroupAction(Action):
         *,
         scoped: bool = True,
         forwarding: bool = True,
-        launch_configurations: Mapping[str, SomeSubstitutionsType] | None = None,
-        condition: Condition | None = None,
+        launch_configurations: Mapping[str, Some] | None = None,
+        **options: Any,
     ) -> None:
-        super().__init__(condition=condition)
-        self._actions, self._scoped, self._forwarding = list(actions), scoped, forwarding
-        self._set = [SetLaunchConfiguration(*pair) for pair in (launch_configurations or {}).items()]
+        super().__init__(self._open, **options)
+        own = [SetLaunchConfiguration(*pair) for pair in (launch_configurations or {}).items()]
+        self.actions = [*own, *actions]
+        self._scoped, self._forwarding = scoped, forwarding
 
-    def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """Give the actions, in a scope of their own."""
+    def _open(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         if not self._scoped:
-            return [*self._set, *self._actions]
-        context.pushed.append((dict(context.launch_configurations), dict(os.environ)))
+            return self.actions
+        before = dict(context.launch_configurations), dict(os.environ)
         if not self._forwarding:
             context.launch_configurations.clear()
-        return [*self._set, *self._actions, OpaqueFunction(function=_pop)]
+
+        def close(context: LaunchContext) -> None:
+            context.launch_configurations, environment = before
+            os.environ.clear()
+            os.environ.update(environment)
+
+        return [*self.actions, Action(close)]
 
 
 class IncludeLaunchDescription(Action):
-    """Another launch file, with arguments."""
+    """Another launch file, with arguments; as in ROS they stay set unless a group ends them."""
 
     def __init__(
         self,
-        launch_description_source: LaunchDescriptionSource | SomeSubstitutionsType,
+        launch_description_source: LaunchDescriptionSource | Some,
         *,
-        launch_arguments: Iterable[tuple[SomeSubstitutionsType, SomeSubstitutionsType]] = (),
-        condition: Condition | None = None,
+        launch_arguments: Iterable[tuple[Some, Some]] = (),
+        **options: Any,
     ) -> None:
-        super().__init__(condition=condition)
         source = launch_description_source
         if not isinstance(source, LaunchDescriptionSource):
             source = LaunchDescriptionSource(source)
         self.source = source
-        self._arguments = list(launch_arguments)
+        arguments = [SetLaunchConfiguration(*pair) for pair in launch_arguments]
 
-    def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """Give what it describes; as in ROS, its arguments stay set afterwards unless a group ends them."""
-        outer, context.file = context.file, str(self.source.location(context))
-        description = self.source.get_launch_description(context)
+        def do(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+            outer, context.file = context.file, str(source.location(context))
+            leave = Action(lambda context: setattr(context, "file", outer))
+            return [*arguments, source.get_launch_description(context), leave]
 
-        def leave(context: LaunchContext) -> None:
-            context.file = outer
-
-        arguments = [SetLaunchConfiguration(*pair) for pair in self._arguments]
-        return [*arguments, description, OpaqueFunction(function=leave)]
+        super().__init__(do, **options)
 
 
 class TimerAction(Action):
     """Actions after so many seconds of robot time."""
 
     def __init__(
-        self,
-        *,
-        period: float | SomeSubstitutionsType,
-        actions: Iterable[LaunchDescriptionEntity],
-        condition: Condition | None = None,
+        self, *, period: float | Some, actions: Iterable[LaunchDescriptionEntity], **options: Any
     ) -> None:
-        super().__init__(condition=condition)
-        self._period, self._actions = period, list(actions)
+        def do(context: LaunchContext) -> None:
+            seconds = float(period if isinstance(period, int | float) else text_of(context, period))
+            context.runner.later(seconds, actions)
 
-    def execute(self, context: LaunchContext) -> None:
-        """Have them done later."""
-        period = self._period
-        if not isinstance(period, int | float):
-            period = float(perform_substitutions(context, period))
-        context.runner.later(period, self._actions)
+        super().__init__(do, **options)
 
 
 class LogInfo(Action):
     """A line in the launch's log."""
 
-    def __init__(self, *, msg: SomeSubstitutionsType, condition: Condition | None = None) -> None:
-        super().__init__(condition=condition)
-        self._msg = msg
-
-    def execute(self, context: LaunchContext) -> None:
-        """Write it."""
-        print(f"[INFO] [launch.user]: {perform_substitutions(context, self._msg)}")  # noqa: T201  # it is what it does
+    def __init__(self, *, msg: Some, **options: Any) -> None:
+        super().__init__(
+            lambda context: context.runner.log("INFO", "launch.user", text_of(context, msg)), **options
+        )
 
 
 class RegisterEventHandler(Action):
-    """Has a handler take events from now on."""
+    """Has a handler take events from now on; as in ROS the newest handler comes first."""
 
-    def __init__(self, event_handler: BaseEventHandler, *, condition: Condition | None = None) -> None:
-        super().__init__(condition=condition)
-        self._handler = event_handler
-
-    def execute(self, context: LaunchContext) -> None:
-        """Register it; as in ROS, the newest handler comes first."""
-        context.handlers.insert(0, self._handler)
+    def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
+        super().__init__(lambda context: context.handlers.insert(0, event_handler), **options)
 
 
 class EmitEvent(Action):
     """Lets something happen."""
 
-    def __init__(self, *, event: Event, condition: Condition | None = None) -> None:
-        super().__init__(condition=condition)
-        self._event = event
-
-    def execute(self, context: LaunchContext) -> None:
-        """Let it happen."""
-        context.runner.emit(self._event)
+    def __init__(self, *, event: Event, **options: Any) -> None:
+        super().__init__(lambda context: context.runner.emit(event), **options)
 
 
 class Shutdown(EmitEvent):
     """Ends everything; Node takes one as `on_exit`."""
 
-    def __init__(self, *, reason: str = "reason not given", condition: Condition | None = None) -> None:
-        super().__init__(event=ShutdownEvent(reason=reason), condition=condition)
+    def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
+        super().__init__(event=ShutdownEvent(reason=reason), **options)
 
 
 class ExecuteProcess(Action):
     """Runs `ros2 …` or `rviz2 …`; other programs would not be on robot time."""
 
-    def __init__(self, *, cmd: Iterable[SomeSubstitutionsType], **options: Any) -> None:
-        super().__init__(condition=options.get("condition"))
+    def __init__(self, *, cmd: Iterable[Some], **options: Any) -> None:
+        super().__init__(self._start, condition=options.get("condition"))
         self._cmd = list(cmd)
 
-    def execute(self, context: LaunchContext) -> None:
-        """Start it, or refuse."""
-        words = [perform_substitutions(context, part) for part in self._cmd]
+    def _start(self, context: LaunchContext) -> None:
+        words = [text_of(context, part) for part in self._cmd]
         program, *rest = shlex.split(words[0]) if len(words) == 1 else words
         if program not in _PACKAGES:
             raise RuntimeError(
@@ -238,12 +204,6 @@ class ExecuteProcess(Action):
                 "robot time. Start nodes with launch_ros.actions.Node; run other commands beside the launch."
             )
         context.runner.start(self, _PACKAGES[program], program, [*rest, "--ros-args"])
-
-
-def _pop(context: LaunchContext) -> None:
-    context.launch_configurations, environment = context.pushed.pop()
-    os.environ.clear()
-    os.environ.update(environment)
 
 
 def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
@@ -255,7 +215,7 @@ def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchAr
         elif isinstance(entity, LaunchDescription):
             found += declared(entity.entities, context)
         elif isinstance(entity, GroupAction):
-            found += declared(entity._actions, context)
+            found += declared(entity.actions, context)
         elif isinstance(entity, IncludeLaunchDescription):
             found += declared(entity.source.get_launch_description(context), context)
     return found

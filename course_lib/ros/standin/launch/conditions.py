@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, perform_substitutions
+from launch.substitution import SomeSubstitutionsType, text_of
 
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
@@ -48,7 +48,7 @@ class LaunchConfigurationEquals(Condition):
         equal: bool = True,
     ) -> None:
         def decide(context: LaunchContext) -> bool:
-            expected = None if expected_value is None else perform_substitutions(context, expected_value)
+            expected = None if expected_value is None else text_of(context, expected_value)
             return (context.launch_configurations.get(launch_configuration_name) == expected) is equal
 
         super().__init__(predicate=decide)
@@ -63,7 +63,7 @@ class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
 
 def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
     """Read a text as true or false, with launch's complaint about any other."""
-    text = perform_substitutions(context, expression).strip().lower()
+    text = text_of(context, expression).strip().lower()
     if text not in _WORDS:
         raise InvalidConditionExpressionError(
             f"invalid condition expression, given '{text}', expected one of {list(_WORDS)}"

@@ -1,6 +1,5 @@
 """What a launch knows while it runs."""
 
-import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -24,24 +23,18 @@ class Runner(Protocol):
     def emit(self, event: "Event") -> None:
         """Let the event handlers take an event."""
 
+    def log(self, level: str, name: str, text: str) -> None:
+        """Write a line of the launch's own log."""
+
 
 class LaunchContext:
-    """The values of arguments, the environment, the event handlers; `runner` carries out what is asked."""
+    """The values of arguments, the event handlers, the file that is read; a Runner carries things out."""
 
-    def __init__(self, runner: Runner | None = None, *, file: str = "") -> None:
+    def __init__(self, runner: Any = None, *, file: str = "") -> None:
         self.launch_configurations: dict[str, Any] = {}
-        self.environment = os.environ
         self.handlers: list[BaseEventHandler] = []
-        self.file = file  # the launch file whose description is visited
-        self.pushed: list[tuple[dict[str, Any], dict[str, str]]] = []
-        self._runner = runner
-
-    @property
-    def runner(self) -> Runner:
-        """What carries out what is asked."""
-        if self._runner is None:
-            raise RuntimeError("Nothing runs in this context: it only looks at a description.")
-        return self._runner
+        self.file = file
+        self.runner: Runner = runner
 
     def perform_substitution(self, substitution: Substitution) -> str:
         """Make a substitution's text."""

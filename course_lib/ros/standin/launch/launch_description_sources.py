@@ -5,7 +5,7 @@ from typing import Any
 
 from launch.launch_context import LaunchContext
 from launch.launch_description import LaunchDescription
-from launch.substitution import SomeSubstitutionsType, perform_substitutions
+from launch.substitution import SomeSubstitutionsType, text_of
 
 
 class InvalidPythonLaunchFileError(Exception):
@@ -20,7 +20,7 @@ class LaunchDescriptionSource:
 
     def location(self, context: LaunchContext) -> Path:
         """Give the file."""
-        return Path(perform_substitutions(context, self._path)).absolute()
+        return Path(text_of(context, self._path)).absolute()
 
     def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
         """Run the file and ask it for its description."""

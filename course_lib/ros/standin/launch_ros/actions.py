@@ -1,30 +1,21 @@
-"""What a launch can do with nodes."""
+"""What a launch can do with nodes; every action takes a `condition`."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from launch.action import Action
-from launch.conditions import Condition
 from launch.event_handlers import OnProcessExit, Reaction
 from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, perform_substitutions
+from launch.substitution import SomeSubstitutionsType as Some
+from launch.substitution import text_of
 
 from launch_ros.parameter_descriptions import words_for
 
 _NAMESPACE, _PARAMETERS, _REMAPS = "ros_namespace", "global_params", "ros_remaps"  # launch configurations
 _NO_DIFFERENCE = {
-    *(
-        "additional_env",
-        "cwd",
-        "emulate_tty",
-        "env",
-        "exec_name",
-        "log_cmd",
-        "output",
-        "output_format",
-        "prefix",
-    ),
-    *("respawn", "respawn_delay", "respawn_max_retries", "shell", "sigkill_timeout", "sigterm_timeout"),
+    *("additional_env", "cwd", "emulate_tty", "env", "exec_name", "log_cmd", "output", "output_format"),
+    *("prefix", "respawn", "respawn_delay", "respawn_max_retries", "shell", "sigkill_timeout"),
+    "sigterm_timeout",
 }
 
 
@@ -38,131 +29,107 @@ class Node(Action):
         namespace: Of its nodes, inside the namespaces of PushRosNamespace.
         parameters: Dictionaries, and YAML files; later ones count more.
         remappings: Pairs of names (from, to).
-        arguments: Words for the program itself.
-        ros_arguments: More words behind --ros-args.
+        arguments: Words for the program itself; `ros_arguments` stand behind --ros-args.
         on_exit: What is done when it has ended.
-        options: `output` and others of ExecuteProcess, which make no difference here.
+        options: `condition`; `output` and others of ExecuteProcess make no difference here.
     """
 
     def __init__(
         self,
         *,
-        executable: SomeSubstitutionsType,
-        package: SomeSubstitutionsType,
-        name: SomeSubstitutionsType | None = None,
-        namespace: SomeSubstitutionsType | None = None,
-        parameters: Iterable[Any] = (),
-        remappings: Iterable[tuple[SomeSubstitutionsType, SomeSubstitutionsType]] = (),
-        arguments: Iterable[SomeSubstitutionsType] = (),
-        ros_arguments: Iterable[SomeSubstitutionsType] = (),
+        executable: Some,
+        package: Some,
+        name: Some | None = None,
+        namespace: Some | None = None,
+        parameters: Iterable[Any] | None = None,
+        remappings: Iterable[tuple[Some, Some]] | None = None,
+        arguments: Iterable[Some] | None = None,
+        ros_arguments: Iterable[Some] | None = None,
         on_exit: Reaction = None,
-        condition: Condition | None = None,
         **options: Any,
     ) -> None:
-        super().__init__(condition=condition)
+        super().__init__(self._start, condition=options.pop("condition", None))
         if isinstance(parameters, Mapping | str):
             raise TypeError(f"Node: parameters={parameters!r}, expected a list: parameters=[{parameters!r}]")
-        unknown = sorted(set(options) - _NO_DIFFERENCE)
-        if unknown:
-            raise TypeError(f"Node.__init__() got an unexpected keyword argument {unknown[0]!r}")
+        for unknown in sorted(set(options) - _NO_DIFFERENCE):
+            raise TypeError(f"Node.__init__() got an unexpected keyword argument {unknown!r}")
         self._package, self._executable, self._name, self._namespace = package, executable, name, namespace
         self._parameters, self._remappings = list(parameters or ()), list(remappings or ())
         self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
         self._on_exit = on_exit
 
-    def execute(self, context: LaunchContext) -> None:
-        """Start it."""
-        package, executable = (
-            perform_substitutions(context, text) for text in (self._package, self._executable)
-        )
+    def _start(self, context: LaunchContext) -> None:
         if self._on_exit is not None:
             context.handlers.insert(0, OnProcessExit(target_action=self, on_exit=self._on_exit))
-        arguments = [perform_substitutions(context, word) for word in self._arguments]
-        context.runner.start(self, package, executable, [*arguments, "--ros-args", *self._for_ros(context)])
+        package, executable = text_of(context, self._package), text_of(context, self._executable)
+        words = [text_of(context, word) for word in self._arguments]
+        context.runner.start(self, package, executable, [*words, "--ros-args", *self._for_ros(context)])
 
     def _for_ros(self, context: LaunchContext) -> Iterator[str]:
-        yield from (perform_substitutions(context, word) for word in self._ros_arguments)
+        yield from (text_of(context, word) for word in self._ros_arguments)
         if self._name is not None:
-            yield from ("-r", f"__node:={perform_substitutions(context, self._name)}")
-        own = perform_substitutions(context, self._namespace or "")
-        namespace = _joined(context.launch_configurations.get(_NAMESPACE, ""), own)
+            yield from ("-r", f"__node:={text_of(context, self._name)}")
+        settings = context.launch_configurations
+        namespace = _joined(settings.get(_NAMESPACE, ""), text_of(context, self._namespace or ""))
         if namespace:
             yield from ("-r", f"__ns:={namespace}")
-        for parameters in (*context.launch_configurations.get(_PARAMETERS, ()), *self._parameters):
+        for parameters in (*settings.get(_PARAMETERS, ()), *self._parameters):
             yield from words_for(context, parameters)
-        for pair in (*context.launch_configurations.get(_REMAPS, ()), *self._remappings):
-            old, new = (perform_substitutions(context, name) for name in pair)
-            yield from ("-r", f"{old}:={new}")
+        for old, new in (*settings.get(_REMAPS, ()), *self._remappings):
+            yield from ("-r", f"{text_of(context, old)}:={text_of(context, new)}")
 
 
 class PushRosNamespace(Action):
     """Puts the nodes that follow in the group into a namespace."""
 
-    def __init__(self, namespace: SomeSubstitutionsType, *, condition: Condition | None = None) -> None:
-        super().__init__(condition=condition)
-        self._namespace = namespace
+    def __init__(self, namespace: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            settings = context.launch_configurations
+            settings[_NAMESPACE] = _joined(settings.get(_NAMESPACE, ""), text_of(context, namespace))
 
-    def execute(self, context: LaunchContext) -> None:
-        """Push it."""
-        settings = context.launch_configurations
-        pushed = perform_substitutions(context, self._namespace)
-        settings[_NAMESPACE] = _joined(settings.get(_NAMESPACE, ""), pushed)
+        super().__init__(do, **options)
 
 
 PushROSNamespace = PushRosNamespace
 
 
-class _Setting(Action):
+class _ForAll(Action):
     """Something that all nodes that follow in the group get."""
 
-    setting = ""
+    def __init__(self, setting: str, entry: Any, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            settings = context.launch_configurations
+            settings[setting] = [*settings.get(setting, ()), entry]  # a new list: the group's end ends it
 
-    def __init__(self, entry: Any, condition: Condition | None) -> None:
-        super().__init__(condition=condition)
-        self._entry = entry
-
-    def execute(self, context: LaunchContext) -> None:
-        """Append it; a new list, so that the end of a group ends it."""
-        settings = context.launch_configurations
-        settings[self.setting] = [*settings.get(self.setting, ()), self._entry]
+        super().__init__(do, **options)
 
 
-class SetParameter(_Setting):
+class SetParameter(_ForAll):
     """A parameter for all nodes that follow."""
 
-    setting = _PARAMETERS
-
-    def __init__(
-        self, name: SomeSubstitutionsType, value: Any, *, condition: Condition | None = None
-    ) -> None:
-        super().__init__({name: value}, condition)
+    def __init__(self, name: Some, value: Any, **options: Any) -> None:
+        super().__init__(_PARAMETERS, {name: value}, **options)
 
 
 class SetUseSimTime(SetParameter):
     """use_sim_time for all nodes that follow."""
 
-    def __init__(self, value: Any, *, condition: Condition | None = None) -> None:
-        super().__init__("use_sim_time", value, condition=condition)
+    def __init__(self, value: Any, **options: Any) -> None:
+        super().__init__("use_sim_time", value, **options)
 
 
-class SetParametersFromFile(_Setting):
+class SetParametersFromFile(_ForAll):
     """A file of parameters for all nodes that follow."""
 
-    setting = _PARAMETERS
-
-    def __init__(self, filename: SomeSubstitutionsType, *, condition: Condition | None = None) -> None:
-        super().__init__(filename, condition)
+    def __init__(self, filename: Some, **options: Any) -> None:
+        super().__init__(_PARAMETERS, filename, **options)
 
 
-class SetRemap(_Setting):
+class SetRemap(_ForAll):
     """Another name for a topic of all nodes that follow."""
 
-    setting = _REMAPS
-
-    def __init__(
-        self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, *, condition: Condition | None = None
-    ) -> None:
-        super().__init__((src, dst), condition)
+    def __init__(self, src: Some, dst: Some, **options: Any) -> None:
+        super().__init__(_REMAPS, (src, dst), **options)
 
 
 def _joined(outer: str, inner: str) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml  # type: ignore[import-untyped]  # it ships no types
 from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, has_substitution, perform_substitutions
+from launch.substitution import SomeSubstitutionsType, Substitution, text_of
 
 
 class ParameterValue:
@@ -20,7 +20,7 @@ class ParameterValue:
         """Give the value."""
         is_number = isinstance(self._value, int | float)
         if self._type is str and not is_number:
-            return perform_substitutions(context, self._value)
+            return text_of(context, self._value)
         value = evaluated(context, self._value)
         return self._type(value) if isinstance(self._type, type) else value
 
@@ -33,7 +33,7 @@ class ParameterFile:
 
     def evaluate(self, context: LaunchContext) -> Path:
         """Give its path; `$(…)` in files is not replaced here."""
-        file = Path(perform_substitutions(context, self._file))
+        file = Path(text_of(context, self._file))
         if file.is_file() and "$(" in file.read_text(encoding="utf-8"):
             raise RuntimeError(
                 f"{file} holds $(…), which is not replaced here; use values, or ReplaceString."
@@ -48,8 +48,9 @@ def evaluated(context: LaunchContext, value: Any) -> Any:
     """Give a parameter's value: text with substitutions is read as YAML, as in ROS; other text stays."""
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
-    if has_substitution(value):
-        return _read(perform_substitutions(context, value))
+    several = value if isinstance(value, list | tuple) else [value]
+    if any(isinstance(part, Substitution) for part in several):
+        return _read(text_of(context, value))
     if isinstance(value, list | tuple):
         return [evaluated(context, part) for part in value]
     return value
@@ -70,7 +71,7 @@ def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
 
 def _flat(context: LaunchContext, values: Mapping[Any, Any], prefix: str) -> Iterator[tuple[str, Any]]:
     for key, value in values.items():
-        name = prefix + perform_substitutions(context, key)
+        name = prefix + text_of(context, key)
         if isinstance(value, Mapping):
             yield from _flat(context, value, f"{name}.")
         else:

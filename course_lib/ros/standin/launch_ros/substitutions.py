@@ -1,19 +1,14 @@
 """Texts about packages."""
 
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, Substitution, perform_substitutions
+from launch.substitution import SomeSubstitutionsType, Substitution, text_of
 
 
 class FindPackagePrefix(Substitution):
-    """What a package is installed under."""
+    """What a package is installed under; raises PackageNotFoundError."""
 
     def __init__(self, package: SomeSubstitutionsType) -> None:
-        self.package = package
-
-    def perform(self, context: LaunchContext) -> str:
-        """Find it; raises PackageNotFoundError."""
-        return self.find(perform_substitutions(context, self.package))
+        super().__init__(lambda context: self.find(text_of(context, package)))
 
     def find(self, package_name: str) -> str:
         """Find it at once."""
@@ -21,7 +16,7 @@ class FindPackagePrefix(Substitution):
 
 
 class FindPackageShare(FindPackagePrefix):
-    """The folder with a package's launch/, config/ and rviz/."""
+    """The folder with a package's launch/, config/ and rviz/; raises PackageNotFoundError."""
 
     def find(self, package_name: str) -> str:
         """Find it at once."""

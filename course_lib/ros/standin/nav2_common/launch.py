@@ -6,11 +6,11 @@ from pathlib import Path
 
 from launch.conditions import Condition
 from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, Substitution, perform_substitutions
+from launch.substitution import SomeSubstitutionsType, Substitution, text_of
 
 
 class ReplaceString(Substitution):
-    """A copy of a file in which texts are replaced by others; gives the copy's path."""
+    """A copy of a file in which texts are replaced by others; the file itself if a condition is false."""
 
     def __init__(
         self,
@@ -18,16 +18,17 @@ class ReplaceString(Substitution):
         replacements: Mapping[str, SomeSubstitutionsType],
         condition: Condition | None = None,
     ) -> None:
-        self._source_file, self._replacements, self._condition = source_file, replacements, condition
+        def make(context: LaunchContext) -> str:
+            source = Path(text_of(context, source_file))
+            if condition is not None and not condition.evaluate(context):
+                return str(source)
+            text = source.read_text(encoding="utf-8")
+            for old, new in replacements.items():
+                text = text.replace(old, text_of(context, new))
+            with tempfile.NamedTemporaryFile(
+                "w", suffix=source.suffix, delete=False, encoding="utf-8"
+            ) as copy:
+                copy.write(text)
+            return copy.name
 
-    def perform(self, context: LaunchContext) -> str:
-        """Write the copy, unless the condition is false."""
-        source = Path(perform_substitutions(context, self._source_file))
-        if self._condition is not None and not self._condition.evaluate(context):
-            return str(source)
-        text = source.read_text(encoding="utf-8")
-        for old, new in self._replacements.items():
-            text = text.replace(old, perform_substitutions(context, new))
-        with tempfile.NamedTemporaryFile("w", suffix=source.suffix, delete=False, encoding="utf-8") as copy:
-            copy.write(text)
-        return copy.name
+        super().__init__(make)
