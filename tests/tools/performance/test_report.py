@@ -142,6 +142,14 @@ def test_a_report_is_a_table_in_text_and_in_a_cell(graph: Graph) -> None:
     assert str(report) == text
 
 
+def test_a_cell_shows_one_table_not_those_that_rich_would_display(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    assert "Rate (Hz)" in repr(measured())
+    assert capsys.readouterr().out == ""
+
+
 def test_the_timeline_shows_and_says_who_ran_and_who_waited(graph: Graph) -> None:
     chart = measured().timeline(0.0, 1.0)
     assert chart.alt.startswith("Callback timeline from 0 to 1 s of robot time. ")
