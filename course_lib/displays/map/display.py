@@ -9,7 +9,7 @@ from course_lib.displays.display import Subscription
 from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.frames import nanoseconds, placed
 from course_lib.displays.map.palette import SCHEMES, Bytes, palette
-from course_lib.displays.poses.arrow import INVALID, is_finite
+from course_lib.displays.poses.arrow import INVALID, is_finite, numbers_of
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.statuses import Level
 from course_lib.displays.topic_display import qos_of, with_qos
@@ -17,7 +17,11 @@ from course_lib.viewer.drawables import Drawable, Sheet
 
 _UPDATES = "Update Topic"
 _UPDATE = "map_msgs/msg/OccupancyGridUpdate"
-_MEASURED = ("Resolution", "Width", "Height", "Position", "Orientation")
+# What is found out of the map, before there is one; the orientation is a quaternion (x, y, z, w).
+_MEASURED = {
+    "Resolution": 0.0, "Width": 0, "Height": 0,
+    "Position": (0.0, 0.0, 0.0), "Orientation": (0.0, 0.0, 0.0, 1.0),
+}  # fmt: skip
 
 
 class MapDisplay(DrawnDisplay):
@@ -31,7 +35,7 @@ class MapDisplay(DrawnDisplay):
         Property("Alpha", 0.7, number(0.0, 1.0)),
         Property("Color Scheme", "map", words(*SCHEMES)),
         Property("Draw Behind", False, flag),
-        *(Property(label, None, read_only) for label in _MEASURED),
+        *(Property(label, nothing, read_only) for label, nothing in _MEASURED.items()),
         Property("Use Timestamp", False, flag),
         Property("Binary representation", False, flag),
         Property("Binary threshold", 100, integer(0, 100)),
@@ -51,7 +55,7 @@ class MapDisplay(DrawnDisplay):
         """Forget the map."""
         super().reset()
         self._map = None
-        self._values |= dict.fromkeys(_MEASURED)
+        self._values |= _MEASURED
         self.statuses.set("warn", "Message", "No map received")
 
     def wanted(self) -> tuple[Subscription, ...]:
@@ -73,7 +77,8 @@ class MapDisplay(DrawnDisplay):
         self.statuses.set("ok", "Message", "Map received")
         self._map, info = message, message.info
         self._cells = np.array(message.data, np.int8).view(np.uint8).reshape(info.height, info.width)
-        measured = (info.resolution, info.width, info.height, info.origin.position, info.origin.orientation)
+        origin = tuple(numbers_of([info.origin])[0].tolist())
+        measured = (float(info.resolution), info.width, info.height, origin[:3], origin[3:])
         self._values |= dict(zip(_MEASURED, measured, strict=True))
         self._place()
         self.draw()

@@ -56,12 +56,15 @@ def test_its_statuses_and_measures_are_rviz_words() -> None:
     bench = Bench()
     display = add(bench)
     assert bench.said(display, "Message") == ("warn", "No map received")
-    bench.hear("/map", grid((FREE, WALL), (FREE, FREE), (FREE, FREE)))
+    message = grid((FREE, WALL), (FREE, FREE), (FREE, FREE))
+    message.info.origin.position.y = 4.0
+    bench.hear("/map", message)
     bench.look()
     assert bench.said(display, "Message") == ("ok", "Map received")
     assert bench.said(display, "Map") == ("ok", "Map OK")
     assert bench.said(display, "Update Topic") == ("ok", "OK")
     assert [display[label] for label in ("Resolution", "Width", "Height")] == [0.5, 2, 3]
+    assert [display[label] for label in ("Position", "Orientation")] == [(0, 4, 0), (0, 0, 0, 1)]
 
 
 @pytest.mark.parametrize(
