@@ -10,15 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 
 _NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
-_RQT = (
-    "rqt_graph",
-    "rqt_plot",
-    "rqt_console",
-    "rqt_reconfigure",
-    "rqt_image_view",
-    "rqt_robot_monitor",
-    "rqt_topic",
-)
+_VIEWS = ("bag", "console", "graph", "plot", "reconfigure", "robot_monitor", "service_caller", "topic")
 
 
 def _rviz2() -> None:
@@ -103,11 +95,9 @@ def _ros2() -> None:
     ros2(_own_words(), GraphSource(current_graph(), discovery=DISCOVERY), sys.stdout.write)
 
 
-def _rqt(name: str) -> None:
+def _rqt(view: str) -> None:
     """Say where it is: rqt's windows are in notebooks."""
-    sys.stdout.write(
-        f"[{name}]: There is no window here. In a notebook's cell: %rqt {name.removeprefix('rqt_')}\n"
-    )
+    sys.stdout.write(f"[rqt_{view}]: There is no window here. In a notebook's cell: %rqt {view}\n")
     _spin()
 
 
@@ -149,6 +139,6 @@ _WORK: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("tf2_ros", "static_transform_publisher"): _static_transform_publisher,
-    **{(name, name): partial(_rqt, name) for name in _RQT},
+    **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }
 EXECUTABLES = {name: partial(_with_rclpy, work) for name, work in _WORK.items()}
