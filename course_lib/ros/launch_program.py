@@ -50,9 +50,16 @@ class LaunchProgram(Process):
     def __init__(self, file: Path, args: Sequence[str], own: Executables) -> None:
         super().__init__(file, args)
         self._own = own
-        cut = args.index("--") + 1 if "--" in args else 0
-        self._settings = [word.split(":=", 1) for word in args[cut:] if ":=" in word]
-        self._for_nodes = [*args[:cut], *(word for word in args[cut:] if ":=" not in word)]
+        self._settings: dict[str, str] = {}
+        self._for_nodes: list[str] = []
+        for_ros = False
+        for word in args:
+            for_ros = word == "--ros-args" or (for_ros and word != "--")
+            if ":=" in word and not for_ros:
+                name, _, value = word.partition(":=")
+                self._settings[name] = value
+            else:
+                self._for_nodes.append(word)
         self._context = LaunchContext(self, file=str(file.absolute()))
         self._processes = Processes()
         self._started: list[tuple[Action, Process]] = []
@@ -66,7 +73,7 @@ class LaunchProgram(Process):
         forget_imported()
         try:
             description = self.describe()
-            self._context.launch_configurations |= dict(self._settings)
+            self._context.launch_configurations |= self._settings
             self._visit(description)
         except _COMPLAINTS as error:
             self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")

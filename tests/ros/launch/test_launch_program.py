@@ -78,6 +78,13 @@ def test_arguments_set_configurations(launch_file: Write) -> None:
     ]
 
 
+def test_what_is_for_ros_goes_to_all_nodes(launch_file: Write) -> None:
+    file = launch_file("DeclareLaunchArgument('word')", "Node(**TALKER, namespace='a')", "Node(**TALKER)")
+    recording, code = recorded(file, "--ros-args", "-p", "rate:=4.0", "--", "word:=x")
+    assert code == 0
+    assert heard(recording) == {"/a/chatter 'hi' --ros-args": 4, "/chatter 'hi' --ros-args": 4}
+
+
 def test_included_files_get_arguments_and_know_their_folder(launch_file: Write) -> None:
     inner = launch_file(
         "DeclareLaunchArgument('word')",
