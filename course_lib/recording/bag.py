@@ -107,9 +107,14 @@ def _write(recording: Recording, folder: Path) -> None:
 
 def _add(writer: "Writer", topic: TopicSummary) -> "Connection":
     definition(topic.type_name)  # says which type is not known
-    offered = [bag_qos.to_bag(qos) for qos in topic.offered]
     return writer.add_connection(
-        topic.name, topic.type_name, typestore=typestore(), offered_qos_profiles=offered
+        topic.name,
+        topic.type_name,
+        typestore=typestore(),
+        # As rosbag2 does: a part of an action has no file that could be quoted.
+        msgdef="" if "/action/" in topic.type_name else None,
+        rihs01=typestore().hash_rihs01(topic.type_name),
+        offered_qos_profiles=[bag_qos.to_bag(qos) for qos in topic.offered],
     )
 
 

@@ -7,7 +7,14 @@ from functools import partial
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import message_class
-from course_lib.ros.messages.definitions import DEFAULTS, INTERFACES, definition, type_names, typestore
+from course_lib.ros.messages.definitions import (
+    DEFAULTS,
+    FOLDERS,
+    definition,
+    find_package,
+    type_names,
+    typestore,
+)
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
 from course_lib.tools.hints import did_you_mean
@@ -69,6 +76,7 @@ def _packages(*kinds: str) -> set[str]:
 
 
 def _check_package(name: str) -> None:
+    find_package(name)
     there = _packages(*_TITLES)
     if name not in there:
         raise CourseError(f"Unknown package '{name}'{did_you_mean(name, there)}")
@@ -98,7 +106,7 @@ def _shown(name: str, depth: int, comments: bool, nested_comments: bool) -> Iter
 
 def _lines(name: str) -> list[str]:
     """Give the lines of a type's file, or, if rosbags knows it without its comments, such lines."""
-    for path in INTERFACES.glob(f"{name}.*"):
+    for path in (path for folder in FOLDERS for path in folder.glob(f"{name}.*")):
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     here = f"{name.split('/')[0]}/"
     lines = [f"{base} {constant}={number}" for constant, base, number in typestore().fielddefs[name][0]]

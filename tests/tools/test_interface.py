@@ -4,7 +4,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.messages.definitions import type_names
+from course_lib.ros.messages.definitions import type_names, typestore
 from course_lib.tools.interface import interfaces
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
@@ -51,7 +51,7 @@ def test_comments_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.Monk
     file = tmp_path / "example_interfaces" / "srv" / "AddTwoInts.srv"
     file.parent.mkdir(parents=True)
     file.write_text("# Adds.\n\nint64 a  # one\nint64 b\n---\nint64 sum\nstd_msgs/Header header # when\n")
-    monkeypatch.setattr("course_lib.tools.interface.INTERFACES", tmp_path)
+    monkeypatch.setattr("course_lib.tools.interface.FOLDERS", [tmp_path])
     name = "example_interfaces/srv/AddTwoInts"
     shown = output(f"show {name}").splitlines()
     assert [line for line in shown if not line.startswith("\t")] == file.read_text().splitlines()
@@ -90,3 +90,16 @@ def test_proto_is_yaml_in_quotes() -> None:
 def test_an_unknown_type_is_answered_with_the_nearest(line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         output(line)
+
+
+def test_a_package_of_one_s_own_is_shown_with_its_comments(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "own_shown_msgs/srv"
+    folder.mkdir(parents=True)
+    (folder / "Drive.srv").write_text("float64 speed  # [m/s]\n---\nbool done\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert output("show own_shown_msgs/srv/Drive") == "float64 speed  # [m/s]\n---\nbool done\n"
+    assert output("package own_shown_msgs") == "own_shown_msgs/srv/Drive\n"
+    for name in [name for name in typestore().fielddefs if name.startswith("own_shown_msgs")]:
+        del typestore().fielddefs[name]

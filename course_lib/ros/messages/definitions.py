@@ -28,7 +28,7 @@ DEFAULTS: dict[tuple[str, str], Any] = {
     ("sensor_msgs/msg/NavSatStatus", "status"): -2,
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
-INTERFACES = Path(__file__).parent.parent / "interfaces"
+FOLDERS = [Path(__file__).parent.parent / "interfaces"]  # of packages' folders; the kit's own is the first
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ def typestore() -> "Typestore":
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
-    for path in sorted(INTERFACES.glob("*/*/*.*")):
+    for path in sorted(FOLDERS[0].glob("*/*/*.*")):
         store.register(read_interface(path))
     return store
 
@@ -76,26 +76,28 @@ def add_package(package: Path) -> None:
     """
     from rosbags.typesys import TypesysError
 
-    for path in sorted(p for p in package.glob("*/*.*") if p.suffix == f".{p.parent.name}"):
+    if package.parent not in FOLDERS:
+        FOLDERS.append(package.parent)
+    paths = sorted(path for path in package.glob("*/*.*") if path.suffix == f".{path.parent.name}")
+    for path in paths:
         check_interface(path)
-        found = read_interface(path)
         try:
-            typestore().register(found)
+            typestore().register(read_interface(path))
         except TypesysError as error:
             raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
         DEFAULTS.update(read_defaults(path))
-        for name, (_, fields) in found.items():
-            for field in (_field(name, *field) for field in fields):
-                if field.is_message and not field.base.startswith(f"{package.name}/"):
-                    try:
-                        definition(field.base)
-                    except CourseError as error:
-                        raise CourseError(f"{path}, field {field.name}: {error}") from error
+    known = typestore().fielddefs
+    for file, name in ((path, name) for path in paths for name in read_interface(path)):
+        for field in (field for field in definition(name).fields if field.is_message):
+            other = field.base.split("/")[0]
+            if field.base not in known and other != package.name:
+                find_package(other)
+            if field.base not in known:
+                raise CourseError(f"{file}, field {field.name}: No message type {field.base!r} here.")
 
 
-def _find_package(type_name: str) -> None:
-    """Take in the package of a type that is not known yet, if its folder is on Python's path or here."""
-    package, *_ = type_name.split("/")
+def find_package(package: str) -> None:
+    """Take in a package that is not known yet, if its folder is on Python's path or here."""
     for entry in (*sys.path, "."):
         folder = Path(entry, package)
         if package.isidentifier() and next(folder.glob("[msa]*/*.[msa]*"), None) is not None:
@@ -117,7 +119,7 @@ def definition(type_name: str) -> MessageDefinition:
     """
     known = typestore().fielddefs
     if type_name not in known:
-        _find_package(type_name)
+        find_package(type_name.split("/")[0])
     if type_name not in known:
         close = get_close_matches(type_name, known, n=3, cutoff=0.5)
         hint = (

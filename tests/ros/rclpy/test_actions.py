@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,6 +30,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from unique_identifier_msgs.msg import UUID
 
+from course_lib.recording import read_bag, record, write_bag
 from course_lib.ros.baton import DeadlockError
 from course_lib.ros.graph import Graph
 
@@ -313,3 +315,15 @@ def test_an_id_that_is_taken_is_rejected(server_node: Node, client: ActionClient
     first = send(client, until_done, goal_uuid=one)
     assert first.accepted
     assert not send(client, until_done, goal_uuid=one).accepted
+
+
+def test_what_an_action_publishes_is_recorded_and_read_again(
+    begun: Graph, server_node: Node, client: ActionClient, until_done: Drive, tmp_path: Path
+) -> None:
+    recorder = record(begun)
+    ActionServer(server_node, Fibonacci, "fibonacci", count)
+    until_done(send(client, until_done).get_result_async())
+    write_bag(recorder.recording(), tmp_path / "bag")
+    read = read_bag(tmp_path / "bag")
+    feedback: list[Any] = [message for _, message in read.messages("/fibonacci/_action/feedback")]
+    assert [list(message.feedback.sequence) for message in feedback] == [[0, 1, 1], [0, 1, 1, 2]]
