@@ -1,0 +1,48 @@
+import pytest
+
+from course_lib.displays.yaml_file import parse_yaml, yaml_text
+
+# What is read of a scalar, and how it is written again.
+FORMS = {
+    "1.0": ("1.0", "1.0"),
+    "0x10": ("0x10", "0x10"),
+    "yes": ("yes", "yes"),
+    "True": ("True", "True"),
+    '"true"': ("true", "true"),
+    "'1'": ("1", "1"),
+    "128; 128; 0": ("128; 128; 0", "128; 128; 0"),
+    "<Fixed Frame>": ("<Fixed Frame>", "<Fixed Frame>"),
+    "2001-01-01": ("2001-01-01", "2001-01-01"),
+    "": (None, "~"),
+    "~": (None, "~"),
+    "null": (None, "~"),
+    '""': ("", '""'),
+    '"~"': ("~", '"~"'),
+    '"a: b"': ("a: b", '"a: b"'),
+    '"two\\nlines"': ("two\nlines", '"two\\nlines"'),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_all_is_text_or_null_and_is_written_as_it_came(form: str) -> None:
+    value, written = FORMS[form]
+    parsed = parse_yaml(f"key: {form}\n").value
+    assert parsed == {"key": value}
+    assert yaml_text(parsed) == f"key: {written}\n"
+
+
+def test_empty_maps_go_to_a_line_of_their_own_as_in_rviz() -> None:
+    assert yaml_text({"Tree": {}, "List": [{"Tree": {}}]}) == "Tree:\n  {}\nList:\n  - Tree:\n      {}\n"
+
+
+def test_of_a_key_that_comes_twice_the_last_one_counts_and_of_documents_the_first() -> None:
+    assert parse_yaml("a: 1\na: 2\n---\nb: 3\n").value == {"a": "2"}
+
+
+def test_merges_are_keys_like_all_others_and_aliases_are_written_out() -> None:
+    assert parse_yaml("a: &x {b: 1}\n<<: *x\n").value == {"a": {"b": "1"}, "<<": {"b": "1"}}
+
+
+def test_places_are_lines_and_columns_from_one() -> None:
+    places = parse_yaml("a:\n  - b\n  - c: d\n").places
+    assert [places[path] for path in (("a",), ("a", 0), ("a", 1, "c"))] == [(2, 3), (2, 5), (3, 8)]
