@@ -158,7 +158,9 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     "ExtrapolationException": (
         Hint("into the future", "ask for the latest one, Time(), or give a timeout."),
     ),
-    "TypeException": (Hint("is not loaded or supported", "import tf2_geometry_msgs."),),
+    "TypeException": (
+        Hint("is not loaded or supported", "import tf2_geometry_msgs: it knows points, vectors and poses."),
+    ),
     "ImportError": (
         Hint(
             r"cannot import name '(\w+)' from '(\w+_(msgs|srvs|interfaces))'",

@@ -513,10 +513,10 @@ MISTAKES = [
         "",
     ),
     (
-        "Buffer().transform(PoseStamped(), 'map')",
+        "Buffer().transform(Marker(), 'map')",
         "tf2_ros.buffer_interface.TypeException: Type <class "
         "'geometry_msgs.msg._pose_stamped.PoseStamped'> is not loaded or supported",
-        "import tf2_geometry_msgs.",
+        "import tf2_geometry_msgs: it knows points, vectors and poses.",
     ),
     (
         "from std_msgs.msg import string",
