@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from fnmatch import fnmatch
 from pathlib import Path
 
 from course_lib.course.exercise import write_exercises
@@ -21,6 +22,7 @@ RELEASED = (
 # Who got more time concerns nobody else: a table of its own in course.toml, up to the next one.
 EXTENSIONS = re.compile(r"^\[weeks\.\w+\.extensions\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
+LESSONS = ("week*.ipynb", "images", "coverage.toml")  # else lessons have written it
 
 
 def release(out: Path) -> list[Path]:
@@ -49,10 +51,17 @@ def release(out: Path) -> list[Path]:
         raise CourseError(f"can't write the release to {out}: {error.strerror}") from error
 
 
+def _strays(folder: str, names: list[str]) -> set[str]:
+    """What is in notebooks/ and does not belong there."""
+    if Path(folder).name != "notebooks":
+        return LEFT_OUT(folder, names)
+    return {name for name in names if not any(fnmatch(name, pattern) for pattern in LESSONS)}
+
+
 def _copy(source: Path, place: Path) -> Path:
     place.parent.mkdir(parents=True, exist_ok=True)
     if source.is_dir():
-        shutil.copytree(source, place, ignore=LEFT_OUT)
+        shutil.copytree(source, place, ignore=_strays if source.name == "notebooks" else LEFT_OUT)
     else:
         shutil.copyfile(source, place)
     return place

@@ -9,7 +9,7 @@ from course_lib.course import release as release_module
 from course_lib.course.exercise import BEGIN, END
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import checkout_root, solutions_dir
-from course_lib.course.release import EXTENSIONS, release
+from course_lib.course.release import EXTENSIONS, _copy, release
 from course_lib.errors import CourseError
 
 
@@ -45,6 +45,14 @@ def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
     released = "\n".join(path.read_text() for path in (out / "exercises").rglob("*.ipynb"))
     assert answers()
     assert not [line for line in answers() if line in released]
+
+
+def test_what_lessons_have_written_beside_themselves_stays_here(tmp_path: Path) -> None:
+    (tmp_path / "notebooks/my_bag").mkdir(parents=True)
+    for name in ("week01_x.ipynb", "coverage.toml", "mine.rviz", "my_bag/metadata.yaml"):
+        (tmp_path / "notebooks" / name).write_text("")
+    copied = _copy(tmp_path / "notebooks", tmp_path / "out")
+    assert sorted(path.name for path in copied.iterdir()) == ["coverage.toml", "week01_x.ipynb"]
 
 
 def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path) -> None:
