@@ -1,8 +1,10 @@
 """One node's module in a package: its imports, what it needs, its class, and main."""
 
 import ast
+import io
 import re
 import sys
+import tokenize
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,6 +22,7 @@ _MAIN = '''def main(args=None):
     finally:
         node.destroy_node()
         rclpy.try_shutdown()'''
+_PLAIN = re.compile(r"""(\w*)"([^"'\\\n]*)\"""")  # a string that either quotation mark may enclose
 MAX_LINE = 100  # characters, as ament_flake8 has it
 _MAIN_IMPORTS = ("import rclpy", "from rclpy.executors import ExternalShutdownException")
 
@@ -112,5 +115,12 @@ def _joined(lines: Sequence[str]) -> list[str]:
 
 
 def _tidy(text: str) -> str:
-    """End one-line docstrings with a full stop, as pep257 wants it."""
+    """Write a part as ROS's linters want it: ' around strings, a full stop behind one-line docstrings."""
+    lines = text.splitlines()
+    for token in reversed(list(tokenize.generate_tokens(io.StringIO(text).readline))):
+        plain = _PLAIN.fullmatch(token.string)
+        if token.type == tokenize.STRING and plain:
+            row, begin, end = token.start[0] - 1, token.start[1], token.end[1]
+            lines[row] = f"{lines[row][:begin]}{plain[1]}'{plain[2]}'{lines[row][end:]}"
+    text = "\n".join(lines)
     return re.sub(r'^(\s+"""[^"\n]*[^"\n.!?:\s])\s*"""$', r'\1."""', text, flags=re.MULTILINE)

@@ -54,7 +54,7 @@ def count(recording: Recording, topic: str) -> int:
 def test_a_module_holds_what_its_class_needs_and_nothing_else(package: Path) -> None:
     text = (package / "perception_dashboard" / "perception_node.py").read_text()
     assert "# colours of classes, RGBA\nCOLORS = " in text
-    assert 'COLORS["car"] = ' in text
+    assert "COLORS['car'] = " in text
     for name in ("UNUSED", "TransformStamped", "spin_for", "TFPublisher"):
         assert name not in text
     assert ast.get_docstring(ast.parse(text)) == "Publishes boxes."
@@ -132,6 +132,12 @@ def test_names_are_found_as_python_finds_them(
     text = exported(NODE, *cells)
     assert there in text
     assert "get_ipython" not in text
+
+
+def test_strings_get_the_quotes_that_ros_s_linters_want(exported: Callable[..., str]) -> None:
+    kept = ['"it\'s"', '"a\\tb"', '"""doc"""', "'single'"]
+    text = exported(NODE, f'A = [\'a\', "b", r"c", "", {", ".join(kept)}]', TALKER + "        print(A)")
+    assert f"A = ['a', 'b', r'c', '', {', '.join(kept)}]" in text
 
 
 def test_a_file_s_own_main_is_kept(tmp_path: Path) -> None:
