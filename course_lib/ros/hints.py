@@ -159,7 +159,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("into the future", "ask for the latest one, Time(), or give a timeout."),
     ),
     "TypeException": (
-        Hint("is not loaded or supported", "import tf2_geometry_msgs: it knows points, vectors and poses."),
+        Hint("is not loaded or supported", "import tf2_geometry_msgs: it knows points and poses."),
     ),
     "ImportError": (
         Hint(

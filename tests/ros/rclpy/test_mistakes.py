@@ -515,8 +515,8 @@ MISTAKES = [
     (
         "Buffer().transform(Marker(), 'map')",
         "tf2_ros.buffer_interface.TypeException: Type <class "
-        "'geometry_msgs.msg._pose_stamped.PoseStamped'> is not loaded or supported",
-        "import tf2_geometry_msgs: it knows points, vectors and poses.",
+        "'visualization_msgs.msg._marker.Marker'> is not loaded or supported",
+        "import tf2_geometry_msgs: it knows points and poses.",
     ),
     (
         "from std_msgs.msg import string",
