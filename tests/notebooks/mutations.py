@@ -49,7 +49,9 @@ OPERATORS = (
         r"\g<1>0.5",
         "color|wide",
     ),
-    Operator("constant: rate", r"create_timer\((\d\.\d)", r"create_timer(2 * \1", "rate|slow|turn"),
+    Operator(
+        "constant: rate", r"create_timer\((\d\.\d)", r"create_timer(2 * \1", "rate|slow|turn|wrong time"
+    ),
     Operator("off by one: first item lost", r"enumerate\((\w+)\)", r"enumerate(\1[1:])", "shows 2|count"),
     Operator("off by one: one number for all", r"id=number", "id=0", "shows 1|count"),
     Operator("off by one: last point lost", r"\[\*(\w+), \1\[0\]\]", r"\1", "points"),
@@ -98,6 +100,15 @@ OPERATORS = (
     ),
     Operator("beams: those that do not count", r" if low <= \w+ <= high", "", "position"),
     Operator("type", r"Marker\.(CUBE|SPHERE|CYLINDER|LINE_STRIP)", "Marker.POINTS", "type|shows 0|POINTS"),
+    Operator("threshold", r" ([<>]=?) (\d\.\d+)(?=.*# \[m\])", r" \1 3 * \2", "points|shows|value|nothing"),
+    Operator("frame: of the map", r'place\("base_link"', 'place("map"', "points|shows"),
+    Operator("off by one: no new stripe", r"\.id \+ 1", ".id", "shows"),
+    Operator("joint: prefix lost", r'"ur10(?=elbow)', '"', "the controller refuses"),
+    Operator("velocities: none", r", velocities=\[[^)]*(?=\))", "", "has no velocities"),
+    Operator("unit: seconds", r"(time_from_start\.)sec = 3", r"\1nanosec = 3", "time of a trajectory"),
+    Operator("clip: none", r"min\(max\((.*), 0\.0\), 1\.0\)", r"\1", "value"),
+    Operator("sign: height of the wrist", r"-math\.atan2\(up", "math.atan2(up", "value"),
+    Operator("half of the wall", r"\.mean\(\)", ".sum()", "value"),
     Operator("hard-coded: one student's value", r"my_values\(.*?\)\[.*?\]", "9.9", GEOMETRY),
     Operator(
         "hard-coded: as long as the public run",

@@ -1,0 +1,190 @@
+"""Week 8, the painting robot: tasks, hints and public checks."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from course_lib.grading.inputs import pose, transforms, xyz
+from course_lib.grading.task import Call, Message, Scenario, Task, my
+from course_lib.grading.vocabulary import (
+    expect_marker,
+    expect_marker_count,
+    expect_trajectory,
+    expect_value,
+)
+
+ARM = "/arm_controller/joint_trajectory"
+PAINT = "/visualization_marker"
+OTHERS = ("shoulder_pan", "wrist_1", "wrist_2", "wrist_3")
+UPPER_ARM, FOREARM = 0.612, 0.5723  # [m]
+RISING = [0.25 + 0.1 * step for step in range(13)]  # [m] heights of the wrist, one per 0.1 s
+FIRST = [(1.0, 0.2, z) for z in RISING if z > 0.5]  # [m] where paint belongs
+SECOND = [(1.0, 0.6, z) for z in RISING[-2::-1] if z > 0.5]
+
+
+def standing(lift: Any) -> dict[str, Any]:
+    """Where a command leads to: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
+    others = {f"ur10{name}_joint": 0.0 for name in OTHERS}
+    return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
+
+
+def robot(at: float, base: tuple[float, float, float], height: float) -> Message:
+    """The base in map and the wrist in the base, [m], `at` [s] after the start."""
+    wrist = pose("base_link", "ur10wrist_3_link", (1.0, 0.2, height))
+    return transforms((pose("map", "base_link", base), wrist), at)
+
+
+def motion() -> Iterable[Message]:
+    """The wrist rises, the base drives 0.4 m to the left, the wrist comes down; each step takes 0.1 s."""
+    heights = [0.25] * 5 + RISING + [RISING[-1]] * 9 + RISING[-2::-1] + [0.25] * 5
+    lefts = [0.0] * 18 + [0.05 * step for step in range(1, 9)] + [0.4] * 30
+    for step, (height, left) in enumerate(zip(heights, lefts, strict=False)):
+        yield robot(0.05 + 0.1 * step, (0.0, left, 0.0), height)
+
+
+def folded(lift: float, elbow: float) -> tuple[float, float]:
+    """Where the wrist is, seen from the side: ahead of the shoulder and above it, [m]."""
+    ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
+    return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
+
+
+JOINT_AT = Task(
+    "week08.joint_at",
+    title="Between two points",
+    kind="function",
+    name="joint_at",
+    hints=(
+        "First say which part u of the time has gone: 0 at the start, 1 at the end, and never beyond.",
+        "Of the way, 3 u**2 - 2 u**3 is done then. How long is the way?",
+        "start + (goal - start) * (3 * u**2 - 2 * u**3), with u = min(max(t / seconds, 0.0), 1.0).",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(0.0, 1.5, 3.0, 1.5), Call(1.0, -1.0, 4.0, 1.0), Call(1.0, -1.0, 4.0, 5.0)),
+            checks=(
+                expect_value(0.75, call=0, unit="rad", name="the joint at half the time"),
+                expect_value(0.6875, call=1, unit="rad", name="the joint at a quarter of the time"),
+                expect_value(-1.0, call=2, unit="rad", name="the joint after the end"),
+            ),
+        ),
+    ),
+)
+
+SWEEP_NODE = Task(
+    "week08.sweep_node",
+    title="Two commands for the arm",
+    kind="node",
+    name="SweepNode",
+    hints=(
+        "A JointTrajectory has joint_names and points. How are the joints of this arm called?",
+        "The point has six positions and six velocities of 0. point.time_from_start.sec = 3.",
+        "if self.seconds in (1, 5): publish(JointTrajectory(joint_names=names, points=[point])).",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=7.0,  # [s]
+            seed=1,
+            checks=(
+                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0).titled("the first command"),
+                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0).titled(
+                    "the second command, with your number"
+                ),
+            ),
+        ),
+    ),
+    personal={"lift": (-0.4, -0.35, -0.3, -0.2, -0.15, -0.1)},  # [rad]; -0.25 is the lesson's
+)
+
+PAINT_NODE = Task(
+    "week08.paint_node",
+    title="Paint by rules",
+    kind="node",
+    name="PaintNode",
+    hints=(
+        "self.place('base_link', WRIST)[2] is the height. Keep it in self.height for the next tick.",
+        "Put both lookups into a try, with except TransformException: return. Then compare, then paint.",
+        "math.dist(base, self.base) > 0.1: self.new_stripe(self.marker.id + 1). Then self.base = base.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=5.0,  # [s]
+            seed=1,
+            inputs=tuple(motion()),
+            checks=(
+                expect_marker_count(PAINT, 2, type="LINE_STRIP").titled("two stripes, two ids"),
+                expect_marker(PAINT, points=FIRST).titled("the points of the first sweep"),
+                expect_marker(PAINT, points=SECOND).titled("the points of the second sweep"),
+            ),
+        ),
+    ),
+    ghost=tuple(
+        Message(
+            "/expected",
+            "visualization_msgs/msg/Marker",
+            {
+                "header": {"frame_id": "map"},
+                "ns": "expected",
+                "id": number,
+                "type": 4,
+                "pose": {"orientation": {"w": 1.0}},
+                "scale": xyz((0.2, 0.0, 0.0)),  # [m]
+                "color": {"r": 1.0, "g": 1.0, "b": 0.0, "a": 1.0},
+                "points": [xyz(point) for point in stripe],
+            },
+        )
+        for number, stripe in enumerate((FIRST, SECOND))
+    ),
+)
+
+LIFT_AND_ELBOW = Task(
+    "week08.lift_and_elbow",
+    title="Two angles for a place",
+    kind="function",
+    name="lift_and_elbow",
+    hints=(
+        "Shoulder, elbow and wrist are a triangle. You know all three sides. Which angle is the elbow?",
+        "cos(elbow) = (ahead**2 + up**2 - a**2 - b**2) / (2 a b). Beyond -1 or 1 there is no such triangle.",
+        "lift = -atan2(up, ahead) - atan2(b sin(elbow), a + b cos(elbow)).",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(*folded(-1.2, 0.5)), Call(*folded(0.3, math.pi / 2)), Call(1.2, 0.5)),
+            checks=(
+                expect_value([-1.2, 0.5], call=0, unit="rad", name="(lift, elbow) for a place above"),
+                expect_value([0.3, math.pi / 2], call=1, unit="rad", name="(lift, elbow) for a place below"),
+                expect_value([], call=2, name="the answer for a place out of reach"),
+            ),
+        ),
+    ),
+)
+
+COVERAGE = Task(
+    "week08.coverage",
+    title="Stretch: how much is painted?",
+    kind="function",
+    name="coverage",
+    hints=(
+        "Cut the wall into small squares, and ask for each one: is its middle in some stripe?",
+        "y = np.arange(0.0025, width, 0.005) are the middles. A table of booleans says what is painted.",
+        "painted |= np.outer(abs(y - middle) < 0.1, (z > low) & (z < high)) for each; then painted.mean().",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(
+                Call([[0.5, 0.5, 1.5]], 1.0, 2.0),
+                Call([[0.5, 0.5, 1.5], [0.6, 0.5, 1.5]], 1.0, 2.0),
+            ),
+            checks=(
+                expect_value(0.1, call=0, tolerance=0.01, name="the coverage of one stripe"),
+                expect_value(0.15, call=1, tolerance=0.01, name="the coverage of two that overlap"),
+            ),
+        ),
+    ),
+)
+
+TASKS = (JOINT_AT, SWEEP_NODE, PAINT_NODE, LIFT_AND_ELBOW, COVERAGE)

@@ -1,0 +1,144 @@
+"""Week 8, the painting robot: hidden scenarios and checks."""
+
+import math
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
+from course_lib.grading.inputs import pose, transforms
+from course_lib.grading.task import Call, Message, Scenario, my
+from course_lib.grading.vocabulary import (
+    expect_marker,
+    expect_marker_count,
+    expect_trajectory,
+    expect_value,
+)
+
+ARM = "/arm_controller/joint_trajectory"
+PAINT = "/visualization_marker"
+OTHERS = ("shoulder_pan", "wrist_1", "wrist_2", "wrist_3")
+UPPER_ARM, FOREARM = 0.612, 0.5723  # [m]
+Step = tuple[float, float, float]  # [m]: x and z of the base in map, height of the wrist in base_link
+
+RISE = [0.43 + 0.05 * step for step in range(8)]  # [m] per 0.1 s, up to 0.78
+FALL = [0.70 - 0.02 * step for step in range(1, 16)]  # [m] per 0.1 s, down to 0.40
+STEPS: list[Step] = [
+    *((0.0, 0.0, z) for z in [0.43, *RISE]),
+    *((0.035 * step, 0.025 * step, 0.78) for step in range(1, 7)),  # up a ramp, the arm rests
+    *((0.21, 0.15, 0.78 + 0.006 * step) for step in range(10)),  # too slow to paint
+    *((0.21, 0.15, z) for z in (0.79, 0.75, 0.75)),
+    *((0.26, 0.15, z) for z in (0.75, 0.75, 0.70)),  # a pause and a small drive within a stripe
+    *((0.26 - 0.1 * step, 0.15, 0.70) for step in range(5)),  # far away
+    *((-0.14, 0.15, z) for z in FALL),
+    (-0.14, 0.15, 0.40),
+]
+LATE = 0.75  # [s] when TF begins
+
+
+def painted() -> list[list[tuple[float, float, float]]]:
+    """The stripes that belong there, by the two rules; points in map, [m]."""
+    stripes: list[list[tuple[float, float, float]]] = []
+    last: tuple[float, float] | None = None
+    for (_, _, before), (x, z, height) in pairwise(STEPS):
+        if abs(height - before) > 0.01 and height > 0.5:
+            if last is None or math.dist(last, (x, z)) > 0.1:
+                stripes.append([])
+            stripes[-1].append((x + 0.9, -0.1, z + height))
+            last = (x, z)
+    return stripes
+
+
+def motion() -> Iterable[Message]:
+    """The steps, one per 0.1 s, half way between two ticks of the painter."""
+    for number, (x, z, height) in enumerate(STEPS):
+        wrist = pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
+        yield transforms((pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
+
+
+def standing(lift: Any) -> dict[str, Any]:
+    """Where a command leads to: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
+    others = {f"ur10{name}_joint": 0.0 for name in OTHERS}
+    return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
+
+
+def folded(lift: float, elbow: float) -> tuple[float, float]:
+    """Where the wrist is, seen from the side: ahead of the shoulder and above it, [m]."""
+    ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
+    return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
+
+
+def two_commands(evidence: Evidence) -> Verdict:
+    """Commands are not repeated."""
+    came = len(evidence.messages(ARM))
+    return (
+        passed("as expected")
+        if came == 2
+        else failed(f"{came} commands came", "the count of commands is wrong")
+    )
+
+
+HIDDEN = {
+    "week08.joint_at": (
+        Scenario(
+            "other ways",
+            calls=(Call(-1.2, 1.5, 2.0, 1.5), Call(0.4, 0.2, 5.0, -1.0), Call(2.0, 3.0, 0.5, 9.0)),
+            checks=(
+                expect_value(-1.2 + 2.7 * 0.84375, call=0, unit="rad").worth(2),
+                expect_value(0.4, call=1, unit="rad"),
+                expect_value(3.0, call=2, unit="rad"),
+            ),
+        ),
+    ),
+    "week08.sweep_node": (
+        Scenario(
+            "longer",
+            seconds=20.0,  # [s]
+            seed=7,
+            checks=(
+                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0),
+                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0),
+                Check("two commands, and no more", two_commands),
+            ),
+        ),
+    ),
+    "week08.paint_node": (
+        Scenario(
+            "a ramp, a pause, and a late start of TF",
+            seconds=6.5,  # [s]
+            seed=11,
+            inputs=tuple(motion()),
+            checks=(
+                expect_marker_count(PAINT, len(painted()), type="LINE_STRIP"),
+                *(expect_marker(PAINT, frame="map", points=stripe) for stripe in painted()),
+            ),
+        ),
+    ),
+    "week08.lift_and_elbow": (
+        Scenario(
+            "other places",
+            calls=(Call(*folded(-0.4, 1.1)), Call(*folded(0.2, 0.3)), Call(0.02, -0.01), Call(0.9, -0.9)),
+            checks=(
+                expect_value([-0.4, 1.1], call=0, unit="rad"),
+                expect_value([0.2, 0.3], call=1, unit="rad"),
+                expect_value([], call=2),
+                expect_value([], call=3),
+            ),
+        ),
+    ),
+    "week08.coverage": (
+        Scenario(
+            "beside and across",
+            calls=(
+                Call([[0.0, -1.0, 1.0], [1.5, 0.5, 9.0], [4.0, 0.0, 1.0]], 1.6, 2.5),
+                Call([[0.5, 0.0, 1.0], [0.5, 0.5, 1.5], [0.55, 0.0, 0.5]], 1.0, 2.0),
+                Call([], 1.0, 1.0),
+            ),
+            checks=(
+                expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01),
+                expect_value((0.2 * 1.5 + 0.05 * 0.5) / 2.0, call=1, tolerance=0.01),
+                expect_value(0.0, call=2, tolerance=1e-9),
+            ),
+        ),
+    ),
+}
