@@ -12,7 +12,7 @@ from course_lib.tools.rqt.markup import drawing, tag, text
 from course_lib.tools.rqt.view import View
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
-_HIDDEN = {  # what each check box hides
+_KINDS = {  # what each check box hides
     "Debug": re.compile(r"/(rosout|clock|time|statistics|rqt|rviz|_ros2cli)|.*/_[^/]*$"),
     "tf": re.compile(r"/tf(_static)?$"),
     "Params": re.compile(r"/parameter_events$"),
@@ -35,7 +35,7 @@ class GraphView(View):
         self.add_choice("Show", (NODES, ACTIVE, ALL), ACTIVE)
         self.add_text("Node filter", "/")
         self.add_text("Topic filter", "/")
-        for name in ("Dead sinks", "Leaf topics", *_HIDDEN):
+        for name in ("Dead sinks", "Leaf topics", *_KINDS):
             self.add_check(f"Hide {name}", on=name in ("Debug", "Params"))
         self.add_check("Group namespaces", on=True)
 
@@ -59,7 +59,7 @@ class GraphView(View):
         return drawing("".join(shapes), *layers.size, f"{len(nodes)} nodes. {', '.join(links)}")
 
     def _shown(self, name: str, kind: str) -> bool:
-        hidden = any(rule.match(name) and self[f"Hide {what}"] for what, rule in _HIDDEN.items())
+        hidden = any(rule.match(name) and self[f"Hide {what}"] for what, rule in _KINDS.items())
         return not hidden and passes(name, self[f"{kind} filter"])
 
     def _names(self) -> dict[int, str]:
