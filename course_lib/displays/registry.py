@@ -58,27 +58,16 @@ REGISTRY: dict[str, type[Display]] = {
 }
 
 # What else RViz2 has, with what it shows (rviz_default_plugins/plugins_description.xml).
-_RVIZ = {
-    f"{PACKAGE}/{name}": type_name
-    for name, type_name in {
-        "AccelStamped": "geometry_msgs/msg/AccelStamped",
-        "CameraInfo": "sensor_msgs/msg/CameraInfo",
-        "DepthCloud": "sensor_msgs/msg/Image",
-        "Effort": "sensor_msgs/msg/JointState",
-        "FluidPressure": "sensor_msgs/msg/FluidPressure",
-        "GridCells": "nav_msgs/msg/GridCells",
-        "Illuminance": "sensor_msgs/msg/Illuminance",
-        "InteractiveMarkers": "visualization_msgs/msg/InteractiveMarkerUpdate",
-        "PointCloud": "sensor_msgs/msg/PointCloud",
-        "PointStamped": "geometry_msgs/msg/PointStamped",
-        "Polygon": "geometry_msgs/msg/PolygonStamped",
-        "RelativeHumidity": "sensor_msgs/msg/RelativeHumidity",
-        "Temperature": "sensor_msgs/msg/Temperature",
-        "TwistStamped": "geometry_msgs/msg/TwistStamped",
-        "Wrench": "geometry_msgs/msg/WrenchStamped",
-    }.items()
+RVIZ_ONLY = {
+    "rviz_default_plugins/Effort": "sensor_msgs/msg/JointState",
+    "rviz_default_plugins/FluidPressure": "sensor_msgs/msg/FluidPressure",
+    "rviz_default_plugins/GridCells": "nav_msgs/msg/GridCells",
+    "rviz_default_plugins/Illuminance": "sensor_msgs/msg/Illuminance",
+    "rviz_default_plugins/InteractiveMarkers": "visualization_msgs/msg/InteractiveMarkerUpdate",
+    "rviz_default_plugins/PointCloud": "sensor_msgs/msg/PointCloud",
+    "rviz_default_plugins/RelativeHumidity": "sensor_msgs/msg/RelativeHumidity",
+    "rviz_default_plugins/Temperature": "sensor_msgs/msg/Temperature",
 }
-RVIZ_ONLY = {name: type_name for name, type_name in _RVIZ.items() if name not in REGISTRY}
 
 
 class FailedDisplay(Display):

@@ -1,0 +1,34 @@
+import pytest
+
+from course_lib.displays.display import Display
+from course_lib.displays.registry import PACKAGE, REGISTRY, RVIZ_ONLY, FailedDisplay
+from tests.displays.bench import Bench
+
+# rviz_default_plugins/plugins_description.xml of Jazzy
+CLASSES = [
+    "AccelStamped", "Axes", "Camera", "CameraInfo", "DepthCloud", "Effort", "FluidPressure", "Grid",
+    "GridCells", "Illuminance", "Image", "InteractiveMarkers", "LaserScan", "Map", "Marker",
+    "MarkerArray", "Odometry", "Path", "PointCloud", "PointCloud2", "PointStamped", "Polygon", "Pose",
+    "PoseArray", "PoseWithCovariance", "Range", "RelativeHumidity", "RobotModel", "TF", "Temperature",
+    "TwistStamped", "Wrench",
+]  # fmt: skip
+
+
+def add(name: str) -> Display:
+    return Bench().session.add(f"{PACKAGE}/{name}", name, {"Topic": {"Value": "/t"}})
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_each_of_rviz_s_classes_is_drawn_or_says_that_rviz2_does(name: str) -> None:
+    display = add(name)
+    if isinstance(display, FailedDisplay):
+        (row,) = display.rows()
+        shows = RVIZ_ONLY[display.wanted]
+        assert row.text == f"RViz2 draws {name} ({shows}); this viewer does not, and keeps its settings."
+        assert row.level == "hint"
+    else:
+        assert display.class_name == f"{PACKAGE}/{name}"
+
+
+def test_there_are_no_other_classes_and_none_twice() -> None:
+    assert sorted([*REGISTRY, *RVIZ_ONLY]) == sorted(f"{PACKAGE}/{name}" for name in CLASSES)
