@@ -29,10 +29,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             "'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "functions.py:tick"
         ),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
-        Hint(
-            "'Future' object has no attribute",
-            "the answer comes later: future.add_done_callback(f), or await it, then future.result().",
-        ),
+        Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
     ),
     "TypeError": (
         Hint(r"Node.__init__\(\) missing .* 'node_name'", "name the node: super().__init__('a_name')."),
@@ -40,16 +37,12 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'str'>", "put it into a message: {1}(data=...)."),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
         Hint(
-            r"Expected <class '.*\.(\w+)'>, got",
-            "the publisher was made for {1}: publish one, or create it with the other type.",
+            r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make the publisher for the other type."
         ),
         Hint("missing .* 'qos_profile'", "say how many messages are kept, like 10, as the last argument."),
         Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
         Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
-        Hint(
-            "is not (a list of )?one of the allowed types",
-            "bool, int, float, str, or a list of one of them.",
-        ),
+        Hint("one of the allowed types", "bool, int, float, str, or lists."),
         Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", "client.py:call_async"),
         Hint("^$", "end the service's callback with: return response.", "service.py:_answer"),
         Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", "client.py:_request"),
@@ -67,7 +60,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
         Hint(
             "missing 1 required positional argument",
-            "a timer's callback takes no argument; a method has self first.",
+            "a timer gives no argument.",
             "executor.py:await_or_execute",
         ),
         Hint(
@@ -81,14 +74,11 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("Task got bad yield: <rclpy", "in a cell: rclpy.spin_until_future_complete(node, future)."),
         Hint(
             r"Subscription.__init__\(\): callback",
-            "write def heard(self, msg), and give the function itself: self.heard, without ().",
+            "write def heard(self, msg), and give self.heard, without ().",
         ),
         Hint("init.. must only be called once", "one rclpy.init() per program; rclpy.ok() says if it was."),
         Hint("must be initialized before it can be shutdown", "rclpy.try_shutdown() never complains."),
-        Hint(
-            "The (message|service|action) type provided",
-            "messages come from .msg, services from .srv, actions from .action.",
-        ),
+        Hint("The (message|service|action) type provided", "they are in .msg, .srv and .action."),
     ),
     "RCLError": (
         Hint("timer period must be non-negative", "give the period in seconds, like 0.1 for 10 Hz."),
@@ -126,20 +116,11 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("'level' field must be of type 'bytes'", "write DiagnosticStatus.OK, WARN, ERROR or STALE."),
         Hint("sub message of type '.*_Result'", "end the callback with return MyAction.Result()."),
         Hint("sub message of type 'Time'", "write node.get_clock().now().to_msg()."),
-        Hint(
-            "sub message of type 'Quaternion'",
-            "an angle is no rotation yet: Quaternion(z=sin(yaw / 2), w=cos(yaw / 2)).",
-        ),
+        Hint("sub message of type 'Quaternion'", "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))."),
         Hint(r"sub message of type '(\w+)'", "make one, with names: {1}(x=1.0, ...)."),
         Hint(r"each value of type '(\w+)'", "give a list of them: [{1}(x=1.0, ...)]."),
-        Hint(
-            "Invalid arguments passed to constructor: dict_keys",
-            "it takes depth, history, reliability, durability, deadline, lifespan.",
-        ),
-        Hint(
-            "Invalid arguments passed to constructor",
-            "%ros2 interface show tells what the fields are called.",
-        ),
+        Hint("Invalid arguments passed to constructor: dict_keys", "it takes depth, reliability, ..."),
+        Hint("Invalid arguments passed to constructor", "%ros2 interface show lists them."),
     ),
     "ParameterAlreadyDeclaredException": (
         Hint("", "declare it once, in __init__; set_parameters changes it."),

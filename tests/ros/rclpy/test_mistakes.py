@@ -51,7 +51,7 @@ MISTAKES = [
         "node.create_subscription(String, 'chatter', lambda: None, 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give the function itself: self.heard, without ().",
+        "write def heard(self, msg), and give self.heard, without ().",
     ),
     (
         "class Robot(Node):\n"
@@ -61,18 +61,18 @@ MISTAKES = [
         "robot.create_subscription(String, 'chatter', robot.heard, 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give the function itself: self.heard, without ().",
+        "write def heard(self, msg), and give self.heard, without ().",
     ),
     (
         "node.create_subscription(String, 'chatter', print('heard'), 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give the function itself: self.heard, without ().",
+        "write def heard(self, msg), and give self.heard, without ().",
     ),
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 1 required positional argument: 'event'",
-        "a timer's callback takes no argument; a method has self first.",
+        "a timer gives no argument.",
     ),
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
@@ -103,7 +103,7 @@ MISTAKES = [
         "node.create_publisher(String, 'chatter', 10).publish(Twist())",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class "
         "'geometry_msgs.msg._twist.Twist'>",
-        "the publisher was made for String: publish one, or create it with the other type.",
+        "publish a String, or make the publisher for the other type.",
     ),
     (
         "node.create_publisher(String, 'chatter')",
@@ -131,7 +131,7 @@ MISTAKES = [
         "node.create_publisher(AddTwoInts, 'chatter', 10)",
         "RuntimeError: The message type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a service or action",
-        "messages come from .msg, services from .srv, actions from .action.",
+        "they are in .msg, .srv and .action.",
     ),
     (
         "node.create_publisher(String, 'my chatter', 10)",
@@ -246,7 +246,7 @@ MISTAKES = [
     (
         "String(dta='hello')",
         "AssertionError: Invalid arguments passed to constructor: dta",
-        "%ros2 interface show tells what the fields are called.",
+        "%ros2 interface show lists them.",
     ),
     (
         "message = String()\nmessage.dta = 'hello'",
@@ -261,7 +261,7 @@ MISTAKES = [
     (
         "PoseStamped().pose.orientation = 1.57",
         "AssertionError: The 'orientation' field must be a sub message of type 'Quaternion'",
-        "an angle is no rotation yet: Quaternion(z=sin(yaw / 2), w=cos(yaw / 2)).",
+        "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2)).",
     ),
     (
         "PoseStamped().header.stamp = node.get_clock().now()",
@@ -308,12 +308,12 @@ MISTAKES = [
     (
         "node.declare_parameter('speed', {'max': 1.0})",
         "TypeError: The given value is not one of the allowed types '{'max': 1.0}'.",
-        "bool, int, float, str, or a list of one of them.",
+        "bool, int, float, str, or lists.",
     ),
     (
         "node.declare_parameter('speeds', [1, 'fast'])",
         "TypeError: The given value is not a list of one of the allowed types '[1, 'fast']'.",
-        "bool, int, float, str, or a list of one of them.",
+        "bool, int, float, str, or lists.",
     ),
     (
         "node.declare_parameter('speed', Parameter.Type.DOUBLE)\nnode.get_parameter('speed').value",
@@ -323,7 +323,7 @@ MISTAKES = [
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts.Request()).sum",
         "AttributeError: 'Future' object has no attribute 'sum'",
-        "the answer comes later: future.add_done_callback(f), or await it, then future.result().",
+        "it comes later: await it, or add_done_callback(f).",
     ),
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts)",
@@ -335,7 +335,7 @@ MISTAKES = [
         "RuntimeError: The service type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts_Request'>), this might be a message or "
         "action",
-        "messages come from .msg, services from .srv, actions from .action.",
+        "they are in .msg, .srv and .action.",
     ),
     (
         "node.create_service(AddTwoInts, 'add', lambda request, response: None)\n"
@@ -447,7 +447,7 @@ MISTAKES = [
     (
         "QoSProfile(dept=10)",
         "AssertionError: Invalid arguments passed to constructor: dict_keys(['dept'])",
-        "it takes depth, history, reliability, durability, deadline, lifespan.",
+        "it takes depth, reliability, ...",
     ),
     (
         "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
@@ -554,7 +554,7 @@ MISTAKES = [
         "ActionServer(node, AddTwoInts, 'count', print)",
         "RuntimeError: The action type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a message or service",
-        "messages come from .msg, services from .srv, actions from .action.",
+        "they are in .msg, .srv and .action.",
     ),
 ]
 
