@@ -48,7 +48,7 @@ def main() -> None:
         cost = busy / heard * 1e6  # [us]
         peer = peer or cost
         print(
-            f"{timers:5} timers  {heard:6} messages  {busy:6.2f} s CPU  {cost:5.1f} us each  {cost / peer:.2f}x"
+            f"{timers:5} timers {heard:6} messages  {busy:6.2f} s CPU  {cost:5.1f} us each {cost / peer:.2f}x"
         )
 
 
