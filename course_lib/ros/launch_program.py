@@ -155,9 +155,10 @@ class LaunchProgram(Process):
             raise CourseError(why_not_found(package))
         close = difflib.get_close_matches(executable, names, n=1)
         meant = f" Did you mean '{close[0]}'?" if close else ""
+        where = " Executables are named in console_scripts in setup.py." if found else ""
         raise CourseError(
             f"executable '{executable}' not found in package '{package}', which has: "
-            f"{', '.join(names) or 'none'}.{meant} Executables are named in console_scripts in setup.py."
+            f"{', '.join(names) or 'none'}.{meant}{where}"
         )
 
     def _go_on(self) -> None:

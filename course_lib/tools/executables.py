@@ -10,6 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 
 _NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
+_TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 _VIEWS = ("bag", "console", "graph", "plot", "reconfigure", "robot_monitor", "service_caller", "topic")
 
 
@@ -69,6 +70,19 @@ def _aggregator_node() -> None:
     _spin(Aggregator())
 
 
+def _unknown_robot() -> None:
+    """Run a robot whose nodes do not wait for each other, as if each were a process."""
+    from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+
+    from course_lib.robots.unknown_robot import unknown_robot
+
+    executor = MultiThreadedExecutor()
+    for node in unknown_robot():
+        executor.add_node(node)
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        executor.spin()
+
+
 def _static_transform_publisher() -> None:
     from course_lib.tools.ros2 import ros2
     from course_lib.tools.sources import GraphSource
@@ -88,11 +102,11 @@ def _static_transform_publisher() -> None:
     _spin()
 
 
-def _ros2() -> None:
+def _ros2(*words: str) -> None:
     from course_lib.tools.ros2 import ros2
     from course_lib.tools.sources import DISCOVERY, GraphSource
 
-    ros2(_own_words(), GraphSource(current_graph(), discovery=DISCOVERY), sys.stdout.write)
+    ros2([*words, *_own_words()], GraphSource(current_graph(), discovery=DISCOVERY), sys.stdout.write)
 
 
 def _rqt(view: str) -> None:
@@ -126,6 +140,8 @@ def _with_rclpy(work: Callable[[], None]) -> int:
     try:
         work()
     except (CourseError, OSError) as error:
+        if current_graph().ended:  # it was still waiting
+            return 0
         sys.stderr.write(f"[ERROR] [{sys.argv[0]}]: {error}\n")
         return 1
     return 0
@@ -139,6 +155,8 @@ _WORK: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("tf2_ros", "static_transform_publisher"): _static_transform_publisher,
+    **{words: partial(_ros2, "run", *words) for words in _TOOLS},
+    ("unknown_robot", "robot"): _unknown_robot,
     **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }
 EXECUTABLES = {name: partial(_with_rclpy, work) for name, work in _WORK.items()}
