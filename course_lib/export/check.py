@@ -114,7 +114,11 @@ def _advice(text: str) -> Iterator[str]:
 def _imports(folder: Path) -> set[str]:
     found = set[str]()
     for file in folder.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        try:
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+        except SyntaxError as error:
+            raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Mend it first.") from error
+        for node in ast.walk(tree):
             if isinstance(node, ast.Import):
                 found |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:

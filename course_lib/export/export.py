@@ -66,7 +66,11 @@ def _modules(file: Path, nodes: Sequence[str]) -> list[NodeModule]:
     else:
         kept, left_out = code, []
     roots = node_classes(kept, nodes)
-    return [_module(root, roots, kept, left_out) for root in roots]
+    modules = [_module(root, roots, kept, left_out) for root in roots]
+    for name, count in Counter(module.name for module in modules).items():
+        if count > 1:
+            raise CourseError(f"{count} classes would become the module {name}.py. Rename all but one.")
+    return modules
 
 
 def _module(

@@ -236,9 +236,11 @@ def forget_imported() -> None:
 
 
 def _call(package: Package, executable: str) -> object:
-    for folder in map(str, package.python):
-        if folder not in sys.path:
-            sys.path.insert(1, folder)  # behind the stand-in
+    folders = [str(folder) for folder in package.python]
+    sys.path[1:] = [
+        *folders,
+        *(entry for entry in sys.path[1:] if entry not in folders),
+    ]  # behind the stand-in
     module, function = package.executables[executable]
     _imported.add(module.partition(".")[0])
     return getattr(import_module(module), function)()

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from importlib.metadata import distributions
 from pathlib import Path
 
+from course_lib.errors import CourseError
+
 _SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
 
 
@@ -95,10 +97,17 @@ def _package(name: str, share: Path) -> Package:
 
 
 def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
-    """Give (module, function) of each executable that a setup.py declares, without running it."""
+    """Give (module, function) of each executable that a setup.py declares, without running it.
+
+    Raises:
+        CourseError: It is no Python.
+    """
     if not setup.is_file():
         return {}
-    tree = ast.parse(setup.read_text(encoding="utf-8"))
+    try:
+        tree = ast.parse(setup.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise CourseError(f"{setup}, line {error.lineno}: {error.msg}.") from error
     texts = [str(node.value) for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     scripts = filter(None, map(_SCRIPT.fullmatch, texts))
     return {script[1]: (script[2], script[3]) for script in scripts}

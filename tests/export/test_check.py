@@ -48,6 +48,13 @@ def test_what_is_only_advised_does_not_count_as_missing(copy: Path) -> None:
     assert any("maintainer" in line for line in report.lines())
 
 
+@pytest.mark.parametrize("path", ["setup.py", "perception_dashboard/tf_publisher.py"])
+def test_what_is_no_python_is_named_with_its_line(copy: Path, path: str) -> None:
+    (copy / path).write_text("x = 1\ny = (\n")
+    with pytest.raises(CourseError, match=f"{path}, line 2"):
+        lacks(copy)
+
+
 def test_no_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="no folder"):
         lacks(tmp_path / "nowhere")

@@ -100,6 +100,7 @@ def test_a_name_against_rep_144_is_refused(tmp_path: Path, name: str) -> None:
         ((NODE, TALKER.replace("self", "self, rate", 1)), "Talker\\(\\) needs rate"),
         ((NODE, "class Talker:\n    pass"), "derives from rclpy's Node"),
         ((NODE, "class Talker(Node)\n    pass"), "Cell 2, line 1"),
+        ((NODE, TALKER, TALKER.replace("Talker", "talker")), "2 classes would become the module talker.py"),
     ],
 )
 def test_what_cannot_work_is_found_before_anything_is_written(
