@@ -34,7 +34,7 @@ def expect_display(
     properties: Mapping[str, Any] | None = None,
     call: int = 0,
 ) -> Iterable[Problem]:
-    """An enabled display of a class, on a topic, with values by RViz's labels; "Topic/Depth" for inner ones."""
+    """An enabled display of a class, on a topic, with values by RViz's labels, like "Topic/Depth"."""
     found, problems = _layout(evidence, call)
     displays = [config for config in _displays(found.displays) if _class_of(config) == class_name]
     if not problems and not displays:
