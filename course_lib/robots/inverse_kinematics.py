@@ -35,14 +35,15 @@ def joints_for(
         start: Positions by name, as `link_poses` takes them.
 
     Raises:
-        CourseError: If there is no such link, or no solution was found; it says how near one comes.
+        CourseError: If there is no such link, the pose is none, or no solution was found; it says how near
+            one comes.
     """
     import pinocchio as pin
 
     model, tries = robot.model, []
-    if not model.existBodyName(link):
-        raise CourseError(f"{robot.name!r} has no link {link!r}.")
-    goal, frame = pin.SE3(np.asarray(transform_link_to_root, float)), model.getFrameId(link)
+    if not model.existBodyName(link) or model.nq != len(model.names) - 1:
+        raise CourseError(f"{robot.name!r} has no link {link!r}, or a joint that has more than one number.")
+    goal, frame = pin.SE3(_checked(transform_link_to_root)), model.getFrameId(link)
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     random, positions = np.random.default_rng(0), configuration(robot, start or {})
     for _ in range(STARTS):
@@ -58,6 +59,13 @@ def joints_for(
         f"{link} cannot be brought to ({place}) m in {robot.tree.root}, turned as asked: the best that was "
         f"found is {meters:.2f} m and {degrees:.0f}° away. Ask for a place nearer to the arm, or drive."
     )
+
+
+def _checked(transform: npt.ArrayLike) -> Floats:
+    pose = np.array(transform, float)
+    if pose.shape != (4, 4) or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-6):
+        raise CourseError(f"The pose {pose.tolist()} is no rigid transform of shape (4, 4), link to root.")
+    return pose
 
 
 def _descend(model: "pin.Model", frame: int, goal: "pin.SE3", positions: Floats) -> tuple[Floats, Floats]:

@@ -11,6 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
+from course_lib.robots.period import period_of
 from course_lib.robots.urdf import MOVING, Follow, Joint, parse_urdf
 
 
@@ -56,8 +57,7 @@ class JointStatePublisher(Node):
         self._zeros = dict(zeros or {})
         self._follows: dict[str, Follow] = {}  # what places each joint, in the order of the file
         try:
-            if not rate > 0:
-                raise CourseError(f"The rate is {rate!r}, expected one above 0, [Hz].")
+            period = period_of(rate)
             if robot_description:
                 self.set_description(robot_description)
         except CourseError:
@@ -70,7 +70,7 @@ class JointStatePublisher(Node):
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(String, "robot_description", self._on_description, latched)
         self._publisher = self.create_publisher(JointState, "joint_states", 10)
-        self.create_timer(1.0 / rate, self._publish)
+        self.create_timer(period, self._publish)
 
     def set_description(self, text: str) -> None:
         """Take another robot, its joints at their zeros; raises CourseError if one has no limits."""

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from course_lib.errors import CourseError
+from course_lib.robots.period import period_of
 from course_lib.robots.simulated_joints import SimulatedJoints
 from course_lib.robots.spline import Floats, Waypoint, sample
 from course_lib.robots.trajectory import waypoints_of
@@ -34,7 +35,8 @@ class JointTrajectoryController(Node):
         options: What any node takes.
 
     Raises:
-        CourseError: If the description is not valid, or `start` does not suit its joints.
+        CourseError: If the description is not valid, `start` does not suit its joints, or the rate is not
+            above 0.
     """
 
     def __init__(
@@ -45,9 +47,9 @@ class JointTrajectoryController(Node):
         rate: float = 20.0,
         **options: Unpack[NodeOptions],
     ) -> None:
+        self._period = period_of(rate)
         self._joints = SimulatedJoints(parse_urdf(robot_description), start or {})
         super().__init__("arm_controller", **options)
-        self._period = 1.0 / rate  # [s]
         self._new: tuple[Time, Sequence[Waypoint]] | None = None  # begins with the next update
         self._start_ns = self.get_clock().now().nanoseconds
         self._goal: TrajectoryGoal | None = None

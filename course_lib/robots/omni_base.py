@@ -9,6 +9,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node, NodeOptions
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
+from course_lib.robots.period import period_of
 from course_lib.robots.spline import Floats
 
 if TYPE_CHECKING:
@@ -29,13 +30,16 @@ class OmniBase(Node):
         rate: How often it moves, [Hz].
         timeout: How long one command holds, [s].
         options: What any node takes.
+
+    Raises:
+        CourseError: If the rate is not above 0.
     """
 
     def __init__(self, *, rate: float = 20.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
         import pinocchio as pin
 
+        self._period, self._timeout = period_of(rate), timeout  # [s]
         super().__init__("omni_base", **options)
-        self._period, self._timeout = 1.0 / rate, timeout  # [s]
         self._pose = pin.SE3.Identity()  # transform_base_to_odom
         self._goal: pin.SE3 | None = None  # transform_goal_to_odom
         self._speed, self._hold = np.zeros(3), 0.0  # as MAX_SPEED, and for how long [s]

@@ -43,6 +43,8 @@ class PaintNode(Node):
 
     def _update(self) -> None:
         if not self._buffer.can_transform("map", self._wrist, Time()):
+            says = f"Nothing is painted: TF does not know {self._wrist} in map."
+            self.get_logger().warning(says, throttle_duration_sec=5.0, skip_first=True)
             return
         before, self._height = self._height, self._place("base_link", self._wrist)[2]
         if self._base_has_moved() or not (

@@ -30,9 +30,14 @@ def straight_line(
         seconds: How long that takes.
 
     Raises:
-        CourseError: If a part of the line is out of reach, or a joint would be too fast.
+        CourseError: If an argument is none, a part of the line is out of reach, or a joint would be too fast.
     """
-    pose = link_poses(robot, start)[link]
+    poses = link_poses(robot, start)
+    if link not in poses or not seconds > 0 or np.shape(goal) != (3,):
+        raise CourseError(
+            f"{link=}, {goal=}, {seconds=}: give a link of {robot.name!r}, a point, and a time [s]."
+        )
+    pose = poses[link]
     begin, way = pose[:3, 3].copy(), np.asarray(goal, float) - pose[:3, 3]
     times = np.linspace(0.0, seconds, max(2, round(seconds / STEP) + 1))
     joints = [dict(start)]

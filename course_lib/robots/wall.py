@@ -25,6 +25,13 @@ class Wall:
     y: tuple[float, float]
     z: tuple[float, float]
 
+    def __post_init__(self) -> None:
+        """Check the numbers; raises a CourseError."""
+        if not (
+            np.isfinite([self.x, *self.y, *self.z]).all() and self.y[0] < self.y[1] and self.z[0] < self.z[1]
+        ):
+            raise CourseError(f"{self} has no area; give x, (y from, y to) and (z from, z to), [m].")
+
     def coverage(self, stripes: Iterable[Points], *, width: float = WIDTH, reach: float = 0.3) -> float:
         """Return which part of the wall has paint, 0 … 1.
 
@@ -47,10 +54,12 @@ class Wall:
 
     def _near(self, piece: Floats, reach: float) -> Floats:
         """The ends, y and z, of the part of a piece that is near enough, shape (2, 2); or none."""
-        (away, *_), (change, *_) = piece[0] - (self.x, 0, 0), piece[1] - piece[0]
-        first, last = sorted(np.clip([(side - away) / (change or 1e-12) for side in (-reach, reach)], 0, 1))
+        start, way = piece[0], piece[1] - piece[0]
+        away = start[0] - self.x
+        crossings = [(side - away) / (way[0] or 1e-12) for side in (-reach, reach)]  # portions of the way
+        first, last = np.clip(sorted(crossings), 0.0, 1.0)
         portions = [first, last] if first < last else []
-        return np.array([piece[0, 1:] + portion * (piece[1, 1:] - piece[0, 1:]) for portion in portions])
+        return np.array([(start + portion * way)[1:] for portion in portions])
 
     def marker(self) -> Marker:
         """Return what draws it."""

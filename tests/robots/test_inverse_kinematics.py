@@ -1,4 +1,5 @@
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
@@ -41,6 +42,12 @@ def test_what_is_out_of_reach_says_how_near_it_comes() -> None:
     says = r"^ur10tool0 cannot be brought to \(5.00, 0.00, 1.30\) m in base_link.* is (2\.[7-9]|3\.)\d+ m"
     with pytest.raises(CourseError, match=says):
         joints_for(robot, "ur10tool0", goal)
+
+
+@pytest.mark.parametrize("pose", [np.eye(3), np.diag([2.0, 1, 1, 1]), np.full((4, 4), np.nan)])
+def test_a_pose_that_is_none_is_refused(pose: npt.NDArray[np.float64]) -> None:
+    with pytest.raises(CourseError, match=r"is no rigid transform of shape \(4, 4\), link to root"):
+        joints_for(mobile_manipulator(), WRIST, pose)
 
 
 def test_a_link_that_is_not_there_is_named() -> None:

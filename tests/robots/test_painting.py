@@ -1,5 +1,6 @@
 """The rules of painting, over the run of tests/programs/painting_robot.py."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,11 @@ def test_two_sweeps_paint_two_stripes_of_at_least_8_points(painted: tuple[PaintN
 
 def test_nothing_is_painted_while_the_base_drives(painted: tuple[PaintNode, Heard]) -> None:
     assert not [seconds for seconds, _ in markers(painted) if DRIVE <= seconds < SECOND]
+
+
+def test_it_says_why_nothing_is_painted(run: Callable[..., None], capfd: pytest.CaptureFixture[str]) -> None:
+    run(6.0, PaintNode("hand"))
+    assert "Nothing is painted: TF does not know hand in map." in capfd.readouterr().err
 
 
 def test_stripes_are_yellow_and_0_2_m_wide_in_map(painted: tuple[PaintNode, Heard]) -> None:

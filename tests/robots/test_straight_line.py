@@ -43,6 +43,14 @@ def test_the_wrist_leaves_the_line_by_less_than_a_centimetre_and_does_not_turn(
     assert np.abs(poses[:, :3, :3] - AT_THE_WALL[:3, :3]).max() < 0.001
 
 
+@pytest.mark.parametrize(
+    ("link", "goal", "seconds"), [("hand", (1, 0, 1), 1.0), (WRIST, (1, 0), 1.0), (WRIST, (1, 0, 1), 0.0)]
+)
+def test_arguments_that_are_none_are_refused(link: str, goal: tuple[float, ...], seconds: float) -> None:
+    with pytest.raises(CourseError, match="give a link of 'mobile_manipulator', a point, and a time"):
+        straight_line(mobile_manipulator(), link, START, goal, seconds=seconds)
+
+
 def test_a_line_out_of_reach_or_too_fast_is_refused() -> None:
     robot = mobile_manipulator()
     start = joints_for(robot, WRIST, AT_THE_WALL, START)

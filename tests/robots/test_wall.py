@@ -74,6 +74,11 @@ def test_stripes_that_are_none_are_refused() -> None:
         flatness([[[np.nan, 0.0, 0.0]] * 2])
 
 
+def test_a_wall_without_an_area_is_refused() -> None:
+    with pytest.raises(CourseError, match="has no area"):
+        Wall(2.0, (1.0, -1.0), (0.0, 2.4))
+
+
 def test_its_marker_stands_behind_its_face() -> None:
     marker = WALL.marker()
     assert marker.pose.position.x - marker.scale.x / 2 == pytest.approx(WALL.x)

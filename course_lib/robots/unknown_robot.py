@@ -1,0 +1,236 @@
+"""A robot to be found out about: `ros2 run unknown_robot robot`, or its nodes."""
+
+import math
+import time
+from functools import partial
+from typing import Any
+
+import numpy as np
+from control_msgs.action import GripperCommand
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from nav_msgs.msg import Odometry, Path
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import BatteryState, Image, Imu, JointState, LaserScan, Temperature
+from std_msgs.msg import Bool, Float64
+from std_srvs.srv import Trigger
+from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
+from vision_msgs.msg import Detection3D, Detection3DArray
+from visualization_msgs.msg import Marker, MarkerArray
+
+from course_lib.robots.unknown_make import Make
+
+RADIUS, TURN = 2.0, 0.3  # [m], [rad/s] of its way round
+ROOM = 5.0  # [m] from the middle to the walls
+MODELS = {"large": 0.15, "small": 0.005}  # [s] that the detector takes for an image
+DRIFT = 0.02  # [rad/s] of the gyroscope
+
+
+class CameraDriver(Node):
+    """Images, as often as its parameter says."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("camera_driver", namespace="robot")
+        span = ParameterDescriptor(
+            description="images per second [Hz]",
+            floating_point_range=[FloatingPointRange(from_value=1.0, to_value=60.0)],
+        )
+        self.declare_parameter("frame_rate", make.image_hz, span)
+        self.declare_parameter("frame_id", "camera_link")
+        self._width, self._count = make.image_width, 0
+        self._images = self.create_publisher(Image, "front_cam/image_raw", qos_profile_sensor_data)
+        self.add_post_set_parameters_callback(self._start)
+        self._timer: Any = None
+        self._start([])
+
+    def _start(self, _: Any) -> None:
+        if self._timer is not None:
+            self.destroy_timer(self._timer)
+        self._timer = self.create_timer(1 / self.get_parameter("frame_rate").value, self._take)
+
+    def _take(self) -> None:
+        wide, high = self._width, self._width * 3 // 4
+        pixels = np.full((high, wide, 3), (40, 60, 90), np.uint8)
+        at = self._count % wide
+        pixels[:, at : at + 6] = (240, 160, 40)
+        self._count += 1
+        image = Image(height=high, width=wide, encoding="rgb8", step=3 * wide, data=pixels.tobytes())
+        image.header.frame_id = self.get_parameter("frame_id").value
+        image.header.stamp = self.get_clock().now().to_msg()
+        self._images.publish(image)
+
+
+class Detector(Node):
+    """Says where a box is, some time after each image."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("detector", namespace="robot")
+        self.declare_parameter("model", "small" if make.serial else "large")
+        self.declare_parameter("threshold", make.threshold)
+        newest = QoSProfile(depth=1, reliability=qos_profile_sensor_data.reliability)
+        self.create_subscription(Image, "front_cam/image_raw", self._detect, newest)
+        self._found = self.create_publisher(Detection3DArray, "detections", 10)
+        self._markers = self.create_publisher(MarkerArray, "annotations", 10)
+
+    def _detect(self, image: Image) -> None:
+        time.sleep(MODELS.get(self.get_parameter("model").value, 0.0))
+        found = Detection3D(header=image.header, id="1")
+        found.bbox.center.position.x = 2.0  # [m] ahead
+        self._found.publish(Detection3DArray(header=image.header, detections=[found]))
+        marker = Marker(header=found.header, ns="boxes", type=Marker.CUBE, pose=found.bbox.center)
+        marker.scale.x = marker.scale.y = marker.scale.z = 0.6  # [m]
+        marker.color.g, marker.color.a = 0.8, 0.8
+        self._markers.publish(MarkerArray(markers=[marker]))
+
+
+class LidarDriver(Node):
+    """Scans of a square room."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("lidar_driver", namespace="robot")
+        self.declare_parameter("frame_id", "laser_link" if make.serial else "lasr_link")
+        self._scans = self.create_publisher(
+            LaserScan, "scan", QoSProfile(depth=10) if make.scans_reliably else qos_profile_sensor_data
+        )
+        self.create_timer(0.1, self._scan)
+
+    def _scan(self) -> None:
+        x, y, yaw = where(self)
+        angles = np.linspace(-math.pi / 2, math.pi / 2, 91)
+        ahead = np.array([np.cos(angles + yaw), np.sin(angles + yaw)])  # shape (2, 91)
+        walls = (np.sign(ahead) * ROOM - np.array([[x], [y]])) / np.where(ahead == 0, 1e-9, ahead)
+        scan = LaserScan(angle_min=-math.pi / 2, angle_max=math.pi / 2, range_min=0.1, range_max=20.0)
+        scan.angle_increment, scan.ranges = math.pi / 90, walls.min(axis=0).tolist()
+        scan.header.frame_id = self.get_parameter("frame_id").value
+        scan.header.stamp = self.get_clock().now().to_msg()
+        self._scans.publish(scan)
+
+
+class BaseDriver(Node):
+    """Drives a circle: odometry, gyroscope, frames, the plan; a service is there to be called."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("base_driver", namespace="robot")
+        self._odometry = self.create_publisher(Odometry, "odom", 10)
+        self._imu = self.create_publisher(Imu, "imu/data", qos_profile_sensor_data)
+        self._tf, self._fixed = TransformBroadcaster(self), StaticTransformBroadcaster(self)
+        self._fixed.sendTransform(
+            [placed(self, "base_link", name, 0.2) for name in ("laser_link", "camera_link")]
+        )
+        self._plans = self.create_publisher(Path, "plan", 10)
+        self.create_timer(1.0, self._plan)
+        self.create_service(Trigger, "reset_odometry", self._reset)
+        self.create_timer(0.05, self._drive)
+
+    def _drive(self) -> None:
+        x, y, yaw = where(self)
+        frame = placed(self, "odom", "base_link", x, y, yaw)
+        self._tf.sendTransform(frame)
+        odometry = Odometry(header=frame.header, child_frame_id="base_link")
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = x, y
+        odometry.pose.pose.orientation = frame.transform.rotation
+        odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = RADIUS * TURN, TURN
+        self._odometry.publish(odometry)
+        imu = Imu(header=frame.header)
+        imu.header.frame_id, imu.angular_velocity.z = "base_link", TURN + DRIFT
+        self._imu.publish(imu)
+
+    def _plan(self) -> None:
+        plan = Path(header=placed(self, "odom", "", 0.0).header)
+        for angle in np.linspace(0.0, math.tau, 41):
+            pose = PoseStamped(header=plan.header)
+            pose.pose.position.x = RADIUS * math.cos(angle)
+            pose.pose.position.y = RADIUS * math.sin(angle)
+            plan.poses.append(pose)
+        self._plans.publish(plan)
+
+    def _reset(self, _: Any, response: Any) -> Any:
+        response.success, response.message = True, "odometry is 0 now"
+        return response
+
+
+class Gripper(Node):
+    """Two fingers: their command and their state, which follows; an action moves them."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("gripper", namespace="robot")
+        self._states = self.create_publisher(JointState, "joint_states", 10)
+        self._commands = self.create_publisher(JointState, "joint_commands", 10)
+        self._wanted = self._is = 0.0  # [m]
+        self._server = ActionServer(self, GripperCommand, "gripper_cmd", self._move)
+        self.create_timer(0.05, self._report)
+
+    def _report(self) -> None:
+        self._is += 0.2 * (self._wanted - self._is)
+        for publisher, position in ((self._states, self._is), (self._commands, self._wanted)):
+            state = JointState(name=["finger_joint"], position=[position])
+            state.header.stamp = self.get_clock().now().to_msg()
+            publisher.publish(state)
+
+    def _move(self, goal: Any) -> Any:
+        self._wanted = goal.request.command.position
+        goal.succeed()
+        return GripperCommand.Result(position=self._wanted, reached_goal=True)
+
+
+class Board(Node):
+    """What the computer measures of itself, once a second."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("board", namespace="robot")
+        add = partial(self.create_publisher, qos_profile=10)
+        self._battery = add(BatteryState, "battery")
+        self._temperature = add(Temperature, "motor_temperature")
+        self._load, self._accuracy = add(Float64, "load"), add(Float64, "detector/accuracy")
+        self._start_ns = self.get_clock().now().nanoseconds
+        self.create_timer(1.0, self._measure)
+
+    def _measure(self) -> None:
+        now = self.get_clock().now()
+        seconds = (now.nanoseconds - self._start_ns) * 1e-9
+        battery = BatteryState(percentage=max(0.0, 0.45 - 0.01 * seconds))
+        warmth = Temperature(temperature=75.0 - 40.0 * math.exp(-seconds / 20.0))  # [°C]
+        battery.header.stamp = warmth.header.stamp = now.to_msg()
+        self._battery.publish(battery)
+        self._temperature.publish(warmth)
+        self._load.publish(Float64(data=0.5 + 0.2 * math.sin(seconds)))
+        self._accuracy.publish(Float64(data=0.92))
+
+
+class SafetyStop(Node):
+    """Stops the robot before a wall, if it hears the scans."""
+
+    def __init__(self, make: Make) -> None:
+        super().__init__("safety_stop", namespace="robot")
+        self._stops = self.create_publisher(Bool, "stop", 10)
+        self.create_subscription(
+            LaserScan, "scan", self._look, qos_profile_sensor_data if make.serial else 10
+        )
+
+    def _look(self, scan: LaserScan) -> None:
+        self._stops.publish(Bool(data=min(scan.ranges) < 0.5))
+
+
+def unknown_robot(serial: int = 0) -> list[Node]:
+    """Make the nodes of a robot."""
+    kinds = (CameraDriver, Detector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
+    return [kind(Make(serial)) for kind in kinds]
+
+
+def where(node: Node) -> tuple[float, float, float]:
+    """Give x, y [m] and yaw [rad] of the robot in odom."""
+    angle = math.remainder(TURN * node.get_clock().now().nanoseconds * 1e-9, math.tau)
+    return RADIUS * math.cos(angle), RADIUS * math.sin(angle), angle + math.pi / 2
+
+
+def placed(
+    node: Node, parent: str, child: str, x: float, y: float = 0.0, yaw: float = 0.0
+) -> TransformStamped:
+    """The message of a transform child to parent, now."""
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id, message.header.stamp = parent, node.get_clock().now().to_msg()
+    message.transform.translation.x, message.transform.translation.y = x, y
+    message.transform.rotation.z, message.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
