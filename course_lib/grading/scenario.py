@@ -3,6 +3,7 @@
 import io
 from collections.abc import Mapping
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,7 @@ from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
+from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 
 INPUT_NODE = "scenario"
 # Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
@@ -41,9 +43,16 @@ class Stage:
         self._room = ImageRoom()
         self.graph.tap(self._record)
         for message in scenario.inputs:
+            is_request = "/srv/" in message.type_name
+            if is_request:
+                prefix, suffix = SERVICE_TOPICS[0]
+                topic, type_name = f"{prefix}{message.topic}{suffix}", f"{message.type_name}_Request"
+                message = replace(message, topic=topic, type_name=type_name)
             cdr = serialize(build(message, personal))
             endpoint = self.graph.add_publisher(self._ours, message.topic, message.type_name, Qos())
-            publish = partial(self.graph.publish, endpoint, cdr)
+            publish = partial(
+                self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
+            )
             due_ns = START_NS + round(message.at * 1e9)
             self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]

@@ -59,7 +59,10 @@ class Call:
 
 @dataclass(frozen=True)
 class Message:
-    """A message as plain data, published `at` [s] after the start of a scenario."""
+    """A message as plain data, published `at` [s] after the start of a scenario.
+
+    With the name and the type of a service it is a request, whose response nobody waits for.
+    """
 
     topic: str
     type_name: str

@@ -1,5 +1,6 @@
 """Who publishes and who subscribes, and which sample reaches whom."""
 
+import struct
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,6 +10,9 @@ from course_lib.ros.qos import Qos, incompatible
 
 OnMessage = Callable[[bytes, int, int], None]  # (cdr, source_ns, received_ns)
 SERVICE_TOPICS = (("rq", "Request"), ("rr", "Reply"))  # round a service's name, as in DDS
+SERVICE_HEADER = struct.Struct(
+    "<qq"
+)  # before the CDR bytes: the client's endpoint, and its count of requests
 
 
 @dataclass(frozen=True, slots=True)

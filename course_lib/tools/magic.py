@@ -1,7 +1,9 @@
-"""`%ros2 …` and `%rqt …` in a notebook."""
+"""`%ros2 …`, `%timeout 5 ros2 …` and `%rqt …` in a notebook."""
 
+import re
 import shlex
 import sys
+from _thread import interrupt_main
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -9,7 +11,6 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
-from course_lib.tools.rqt.rqt import rqt
 from course_lib.tools.sources import GraphSource
 from course_lib.tools.verb import Write
 
@@ -23,6 +24,7 @@ def register(shell: "InteractiveShell") -> None:
 
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
     shell.register_magic_function(rqt_magic, "line", "rqt")  # type: ignore[arg-type]  # as above
+    shell.register_magic_function(no_var_expand(timeout_magic), "line", "timeout")  # type: ignore[arg-type]  # as above
 
 
 def ros2_magic(line: str) -> None:
@@ -40,9 +42,29 @@ def ros2_magic(line: str) -> None:
         raise UsageError(str(error)) from None
 
 
+def timeout_magic(line: str) -> None:
+    """Run a `ros2` command for so many seconds of robot time, then do what ■ does, as Linux's timeout."""
+    from IPython.core.error import UsageError
+
+    found = re.fullmatch(r"([\d.]+)s?\s+ros2\s+(.+)", line.strip())
+    if not found or found[1].count(".") > 1:
+        raise UsageError(
+            f"%timeout {line}: write the seconds, then the command: %timeout 5 ros2 topic hz /scan"
+        )
+    graph = current_graph()
+    due_ns = graph.now_ns + round(float(found[1]) * 1e9)
+    alarm = graph.call_at(due_ns, interrupt_main, node=0, entity=0)
+    try:
+        ros2_magic(found[2])
+    finally:
+        alarm.cancel()
+
+
 def rqt_magic(line: str) -> None:
     """Show a view of this notebook's nodes, like %rqt graph."""
     from IPython.core.error import UsageError
+
+    from course_lib.tools.rqt.rqt import rqt
 
     try:
         rqt(shlex.split(line))

@@ -1,9 +1,12 @@
 """The words that check files are written in; each gives a `Check`."""
 
+from course_lib.grading.vocabulary.diagnostics import expect_fact, expect_level
 from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing
 from course_lib.grading.vocabulary.layouts import expect_display, expect_drawn, expect_layout
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
+from course_lib.grading.vocabulary.parameters import expect_parameters
+from course_lib.grading.vocabulary.paths import expect_path
 from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
 from course_lib.grading.vocabulary.trajectories import expect_trajectory
 from course_lib.grading.vocabulary.transforms import expect_circling_frame, expect_transform
@@ -14,12 +17,16 @@ __all__ = [
     "expect_circling_frame",
     "expect_display",
     "expect_drawn",
+    "expect_fact",
     "expect_joint_states",
     "expect_joint_swing",
     "expect_layout",
+    "expect_level",
     "expect_marker",
     "expect_marker_count",
     "expect_message",
+    "expect_parameters",
+    "expect_path",
     "expect_rate",
     "expect_stamps",
     "expect_text",

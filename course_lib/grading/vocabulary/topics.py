@@ -35,16 +35,28 @@ def expect_topic(
 
 
 @word("the rate of {topic}")
-def expect_rate(evidence: Evidence, topic: str, hz: float, *, tolerance: float = 0.1) -> Iterable[Problem]:
-    """The topic keeps a rate, [1/s] off by this fraction at most, from beginning to end.
+def expect_rate(
+    evidence: Evidence,
+    topic: str,
+    hz: float,
+    *,
+    tolerance: float = 0.1,
+    begin: float = 0.0,
+    end: float | None = None,
+) -> Iterable[Problem]:
+    """The topic keeps a rate, [1/s] off by this fraction at most, from beginning to end, [s].
 
     Messages of equal time count once.
     """
-    times = sorted({seconds for seconds, _ in evidence.messages(topic)})  # [s]
+    end = evidence.seconds if end is None else end
+    times = sorted({seconds for seconds, _ in evidence.messages(topic) if begin <= seconds <= end})  # [s]
+    if not times and evidence.messages(topic):
+        message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
+        return [Problem(message, "a topic falls silent for a while")]
     if not times:
         return [nothing_on(evidence, topic)]
     if len(times) == 1:
-        message = f"{topic} was published once in {evidence.seconds:g} s, expected {number(hz, 'Hz')}"
+        message = f"{topic} was published once in {end - begin:g} s, expected {number(hz, 'Hz')}"
         return [Problem(message, "a topic is published only once")]
     rate = (len(times) - 1) / (times[-1] - times[0])  # [1/s]
     if not close(rate, hz, tolerance * hz):
@@ -52,7 +64,7 @@ def expect_rate(evidence: Evidence, topic: str, hz: float, *, tolerance: float =
         message = f"{topic} is too {'fast' if fast else 'slow'}: {number(rate, 'Hz')}"
         mistake = f"a topic is published too {'fast' if fast else 'slowly'}"
         return [Problem(f"{message}, expected {number(hz, 'Hz')}", mistake)]
-    for before, after in pairwise((0.0, *times, evidence.seconds)):
+    for before, after in pairwise((begin, *times, end)):
         if after - before > LONGEST_GAP / hz + 1e-6:
             message = f"{topic} is silent from {number(before, 's')} to {number(after, 's')}"
             return [Problem(message, "a topic falls silent for a while")]
@@ -86,7 +98,10 @@ def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) ->
 def expect_message(
     evidence: Evidence, topic: str, fields: dict[str, Any], *, tolerance: float = 1e-3, unit: str = ""
 ) -> Iterator[Problem]:
-    """The last message on the topic has these fields, named with dots: `{"header.frame_id": "map"}`."""
+    """The last message on the topic has these fields, named with dots: `{"header.frame_id": "map"}`.
+
+    A number is a place in a list, counted from 0: `"status.0.name"`.
+    """
     came = evidence.messages(topic)
     if not came:
         yield nothing_on(evidence, topic)
@@ -95,5 +110,8 @@ def expect_message(
     for dotted, expected in fields.items():
         value = last
         for part in dotted.split("."):
-            value = value.get(part) if isinstance(value, dict) else None
+            if isinstance(value, list):
+                value = dict(enumerate(value)).get(int(part)) if part.isdecimal() else None
+            else:
+                value = value.get(part) if isinstance(value, dict) else None
         yield from compare(plain(value), plain(expected), tolerance, unit, dotted)

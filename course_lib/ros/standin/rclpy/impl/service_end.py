@@ -1,20 +1,17 @@
 """What a service and its clients share: one end of the two topics on which requests and responses travel."""
 
-import struct
 from collections import deque
 from typing import Any
 
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import Message, serialize, type_name
-from course_lib.ros.topics import SERVICE_TOPICS
+from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import Endpoint
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.impl.qos_conversion import to_qos
 from rclpy.qos import QoSProfile
-
-_HEADER = struct.Struct("<qq")  # before the CDR bytes: the client's endpoint, and its count of requests
 
 
 class ServiceEnd(Entity):
@@ -67,14 +64,14 @@ class ServiceEnd(Entity):
         self._ends[0].require()
         if not self.node_handle.context.is_valid:
             raise RCLError("Failed to send: the context is invalid")
-        self.node_handle.graph.publish(self.id, _HEADER.pack(client, number) + serialize(message))
+        self.node_handle.graph.publish(self.id, SERVICE_HEADER.pack(client, number) + serialize(message))
 
     def is_for_me(self, client: int) -> bool:
         """Say whether what came is to be taken: a service takes all requests."""
         return True
 
     def _receive(self, data: bytes, source_ns: int, received_ns: int) -> None:
-        client, number = _HEADER.unpack_from(data)
+        client, number = SERVICE_HEADER.unpack_from(data)
         if self.is_for_me(client):
-            self._queue.append((client, number, data[_HEADER.size :]))
+            self._queue.append((client, number, data[SERVICE_HEADER.size :]))
             self.node_handle.mark_ready(self)
