@@ -130,8 +130,8 @@ PAINT_NODE = Task(
                 "id": number,
                 "type": 4,
                 "pose": {"orientation": {"w": 1.0}},
-                "scale": xyz((0.2, 0.0, 0.0)),  # [m]
-                "color": {"r": 1.0, "g": 1.0, "b": 0.0, "a": 1.0},
+                "scale": xyz((0.26, 0.0, 0.0)),  # [m] blue, and wider than the paint: seen beside it
+                "color": {"r": 0.3, "g": 0.6, "b": 1.0, "a": 1.0},
                 "points": [xyz(point) for point in stripe],
             },
         )
