@@ -81,6 +81,24 @@ def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: flo
     return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
 
 
+def set_parameters(node: str, at: float, **values: Any) -> Message:
+    """What `ros2 param set` asks of a node, "/perception_node", `at` [s] after the start."""
+    parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
+    kind = "rcl_interfaces/srv/SetParameters"
+    return Message(f"{node}/set_parameters", kind, {"parameters": parameters}, at=at)
+
+
+def _parameter(value: Any) -> Mapping[str, Any]:
+    """A rcl_interfaces/ParameterValue; a value of the student's own is a double."""
+    number, field = {
+        bool: (1, "bool_value"),
+        int: (2, "integer_value"),
+        str: (4, "string_value"),
+        list: (8, "double_array_value"),
+    }.get(type(value), (3, "double_value"))
+    return {"type": number, field: value}
+
+
 def _detection(found: Found) -> Mapping[str, Any]:
     return {
         "id": str(found.track),

@@ -56,8 +56,9 @@ def get(source: Source, arguments: Namespace, write: Write) -> None:
 
 def set_one(source: Source, arguments: Namespace, write: Write) -> None:
     """Set a parameter; the value's type is that of its YAML."""
-    from rclpy.impl.parameter_yaml import read_value
     from rclpy.parameter import Parameter
+
+    from course_lib.ros.parameter_yaml import read_value
 
     try:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))

@@ -18,6 +18,7 @@ from course_lib.grading.exercise_run import ExerciseRun, run_exercise
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.personal import give_values, personal_values
 from course_lib.grading.scenario import run_here
+from course_lib.grading.task import Task
 from tests.notebooks.mutations import Operator, mutants
 
 ANSWERS = Path(__file__).parent / "answers"
@@ -58,6 +59,15 @@ def marked(cells: Sequence[str], week: str) -> ExerciseRun:
     return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
 
 
+def judged(week: str) -> list[Task]:
+    """The tasks that checks decide; a person reads the others."""
+    return [task for task in catalog().of_week(week) if not task.rubric]
+
+
+def judged_results(run: ExerciseRun) -> list[TaskResult]:
+    return [result for task, result in zip(run.tasks, run.results, strict=True) if not task.rubric]
+
+
 def said(result: TaskResult, *, hidden: bool | None = None) -> str:
     """All messages and kinds of mistake of the checks that failed."""
     failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
@@ -68,20 +78,21 @@ def said(result: TaskResult, *, hidden: bool | None = None) -> str:
 def test_the_solution_gets_full_marks_and_says_nothing_of_errors(week: str) -> None:
     run = marked(cells_of(solution(week)), week)
     assert run.cell_errors == []
-    assert [task.task for task in run.results if task.score != task.points] == []
+    assert [task.task for task in judged_results(run) if task.score != task.points] == []
+    assert [said(task) for task in run.results if not task.passed] == []
 
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_another_right_solution_gets_full_marks(week: str) -> None:
     run = marked(cells_of(ANSWERS / f"{week}_other_right.py"), week)
-    assert {task.task: said(task) for task in run.results if task.score != task.points} == {}
+    assert {task.task: said(task) for task in judged_results(run) if task.score != task.points} == {}
 
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_the_stub_gets_0_and_says_what_is_missing(week: str) -> None:
     run = marked(cells_of(exercise_path(solution(week))), week)
     assert [task.score for task in run.results] == [0.0] * len(run.results)
-    assert all("NotImplementedError" in "".join(task.errors) for task in run.results)
+    assert all("NotImplementedError" in "".join(task.errors) for task in judged_results(run))
 
 
 @cache
@@ -101,13 +112,13 @@ def test_a_wrong_answer_loses_points_and_its_mistake_is_named(name: str, task: s
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_every_task_has_two_wrong_answers(week: str) -> None:
-    for task in catalog().of_week(week):
+    for task in judged(week):
         assert len([1 for name, wrong in WRONG if f"{name[:6]}.{wrong}" == task.id]) >= 2
 
 
 def rounds(week: str) -> list[Any]:
     """Notebooks in which every task is mutated in one place, until each task has had all its mutants."""
-    cells, tasks = cells_of(solution(week)), catalog().of_week(week)
+    cells, tasks = cells_of(solution(week)), judged(week)
     places = [
         next(
             i for i, cell in enumerate(cells) if re.search(rf"^(class|def) {task.name}\b", cell, re.MULTILINE)
@@ -131,7 +142,7 @@ def rounds(week: str) -> list[Any]:
 def test_mutants_of_the_solution_lose_points_and_none_passes_the_hidden_checks(
     week: str, operators: dict[str, Operator], cells: list[str]
 ) -> None:
-    for result in marked(cells, week).results:
+    for result in judged_results(marked(cells, week)):
         if result.task in operators:
             assert result.errors == ()
             assert result.score < result.points

@@ -94,8 +94,9 @@ class ReconfigureView(View):
 
     def _set(self, name: str, new: Any) -> None:
         """Set a parameter; what the node refuses is taken back, with its reason."""
-        from rclpy.impl.parameter_yaml import read_value
         from rclpy.parameter import Parameter
+
+        from course_lib.ros.parameter_yaml import read_value
 
         was = self._values[name]
         self.check_time()

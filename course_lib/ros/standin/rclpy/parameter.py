@@ -7,7 +7,7 @@ from typing import Any
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterValue
 
-from rclpy.impl.parameter_yaml import read_file
+from course_lib.ros.parameter_yaml import read_file
 
 
 class Parameter:

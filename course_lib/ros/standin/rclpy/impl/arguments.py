@@ -113,7 +113,7 @@ def _for_ros(args: Sequence[str]) -> Iterator[str]:
 
 def _add(parsed: Arguments, flag: str, value: str) -> None:
     """Add one flag's value; raises ValueError if it is wrong."""
-    from rclpy.impl.parameter_yaml import read_file, read_value  # YAML is needed only here
+    from course_lib.ros.parameter_yaml import read_file, read_value  # YAML is needed only here
 
     if flag == "--params-file":
         parsed.overrides += read_file(value)

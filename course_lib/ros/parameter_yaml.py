@@ -17,9 +17,14 @@ _TYPE_NAMES = {bool: "bool", int: "integer", float: "double", str: "string"}
 def read_file(path: str) -> list[tuple[str, dict[str, Any]]]:
     """Read a file as (nodes, values by parameter); raises ValueError with rcl's text if it is none."""
     try:
-        return list(_nodes(_compose(Path(path).read_text(encoding="utf-8")), ""))
+        return read_text(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise ValueError(f"Error opening YAML file: {error.strerror}") from error
+
+
+def read_text(text: str) -> list[tuple[str, dict[str, Any]]]:
+    """Read a file's text as (nodes, values by parameter); raises ValueError with rcl's text."""
+    return list(_nodes(_compose(text), ""))
 
 
 def read_value(text: str) -> Any:
@@ -29,6 +34,9 @@ def read_value(text: str) -> Any:
 
 def _compose(text: str) -> Any:
     try:
+        for event in yaml.parse(text):
+            if isinstance(event, yaml.AliasEvent):
+                raise ValueError(f"Will not support aliasing at line {event.start_mark.line + 1}")
         return yaml.compose(text)
     except yaml.YAMLError as error:
         line = getattr(getattr(error, "problem_mark", None), "line", 0) + 1

@@ -1,0 +1,247 @@
+"""Week 7, the dashboard: hidden scenarios and checks."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import product
+from typing import Any
+
+from course_lib.displays.layout import layout_of, text_at
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
+from course_lib.grading.inputs import Found, detections, pose, set_parameters, transforms
+from course_lib.grading.task import Call, Message, Scenario, my
+from course_lib.grading.vocabulary import (
+    expect_display,
+    expect_layout,
+    expect_marker,
+    expect_marker_count,
+    expect_parameters,
+    expect_path,
+    expect_rate,
+    expect_stamps,
+    expect_value,
+)
+
+MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
+K = [138.0, 0.0, 79.5, 0.0, 140.0, 59.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
+USUAL = "25; 255; 0"  # of a Path whose color nobody changed
+CLEARLY = 100  # of 255, between two colors
+
+DOG = Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
+CAR = Found(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
+BICYCLE = Found(4, "Bicycle", (0.8, 2.0, 0.5), (1.7, 0.5, 1.0), 0.97)
+UNSURE = Found(6, "Car", (5.0, 5.0, 0.9), (4.0, 1.9, 1.8), 0.499)
+OBJECTS = (DOG, CAR, BICYCLE, UNSURE)
+
+
+def seen(last: float) -> Iterable[Message]:
+    """Detections until a time [s], five a second."""
+    return (detections(OBJECTS, at=0.1 + step / 5, frame="odom") for step in range(round(last * 5)))
+
+
+def driven(frame: str, base: str, seconds: float) -> Iterable[Message]:
+    """A straight way with 0.4 m/s along x, to the left, 20 times a second from 1 s on, for so long [s]."""
+    for step in range(round(seconds * 20)):
+        yield transforms([pose(frame, base, (0.02 * step, 1.0, 0.2), 1.2)], 1.03 + step / 20)
+
+
+def on_image(center: tuple[float, ...], size: tuple[float, ...]) -> tuple[list[list[float]], list[float]]:
+    """The corners of a box ahead, [m], and its rectangle, [px]."""
+    ends = [(m - e / 2, m + e / 2) for m, e in zip(center, size, strict=True)]
+    corners = [list(corner) for corner in product(*ends)]
+    columns = [K[0] * x / z + K[2] for x, _, z in corners]
+    rows = [K[4] * y / z + K[5] for _, y, z in corners]
+    return corners, [min(columns), min(rows), max(columns), max(rows)]
+
+
+ASIDE, ASIDE_BOX = on_image((-1.5, 0.4, 3.0), (1.0, 0.6, 2.0))
+FAR, FAR_BOX = on_image((2.0, -1.0, 9.0), (0.5, 1.8, 0.5))
+NEAR = on_image((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))[0]  # its front is 0.05 m ahead
+
+
+def paths_of(displays: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """The displays Path, those in groups too."""
+    for display in displays:
+        if text_at(display, "Class").endswith("/Path"):
+            yield display
+        yield from paths_of(display.get("Displays") or ())
+
+
+def colors_differ(evidence: Evidence) -> Verdict:
+    """Plan and trajectory are told apart by their colors."""
+    try:
+        paths = list(paths_of(layout_of(str(evidence.returns[0]), "layout").displays))
+        colors = [text_at(display, "Color") or USUAL for display in paths[:2]]
+        one, other = ([float(part) for part in color.split(";")] for color in colors)
+    except (CourseError, IndexError, ValueError):
+        return failed("the layout has no two paths with colors", "a display is missing, or not enabled")
+    if max(abs(a - b) for a, b in zip(one, other, strict=True)) >= CLEARLY:
+        return passed("as expected")
+    return failed("the two paths look alike", "the colors of the two paths do not differ clearly")
+
+
+A, B = [2.0, -1.0, -0.4], [-1.0, 3.0, 1.6]
+CUT = [1.25, 0.0, 0.1]  # a quarter of the way
+
+
+HIDDEN = {
+    "week07.box_on_image": (
+        Scenario(
+            "other boxes, another camera",
+            calls=(Call(K, ASIDE), Call(K, FAR), Call(K, NEAR), Call(K, [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]])),
+            checks=(
+                expect_value(ASIDE_BOX, call=0, tolerance=0.01),
+                expect_value(FAR_BOX, call=1, tolerance=0.01),
+                expect_value([], call=2),
+                expect_value([79.5, 59.5, 79.5 + 13.8, 59.5 + 14.0], call=3, tolerance=0.01),
+            ),
+        ),
+    ),
+    "week07.markers": (
+        Scenario(
+            "other objects",
+            seconds=3.0,  # [s]
+            seed=5,
+            inputs=(*seen(3.0),),
+            checks=(
+                expect_marker_count(MARKERS, 3, type="CUBE"),
+                expect_marker(
+                    MARKERS,
+                    ns="boxes",
+                    id=3,
+                    type="CUBE",
+                    frame="odom",
+                    position=DOG.center,
+                    scale=DOG.size,
+                    color=(0.5, 0.5, 0.5, 0.5),
+                ).worth(2),
+                expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0),
+            ),
+        ),
+        Scenario(
+            "other parameters",
+            seconds=4.0,  # [s]
+            seed=7,
+            inputs=(
+                *seen(4.0),
+                set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
+                set_parameters("/perception_node", 0.6, max_detections=2),
+                set_parameters("/perception_node", 0.7, confidence_threshold=0.1),
+            ),
+            checks=(
+                expect_marker_count(MARKERS, 2, type="CUBE"),
+                expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center),
+                expect_marker(MARKERS, ns="boxes", id=3, position=DOG.center),
+            ),
+        ),
+        Scenario(
+            "another color and threshold",
+            seconds=3.0,  # [s]
+            seed=9,
+            inputs=(
+                *seen(3.0),
+                set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
+                set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
+            ),
+            checks=(
+                expect_marker_count(MARKERS, 4, type="CUBE"),
+                expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8)),
+            ),
+        ),
+        Scenario(
+            "the detector stops",
+            seconds=5.0,  # [s]
+            seed=11,
+            inputs=(*seen(2.0),),
+            checks=(expect_marker_count(MARKERS, 0), expect_rate(MARKERS, 10.0)),
+        ),
+    ),
+    "week07.trajectory": (
+        Scenario(
+            "another way, which begins late",
+            seconds=14.0,  # [s]
+            seed=13,
+            inputs=(*driven("world", "base_link", 12.9),),
+            checks=(
+                expect_path(
+                    TRAJECTORY,
+                    count=100,
+                    frame="world",
+                    ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)),
+                    yaw=1.2,
+                    tolerance=0.06,
+                ),
+                expect_stamps(TRAJECTORY, tolerance=0.12),
+            ),
+        ),
+        Scenario(
+            "other frames and fewer points",
+            seconds=4.0,  # [s]
+            seed=15,
+            inputs=(
+                set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
+                set_parameters("/trajectory_node", 2.0, trajectory_max_points=8),
+                *driven("odom", "base", 2.9),
+            ),
+            checks=(
+                expect_path(
+                    TRAJECTORY,
+                    count=8,
+                    frame="odom",
+                    ends=((0.86, 1.0, 0.2), (1.14, 1.0, 0.2)),
+                    yaw=1.2,
+                    tolerance=0.06,
+                ),
+            ),
+        ),
+    ),
+    "week07.params": (
+        Scenario(
+            "all of it",
+            calls=(Call(),),
+            checks=(
+                expect_parameters(
+                    "/perception_node",
+                    {
+                        "marker_update_rate": 5.0,
+                        "confidence_threshold": my("threshold"),
+                        "bicycle_color": [1.0, 1.0, 0.0, 0.5],
+                        "world_frame": "odom",
+                    },
+                ),
+                expect_parameters("/trajectory_node", {"trajectory_max_points": 50, "world_frame": "odom"}),
+                expect_parameters("/tf_publisher", {"world_frame": "odom"}),
+            ),
+        ),
+    ),
+    "week07.layout": (
+        Scenario(
+            "all of it",
+            calls=(Call(),),
+            checks=(
+                expect_layout(fixed_frame="world"),
+                expect_display("TF", properties={"Show Names": True}),
+                expect_display("MarkerArray", MARKERS),
+                expect_display("Path", PLAN),
+                expect_display("Path", TRAJECTORY),
+                Check("the paths differ", colors_differ),
+            ),
+        ),
+    ),
+    "week07.part_ahead": (
+        Scenario(
+            "other edges",
+            calls=(
+                Call(A, B),
+                Call(B, A),
+                Call([1.0, 1.0, 0.1], [2.0, 2.0, 3.0]),
+                Call([0.0, 0.0, 0.09], [0.0, 1.0, -2.0]),
+            ),
+            checks=(
+                expect_value([CUT, B], call=0),
+                expect_value([B, CUT], call=1),
+                expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2),
+                expect_value([], call=3),
+            ),
+        ),
+    ),
+}
