@@ -9,6 +9,7 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, action_class
 from course_lib.tools.asking import answer, kind_of, own_node
 from course_lib.tools.hints import did_you_mean
+from course_lib.tools.listing import count, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.message_text import Style, to_yaml
 from course_lib.tools.sources import Source
@@ -20,18 +21,7 @@ _STATUSES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANC
 
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the actions' names."""
-    found = _actions(source)
-    if arguments.count_actions:
-        write(f"{len(found)}\n")
-        return
-    for name, types in found.items():
-        write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
-
-
-def types_of(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print an action's types; as in ROS nothing if there is no such action."""
-    for name in _actions(source).get(arguments.action_name, ()):
-        write(f"{name}\n")
+    write_names(_actions(source), arguments, write)
 
 
 def info(source: Source, arguments: Namespace, write: Write) -> None:
@@ -92,37 +82,25 @@ def _text(message: Message) -> str:
     return to_yaml(message, Style(truncate=None))
 
 
-def _actions(source: Source) -> dict[str, list[str]]:
+def _actions(source: Source, with_hidden: bool = True) -> dict[str, list[str]]:
     from rclpy.action.graph import actions
 
     return dict(actions(source.graph.endpoints()))
 
 
 _NAME = value("action_name", help="Name of the ROS action (e.g. '/fibonacci')")
-_SHOW = flag("-t", "--show-types", help="Additionally show the action type")
+_SHOW = show_types("action")
+_COUNT = flag("-c", "--count", help="Only display the number of action clients and action servers")
 _SEND = (
     value("action_type", help="Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"),
     value("goal", nargs="?", default="{}", help="Goal request values in YAML format (e.g. '{order: 10}')"),
     flag("--stdin", help="Read goal from standard input"),
     flag("-f", "--feedback", help="Echo feedback messages for the goal"),
 )
-_COUNT = "Only display the number of"
-ACTION_VERBS = tuple(
-    Verb("action", name, about, (*NODE_OPTIONS, *options), run)
-    for name, about, options, run in (
-        (
-            "list",
-            "Output a list of action names",
-            (_SHOW, flag("-c", "--count-actions", help=f"{_COUNT} actions discovered")),
-            list_all,
-        ),
-        ("type", "Print a action's type", (_NAME,), types_of),
-        (
-            "info",
-            "Print information about an action",
-            (_NAME, _SHOW, flag("-c", "--count", help=f"{_COUNT} action clients and action servers")),
-            info,
-        ),
-        ("send_goal", "Send an action goal", (_NAME, *_SEND), send_goal),
-    )
+_LIST = (*NODE_OPTIONS, _SHOW, count("action"))
+ACTION_VERBS = (
+    Verb("action", "list", "Output a list of action names", _LIST, list_all),
+    type_verb("action", "Print a action's type", _actions, _NAME),
+    Verb("action", "info", "Print information about an action", (*NODE_OPTIONS, _NAME, _SHOW, _COUNT), info),
+    Verb("action", "send_goal", "Send an action goal", (*NODE_OPTIONS, _NAME, *_SEND), send_goal),
 )

@@ -7,6 +7,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.topics import SERVICE_TOPICS
 from course_lib.tools.hints import did_you_mean
+from course_lib.tools.listing import count
 from course_lib.tools.sources import Source, is_hidden
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
 
@@ -18,7 +19,7 @@ Named = tuple[str, str]  # a topic's, a service's or an action's name and type
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the nodes' full names."""
     names = sorted(name for _, name in _nodes(source, hidden=arguments.all))
-    if arguments.count_nodes:
+    if arguments.count:
         write(f"{len(names)}\n")
         return
     if len(set(names)) < len(names):
@@ -70,27 +71,12 @@ def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:
     return found
 
 
+_LIST = (flag("-a", "--all", help="Display all nodes even hidden ones"), count("node"))
+_INFO = (
+    value("node_name", help="Node name to request information"),
+    flag("--include-hidden", help="Display hidden topics, services, and actions as well"),
+)
 NODE_VERBS = (
-    Verb(
-        "node",
-        "list",
-        "Output a list of available nodes",
-        (
-            *NODE_OPTIONS,
-            flag("-a", "--all", help="Display all nodes even hidden ones"),
-            flag("-c", "--count-nodes", help="Only display the number of nodes discovered"),
-        ),
-        list_all,
-    ),
-    Verb(
-        "node",
-        "info",
-        "Output information about a node",
-        (
-            *NODE_OPTIONS,
-            value("node_name", help="Node name to request information"),
-            flag("--include-hidden", help="Display hidden topics, services, and actions as well"),
-        ),
-        info,
-    ),
+    Verb("node", "list", "Output a list of available nodes", (*NODE_OPTIONS, *_LIST), list_all),
+    Verb("node", "info", "Output information about a node", (*NODE_OPTIONS, *_INFO), info),
 )

@@ -34,9 +34,8 @@ from course_lib.tools.topic.delay import TOPIC_DELAY
 from course_lib.tools.topic.echo import TOPIC_ECHO
 from course_lib.tools.topic.hz import TOPIC_HZ
 from course_lib.tools.topic.info import TOPIC_INFO
-from course_lib.tools.topic.list import TOPIC_LIST
+from course_lib.tools.topic.list import TOPIC_FIND, TOPIC_LIST, TOPIC_TYPE
 from course_lib.tools.topic.pub import TOPIC_PUB
-from course_lib.tools.topic.type import TOPIC_FIND, TOPIC_TYPE
 from course_lib.tools.verb import Verb, Write
 
 VERBS = (

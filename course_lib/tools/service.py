@@ -9,6 +9,7 @@ from course_lib.ros.messages import service_class
 from course_lib.ros.topics import SERVICE_TOPICS
 from course_lib.tools.asking import answer, kind_of, own_node
 from course_lib.tools.hints import did_you_mean
+from course_lib.tools.listing import count, find_verb, hidden, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.sources import Source, is_hidden
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
@@ -18,30 +19,12 @@ PATIENCE = 10.0  # [s] for a service and its answer, if nobody can press ■
 
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the services' names."""
-    found = _services(source, hidden=arguments.include_hidden_services)
-    if arguments.count_services:
-        write(f"{len(found)}\n")
-        return
-    for name, types in found.items():
-        write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
-
-
-def types_of(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a service's types; as in ROS nothing if there is no such service."""
-    for name in _services(source, hidden=True).get(arguments.service_name, ()):
-        write(f"{name}\n")
-
-
-def services_of(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the services of a type."""
-    there = _services(source, hidden=arguments.include_hidden_services)
-    found = [name for name, types in there.items() if arguments.service_type in types]
-    write(f"{len(found)}\n" if arguments.count_services else "".join(f"{name}\n" for name in found))
+    write_names(_services(source, arguments.hidden), arguments, write)
 
 
 def info(source: Source, arguments: Namespace, write: Write) -> None:
     """Print a service's type and how many ask and answer; raises a CourseError if there is none."""
-    name, there = arguments.service_name, _services(source, hidden=True)
+    name, there = arguments.service_name, _services(source, True)
     if name not in there:
         raise CourseError(f"Unknown service '{name}'{did_you_mean(name, there)}")
     types = there[name]
@@ -56,7 +39,7 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, hidden=True)
+    name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, True)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
         if not client.service_is_ready():
@@ -73,36 +56,28 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
             source.wait(lambda: False, max(0, next_ns - source.graph.now_ns) * 1e-9)
 
 
-def _services(source: Source, *, hidden: bool) -> dict[str, list[str]]:
+def _services(source: Source, with_hidden: bool) -> dict[str, list[str]]:
     """Give each service's types, sorted."""
     from rclpy.impl.node_graph import services
 
     found = services(source.graph.endpoints())
-    return {name: types for name, types in found if hidden or not is_hidden(name)}
+    return {name: types for name, types in found if with_hidden or not is_hidden(name)}
 
 
 _NAME = value("service_name", help="Name of the ROS service (e.g. '/add_two_ints')")
-_COUNT = flag("-c", "--count-services", help="Only display the number of services discovered")
-_HIDDEN = flag("--include-hidden-services", help="Consider hidden services as well")
-_TYPE = value("service_type", help="Type of the ROS service (e.g. 'std_srvs/srv/Empty')")
-_SHOW = flag("-t", "--show-types", help="Additionally show the service type")
+_TYPE = "Type of the ROS service (e.g. 'std_srvs/srv/Empty')"
+_LIST = (show_types("service"), count("service"), hidden("service"))
 _CALL = (
+    _NAME,
+    value("service_type", help=_TYPE),
     value("values", nargs="?", default="{}", help="Values to fill the request with (e.g. '{a: 1, b: 2}')"),
     flag("--stdin", help="Read values from standard input"),
     value("-r", "--rate", metavar="N", type=positive(float), help="Repeat the call at a specific rate in Hz"),
 )
-SERVICE_VERBS = tuple(
-    Verb("service", name, about, (*NODE_OPTIONS, *options), run)
-    for name, about, options, run in (
-        ("list", "Output a list of available services", (_SHOW, _COUNT, _HIDDEN), list_all),
-        ("type", "Output a service's type", (_NAME,), types_of),
-        (
-            "find",
-            "Output a list of available services of a given type",
-            (_TYPE, _COUNT, _HIDDEN),
-            services_of,
-        ),
-        ("info", "Print information about a service", (_NAME,), info),
-        ("call", "Call a service", (_NAME, _TYPE, *_CALL), call),
-    )
+SERVICE_VERBS = (
+    Verb("service", "list", "Output a list of available services", (*NODE_OPTIONS, *_LIST), list_all),
+    type_verb("service", "Output a service's type", _services, _NAME),
+    find_verb("service", _services, _TYPE),
+    Verb("service", "info", "Print information about a service", (*NODE_OPTIONS, _NAME), info),
+    Verb("service", "call", "Call a service", (*NODE_OPTIONS, *_CALL), call),
 )

@@ -18,9 +18,9 @@ class Option:
     settings: Mapping[str, Any]
 
 
-def flag(*flags: str, help: str) -> Option:  # noqa: A002  # argparse's own word
+def flag(*flags: str, help: str, **settings: Any) -> Option:  # noqa: A002  # argparse's own word
     """Give an option that is on or off."""
-    return Option(flags, {"action": "store_true", "help": help})
+    return Option(flags, {"action": "store_true", "help": help, **settings})
 
 
 def value(*flags: str, help: str, **settings: Any) -> Option:  # noqa: A002  # argparse's own word
