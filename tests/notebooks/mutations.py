@@ -20,7 +20,7 @@ class Operator:
     names: str
 
 
-GEOMETRY = "position|[Dd]istance|size|scale|circle|point|width|height|line|at the end|turn"
+GEOMETRY = "position|[Dd]istance|size|scale|circle|point|width|height|line|at the end|turn|the part"
 
 OPERATORS = (
     Operator(
@@ -107,16 +107,16 @@ OPERATORS = (
     Operator("velocities: none", r", velocities=\[[^)]*(?=\))", "", "has no velocities"),
     Operator("unit: seconds", r"(time_from_start\.)sec = 3", r"\1nanosec = 3", "time of a trajectory"),
     Operator("threshold: just sure enough", r">= threshold", "> threshold", "shows|count"),
-    Operator("order: the worst first", ", reverse=True", "", "id|shows|count"),
+    Operator("order: the worst first", ", reverse=True", "", "id|shows|count|expected '/"),
     Operator("stale: shown for ever", r"age_of\(.*\) > ", "0 > ", "shows|count"),
     Operator("color: of every class", r"self\.has_parameter\((\w+)\)", "False", "color"),
     Operator("axes: rows from columns", r"k\[4\] \* y", "k[4] * x", "rectangle|value"),
     Operator("center: forgotten", r" \+ k\[2\]", "", "rectangle|value"),
-    Operator("behind: forgotten", r"any\((z < .*)\):", r"any(\1 - 99):", "items|rectangle|value"),
+    Operator("behind: forgotten", r"any\(z < ", "any(z < -9", "items|rectangle|value"),
     Operator("trajectory: endless", r"\[-self\.value\(.*\) :\]", "", "poses"),
     Operator("orientation: forgotten", r"pose\.pose\.orientation = .*", "pass", "orientation"),
     Operator(
-        "transform: the other way round", r"transform\(world, base,", "transform(base, world,", "place|frame"
+        "transform: the other way round", r"lookup_transform\(world, base,", "lookup_transform(base, world,", "place|frame"
     ),
     Operator("type: an integer for a double", r"5\.0\n", "5\n", "double"),
     Operator("parameters: of another node", "trajectory_node:", "trajectory:", "gets no"),
@@ -128,7 +128,6 @@ OPERATORS = (
     Operator("comparison: edge", r"if rate ([<>]) (\d+)", r"if rate \1= \2", "the level is"),
     Operator("count: never back to 0", r"(publish\(array\)\n +)self\.count = 0", r"\1pass", "the level is"),
     Operator("off by one: n gaps", r"\(len\(times\) - 1\)", "len(times)", "expected"),
-    Operator("order of rows", ", reverse=True", "", "expected '/"),
     Operator("unit: milliseconds", r"round\(stamp \* 1000\)", "round(stamp)", "expected"),
     Operator("limit: none above", r"<= 60\.0", "<= 600.0", "too fast"),
     Operator("parameter: followed no more", r"1 / parameter\.value", "1000", "nothing|once|silent|too slow"),
