@@ -125,7 +125,7 @@ _ONLY: tuple[Option, ...] = tuple(
     for kind in _TITLES
 )
 _TYPE = value("type", help="Show an interface definition (e.g. 'example_interfaces/msg/String')")
-_PACKAGE = value("package_name", help="Name of the ROS package (e.g. 'example_interfaces')")
+_IN_PACKAGE = (*_ONLY, value("package_name", help="Name of the ROS package (e.g. 'example_interfaces')"))
 _NO_QUOTES = flag("--no-quotes", help="if true output has no outer quotes.")
 _COMMENTS = (
     flag("--all-comments", help="Show all comments, including for nested interface definitions"),
@@ -134,12 +134,7 @@ _COMMENTS = (
 _verb = partial(Verb, "interface", looks=False)
 INTERFACE_VERBS = (
     _verb("list", "List all interface types available", _ONLY, list_all),
-    _verb(
-        "package",
-        "Output a list of available interface types within one package",
-        (*_ONLY, _PACKAGE),
-        package,
-    ),
+    _verb("package", "Output a list of available interface types within one package", _IN_PACKAGE, package),
     _verb("packages", "Output a list of packages that provide interfaces", _ONLY, packages),
     _verb("proto", "Output an interface prototype", (_TYPE, _NO_QUOTES), proto),
     _verb("show", "Output the interface definition", (*_COMMENTS, _TYPE), show),

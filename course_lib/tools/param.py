@@ -10,7 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.tools.asking import answer, own_node
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import Source
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, value
 
 if TYPE_CHECKING:
     from rclpy.task import Future
@@ -185,10 +185,14 @@ def _with_reason(words: str, result: Any) -> str:
 
 _NODE = value("node_name", help="Name of the ROS node")
 _NAME = value("parameter_name", help="Name of the parameter")
+_NAMES = value("parameter_names", nargs="+", help="Names of the parameters")
+_VALUE = value("value", help="Value of the parameter")
+_HIDE = flag("--hide-type", help="Hide the type")
 _WAIT = value(
     "--timeout", metavar="N", type=int, default=1, help="Wait for N seconds until node is available"
 )
 _LIST = (
+    *NODE_OPTIONS,
     value("node_name", nargs="?", help="Name of the ROS node"),
     value("--filter", help="Only parameters matching the regex expression will be showed"),
     value("--param-prefixes", nargs="+", default=[], help="Only list parameters with these prefixes"),
@@ -198,26 +202,18 @@ _LOAD = (
     value("parameter_file", help="Parameter file"),
     flag("--no-use-wildcard", help="Do not load parameters in the '/**' namespace into the node"),
 )
-_NAMES = value("parameter_names", nargs="+", help="Names of the parameters")
-PARAM_VERBS = tuple(
-    Verb("param", name, about, (*NODE_OPTIONS, *options), run)
-    for name, about, options, run in (
-        ("delete", "Delete parameter", (_NODE, _NAME, _WAIT), delete),
-        (
-            "describe",
-            "Show descriptive information about declared parameters",
-            (_NODE, _NAMES, _WAIT),
-            describe,
-        ),
-        ("dump", "Show all of the parameters of a node in a YAML file format", (_NODE, _WAIT), dump),
-        ("get", "Get parameter", (_NODE, _NAME, flag("--hide-type", help="Hide the type"), _WAIT), get),
-        ("list", "Output a list of available parameters", _LIST, list_all),
-        ("load", "Load parameter file for a node", (_NODE, *_LOAD, _WAIT), load),
-        (
-            "set",
-            "Set parameter",
-            (_NODE, _NAME, value("value", help="Value of the parameter"), _WAIT),
-            set_one,
-        ),
-    )
+
+
+def _verb(name: str, about: str, run: Run, *options: Option) -> Verb:
+    return Verb("param", name, about, (*NODE_OPTIONS, _NODE, *options, _WAIT), run)
+
+
+PARAM_VERBS = (
+    _verb("delete", "Delete parameter", delete, _NAME),
+    _verb("describe", "Show descriptive information about declared parameters", describe, _NAMES),
+    _verb("dump", "Show all of the parameters of a node in a YAML file format", dump),
+    _verb("get", "Get parameter", get, _NAME, _HIDE),
+    Verb("param", "list", "Output a list of available parameters", _LIST, list_all),
+    _verb("load", "Load parameter file for a node", load, *_LOAD),
+    _verb("set", "Set parameter", set_one, _NAME, _VALUE),
 )

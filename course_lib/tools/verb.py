@@ -8,6 +8,7 @@ from typing import Any
 from course_lib.tools.sources import Source
 
 Write = Callable[[str], object]  # takes text, line ends included
+Run = Callable[[Source, Namespace, Write], None]
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Verb:
     name: str
     help: str
     options: tuple[Option, ...]
-    run: Callable[[Source, Namespace, Write], None]
+    run: Run
     from_start: bool = False
     looks: bool = True
 

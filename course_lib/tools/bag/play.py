@@ -137,28 +137,23 @@ def _rule(text: str) -> tuple[str, str]:
     return old, new
 
 
-BAG_PLAY = Verb(
-    "bag",
-    "play",
-    "Play back ROS data from a bag",
-    (
-        *READER,
-        value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
-        several("--topics", help="Topics to play"),
-        value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
-        value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
-        several("--exclude-topics", help="Topics not to play"),
-        flag("-l", "--loop", help="Start again at the end, until stopped"),
-        value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
-        value("--clock", nargs="?", type=positive(float), const=40, help="Publish /clock so often, in Hz"),
-        value(
-            "-d",
-            "--delay",
-            type=positive(float),
-            default=0.0,
-            help="Sleep before play (each loop), in seconds",
-        ),
-        value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
+_OPTIONS = (
+    *READER,
+    value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
+    several("--topics", help="Topics to play"),
+    value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
+    value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
+    several("--exclude-topics", help="Topics not to play"),
+    flag("-l", "--loop", help="Start again at the end, until stopped"),
+    value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
+    value("--clock", nargs="?", type=positive(float), const=40, help="Publish /clock so often, in Hz"),
+    value(
+        "-d",
+        "--delay",
+        type=positive(float),
+        default=0.0,
+        help="Sleep before play (each loop), in seconds",
     ),
-    run,
+    value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
 )
+BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _OPTIONS, run)

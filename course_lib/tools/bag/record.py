@@ -74,23 +74,17 @@ def _full(topic: str) -> str:
     return topic if topic.startswith("/") else f"/{topic}"
 
 
-BAG_RECORD = Verb(
-    "bag",
-    "record",
-    "Record ROS data to a bag",
-    (
-        value("topics_positional", nargs="*", metavar="Topic", help="Topics to record (deprecated)"),
-        value("-o", "--output", help="Folder of the bag; default: named by the time"),
-        value("-s", "--storage", choices=("mcap",), default="mcap", help="Storage of the bag"),
-        several("--topics", help="Topics to record"),
-        several("--topic-types", help="Types of topics to record", metavar="TopicType"),
-        flag("-a", "--all", "--all-topics", help="Record all topics, except hidden ones"),
-        value("-e", "--regex", type=pattern, help="Record topics whose names contain this expression"),
-        value("--exclude-regex", type=pattern, help="Leave out topics whose names contain this expression"),
-        several("--exclude-topics", help="Topics to leave out"),
-        several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
-        flag("--include-hidden-topics", help="Record hidden topics as well"),
-    ),
-    run,
-    from_start=True,
+_OPTIONS = (
+    value("topics_positional", nargs="*", metavar="Topic", help="Topics to record (deprecated)"),
+    value("-o", "--output", help="Folder of the bag; default: named by the time"),
+    value("-s", "--storage", choices=("mcap",), default="mcap", help="Storage of the bag"),
+    several("--topics", help="Topics to record"),
+    several("--topic-types", help="Types of topics to record", metavar="TopicType"),
+    flag("-a", "--all", "--all-topics", help="Record all topics, except hidden ones"),
+    value("-e", "--regex", type=pattern, help="Record topics whose names contain this expression"),
+    value("--exclude-regex", type=pattern, help="Leave out topics whose names contain this expression"),
+    several("--exclude-topics", help="Topics to leave out"),
+    several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
+    flag("--include-hidden-topics", help="Record hidden topics as well"),
 )
+BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _OPTIONS, run, from_start=True)

@@ -112,27 +112,21 @@ def _shown(arguments: Namespace, path: str) -> str:
     return f"{arguments.destination_directory.rstrip('/')}/{path}"
 
 
-PKG_CREATE = Verb(
-    "pkg",
-    "create",
-    "Create a new ROS 2 package",
-    (
-        value("package_name", help="The package name"),
-        value("--package-format", type=int, choices=(3,), default=3, help="The package.xml format"),
-        value("--description", default="TODO: Package description", help="The description of the package"),
-        value("--license", default=_NO_LICENSE, help="The license; '?' lists those that are known"),
-        value("--destination-directory", default=".", help="Directory where to create the package directory"),
-        value(
-            "--build-type",
-            choices=("cmake", "ament_cmake", "ament_python"),
-            default="ament_cmake",
-            help="The build type; here ament_python",
-        ),
-        value("--dependencies", nargs="+", default=[], help="list of dependencies"),
-        value("--maintainer-email", help="email address of the maintainer of this package"),
-        value("--maintainer-name", default=getpass.getuser(), help="name of the maintainer of this package"),
-        value("--node-name", help="name of the empty executable"),
+_OPTIONS = (
+    value("package_name", help="The package name"),
+    value("--package-format", type=int, choices=(3,), default=3, help="The package.xml format"),
+    value("--description", default="TODO: Package description", help="The description of the package"),
+    value("--license", default=_NO_LICENSE, help="The license; '?' lists those that are known"),
+    value("--destination-directory", default=".", help="Directory where to create the package directory"),
+    value(
+        "--build-type",
+        choices=("cmake", "ament_cmake", "ament_python"),
+        default="ament_cmake",
+        help="The build type; here ament_python",
     ),
-    create,
-    looks=False,
+    value("--dependencies", nargs="+", default=[], help="list of dependencies"),
+    value("--maintainer-email", help="email address of the maintainer of this package"),
+    value("--maintainer-name", default=getpass.getuser(), help="name of the maintainer of this package"),
+    value("--node-name", help="name of the empty executable"),
 )
+PKG_CREATE = Verb("pkg", "create", "Create a new ROS 2 package", _OPTIONS, create, looks=False)

@@ -1,6 +1,7 @@
 """`ros2 pkg list|executables|prefix|xml`: the kit's packages and the student's own."""
 
 from argparse import Namespace
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -75,33 +76,16 @@ def _share(package: str) -> Path:
 
 
 _PACKAGE = value("package_name", help="The package name")
+_EXECUTABLES = (
+    value("package_name", nargs="?", help="The package name"),
+    flag("--full-path", help="Show full path of each executable"),
+)
+_PREFIX = (_PACKAGE, flag("--share", help="Show share directory for the package"))
+_XML = (_PACKAGE, value("-t", "--tag", help="The XML tag to output (e.g. 'version')"))
+_verb = partial(Verb, "pkg", looks=False)
 PKG_VERBS = (
-    Verb("pkg", "list", "Output a list of available packages", (), list_all, looks=False),
-    Verb(
-        "pkg",
-        "executables",
-        "Output a list of package specific executables",
-        (
-            value("package_name", nargs="?", help="The package name"),
-            flag("--full-path", help="Show full path of each executable"),
-        ),
-        executables,
-        looks=False,
-    ),
-    Verb(
-        "pkg",
-        "prefix",
-        "Output the prefix path of a package",
-        (_PACKAGE, flag("--share", help="Show share directory for the package")),
-        prefix,
-        looks=False,
-    ),
-    Verb(
-        "pkg",
-        "xml",
-        "Output the XML of the package manifest or a specific tag",
-        (_PACKAGE, value("-t", "--tag", help="The XML tag to output (e.g. 'version')")),
-        xml,
-        looks=False,
-    ),
+    _verb("list", "Output a list of available packages", (), list_all),
+    _verb("executables", "Output a list of package specific executables", _EXECUTABLES, executables),
+    _verb("prefix", "Output the prefix path of a package", _PREFIX, prefix),
+    _verb("xml", "Output the XML of the package manifest or a specific tag", _XML, xml),
 )

@@ -94,13 +94,8 @@ def _delays(delays: Collection[float], between: str) -> str:
     return f"Average Delay: {average:g}{between}Max Delay: {longest:g}\n"
 
 
-TF2_MONITOR = Verb(
-    "run tf2_ros",
-    "tf2_monitor",
-    "Print how late transforms come",
-    (
-        value("framea", nargs="?", help="First frame of a chain; default: all frames"),
-        value("frameb", nargs="?", help="Last frame of the chain"),
-    ),
-    run,
+_OPTIONS = (
+    value("framea", nargs="?", help="First frame of a chain; default: all frames"),
+    value("frameb", nargs="?", help="Last frame of the chain"),
 )
+TF2_MONITOR = Verb("run tf2_ros", "tf2_monitor", "Print how late transforms come", _OPTIONS, run)

@@ -122,13 +122,8 @@ def _label(about: Mapping[str, Any], end: str) -> str:
     return "".join(f"{title}: {about[name]}{end}" for name, title in _LABELS.items())
 
 
-VIEW_FRAMES = Verb(
-    "run tf2_tools",
-    "view_frames",
-    "Draw the tree of frames",
-    (
-        value("-t", "--wait-time", type=float, default=5.0, help="Listen for this many seconds"),
-        value("-o", "--output", help="Output filename"),
-    ),
-    run,
+_OPTIONS = (
+    value("-t", "--wait-time", type=float, default=5.0, help="Listen for this many seconds"),
+    value("-o", "--output", help="Output filename"),
 )
+VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, run)

@@ -90,29 +90,23 @@ def _field(message: Message, path: str | None) -> Any:
     return selected
 
 
-TOPIC_ECHO = Verb(
-    "topic",
-    "echo",
-    "Output messages from a topic",
-    (
-        *NODE_OPTIONS,
-        value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
-        value("message_type", nargs="?", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"),
-        flag("--once", help="Print the first message received and then exit"),
-        value("--field", help="Echo a selected field of a message; '.' selects sub-fields"),
-        value("--timeout", type=positive(float), metavar="N", help="Set a timeout in seconds for waiting"),
-        flag("--csv", help="Output all recursive fields separated by commas"),
-        flag("--flow-style", help="Print collections in one line"),
-        flag("-f", "--full-length", help="Output all elements of arrays, bytes and strings"),
-        value("-l", "--truncate-length", type=int, default=128, help="The length to truncate them to"),
-        flag("--no-arr", help="Don't print array fields of messages"),
-        flag("--no-str", help="Don't print string fields of messages"),
-        flag("--no-lost-messages", help="Don't report when a message is lost"),
-        flag("--raw", help="Echo the raw binary representation"),
-        value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
-        flag("-i", "--include-message-info", help="Shows the associated message info."),
-        *qos_options("subscribe", "sensor_data"),
-    ),
-    run,
-    from_start=True,
+_OPTIONS = (
+    *NODE_OPTIONS,
+    value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
+    value("message_type", nargs="?", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"),
+    flag("--once", help="Print the first message received and then exit"),
+    value("--field", help="Echo a selected field of a message; '.' selects sub-fields"),
+    value("--timeout", type=positive(float), metavar="N", help="Set a timeout in seconds for waiting"),
+    flag("--csv", help="Output all recursive fields separated by commas"),
+    flag("--flow-style", help="Print collections in one line"),
+    flag("-f", "--full-length", help="Output all elements of arrays, bytes and strings"),
+    value("-l", "--truncate-length", type=int, default=128, help="The length to truncate them to"),
+    flag("--no-arr", help="Don't print array fields of messages"),
+    flag("--no-str", help="Don't print string fields of messages"),
+    flag("--no-lost-messages", help="Don't report when a message is lost"),
+    flag("--raw", help="Echo the raw binary representation"),
+    value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
+    flag("-i", "--include-message-info", help="Shows the associated message info."),
+    *qos_options("subscribe", "sensor_data"),
 )
+TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _OPTIONS, run, from_start=True)

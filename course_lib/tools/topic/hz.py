@@ -32,20 +32,14 @@ def _rate(gaps: deque[int]) -> str:
     return f"average rate: {1 / mean if mean else 0:.3f}\n{spread(gaps)}"
 
 
-TOPIC_HZ = Verb(
-    "topic",
-    "hz",
-    "Print the average publishing rate to screen",
-    (
-        *window_options(10000),
-        value(
-            "--filter",
-            dest="filter_expr",
-            metavar="EXPR",
-            help="only measure messages matching the specified Python expression",
-        ),
-        flag("--wall-time", help="calculates rate using wall time; here robot time stands for it"),
+_OPTIONS = (
+    *window_options(10000),
+    value(
+        "--filter",
+        dest="filter_expr",
+        metavar="EXPR",
+        help="only measure messages matching the specified Python expression",
     ),
-    run,
-    from_start=True,
+    flag("--wall-time", help="calculates rate using wall time; here robot time stands for it"),
 )
+TOPIC_HZ = Verb("topic", "hz", "Print the average publishing rate to screen", _OPTIONS, run, from_start=True)

@@ -56,14 +56,9 @@ def _duration(limit_ns: int | None) -> str:
     return "Infinite" if limit_ns is None else f"{limit_ns} nanoseconds"
 
 
-TOPIC_INFO = Verb(
-    "topic",
-    "info",
-    "Print information about a topic",
-    (
-        *NODE_OPTIONS,
-        value("topic_name", help="Name of the ROS topic to get info (e.g. '/chatter')"),
-        flag("-v", "--verbose", help="Prints detailed information like the node name and the QoS profile"),
-    ),
-    run,
+_OPTIONS = (
+    *NODE_OPTIONS,
+    value("topic_name", help="Name of the ROS topic to get info (e.g. '/chatter')"),
+    flag("-v", "--verbose", help="Prints detailed information like the node name and the QoS profile"),
 )
+TOPIC_INFO = Verb("topic", "info", "Print information about a topic", _OPTIONS, run)

@@ -91,30 +91,25 @@ def _beats(source: Source, arguments: Namespace, write: Write) -> Iterator[int]:
         source.wait(lambda: False, arguments.keep_alive if count == times else 1 / arguments.rate)
 
 
-TOPIC_PUB = Verb(
-    "topic",
-    "pub",
-    "Publish a message to a topic",
-    (
-        value("topic_name", help="Name of the ROS topic to publish to (e.g. '/chatter')"),
-        value("message_type", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"),
-        value("values", nargs="?", default="{}", help="Values to fill the message with in YAML format"),
-        flag("--stdin", help="Read values from standard input"),
-        value("-r", "--rate", metavar="N", type=positive(float), default=1.0, help="Publishing rate in Hz"),
-        value("-p", "--print", metavar="N", type=int, default=1, help="Only print every N-th message"),
-        flag("-1", "--once", help="Publish one message and exit"),
-        value("-t", "--times", type=positive(int), default=0, help="Publish this number of times and exit"),
-        value("-w", "--wait-matching-subscriptions", type=int, help="Wait for so many subscriptions"),
-        value("--max-wait-time-secs", type=positive(float), help="The longest wait for them in seconds"),
-        value(
-            "--keep-alive",
-            type=positive(float),
-            default=0.1,
-            help="Keep publishing node alive for so many seconds after the last msg (default: 0.1)",
-        ),
-        value("-n", "--node-name", help="Name of the created publishing node"),
-        *qos_options("publish", "default"),
-        *NODE_OPTIONS[:2],
+_OPTIONS = (
+    value("topic_name", help="Name of the ROS topic to publish to (e.g. '/chatter')"),
+    value("message_type", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"),
+    value("values", nargs="?", default="{}", help="Values to fill the message with in YAML format"),
+    flag("--stdin", help="Read values from standard input"),
+    value("-r", "--rate", metavar="N", type=positive(float), default=1.0, help="Publishing rate in Hz"),
+    value("-p", "--print", metavar="N", type=int, default=1, help="Only print every N-th message"),
+    flag("-1", "--once", help="Publish one message and exit"),
+    value("-t", "--times", type=positive(int), default=0, help="Publish this number of times and exit"),
+    value("-w", "--wait-matching-subscriptions", type=int, help="Wait for so many subscriptions"),
+    value("--max-wait-time-secs", type=positive(float), help="The longest wait for them in seconds"),
+    value(
+        "--keep-alive",
+        type=positive(float),
+        default=0.1,
+        help="Keep publishing node alive for so many seconds after the last msg (default: 0.1)",
     ),
-    run,
+    value("-n", "--node-name", help="Name of the created publishing node"),
+    *qos_options("publish", "default"),
+    *NODE_OPTIONS[:2],
 )
+TOPIC_PUB = Verb("topic", "pub", "Publish a message to a topic", _OPTIONS, run)
