@@ -116,7 +116,10 @@ OPERATORS = (
     Operator("trajectory: endless", r"\[-self\.value\(.*\) :\]", "", "poses"),
     Operator("orientation: forgotten", r"pose\.pose\.orientation = .*", "pass", "orientation"),
     Operator(
-        "transform: the other way round", r"lookup_transform\(world, base,", "lookup_transform(base, world,", "place|frame"
+        "transform: the other way round",
+        r"lookup_transform\(world, base,",
+        "lookup_transform(base, world,",
+        "place|frame",
     ),
     Operator("type: an integer for a double", r"5\.0\n", "5\n", "double"),
     Operator("parameters: of another node", "trajectory_node:", "trajectory:", "gets no"),
