@@ -4,15 +4,13 @@ import struct
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from course_lib.ros.qos import Qos, incompatible
 
 OnMessage = Callable[[bytes, int, int], None]  # (cdr, source_ns, received_ns)
 SERVICE_TOPICS = (("rq", "Request"), ("rr", "Reply"))  # round a service's name, as in DDS
-SERVICE_HEADER = struct.Struct(
-    "<qq"
-)  # before the CDR bytes: the client's endpoint, and its count of requests
+SERVICE_HEADER = struct.Struct("<qq")  # before the CDR bytes: the client's endpoint, its count of requests
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +24,12 @@ class Sample:
     qos: Qos
     node: int
 
+    def message(self) -> Any:
+        """Give the message itself."""
+        from course_lib.ros.messages import deserialize, message_class  # they need numpy
+
+        return deserialize(self.cdr, message_class(self.type_name))
+
 
 @dataclass(frozen=True, slots=True)
 class NodeInfo:
@@ -34,6 +38,11 @@ class NodeInfo:
     id: int
     name: str
     namespace: str
+
+    @property
+    def full_name(self) -> str:
+        """The name with the namespace."""
+        return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the nodes that use an action, and those that serve it."""
     name = arguments.action_name
     write(f"Action: {name}\n")
-    nodes = {node.id: f"{node.namespace.rstrip('/')}/{node.name}" for node in source.graph.nodes()}
+    nodes = {node.id: node.full_name for node in source.graph.nodes()}
     sides: tuple[tuple[str, Literal["pub", "sub"]], ...] = (("clients", "sub"), ("servers", "pub"))
     for title, kind in sides:
         ends = source.endpoints(f"{name}/_action/feedback", kind)

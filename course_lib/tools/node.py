@@ -50,8 +50,8 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _nodes(source: Source, *, hidden: bool) -> list[tuple[int, str]]:
     """List the nodes' ids and full names."""
-    nodes = [node for node in source.graph.nodes() if hidden or not node.name.startswith("_")]
-    return [(node.id, f"{node.namespace.rstrip('/')}/{node.name}") for node in nodes]
+    nodes = source.graph.nodes()
+    return [(node.id, node.full_name) for node in nodes if hidden or not node.name.startswith("_")]
 
 
 def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:

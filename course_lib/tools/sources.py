@@ -6,14 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, wait_for
-from course_lib.ros.graph import EndpointInfo, Graph
-from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.graph import EndpointInfo, Graph, Sample
 from course_lib.ros.qos import Qos, incompatible
 
 ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
@@ -25,22 +24,7 @@ PLAYER = "rosbag2_player"  # the node that publishes when ROS plays a recording
 DISCOVERY = 0.5  # [s] that ros2cli looks for nodes before it says what there is
 
 
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """A message as it came: when it was received and sent, [ns], on which topic, its type and CDR bytes."""
-
-    received_ns: int
-    source_ns: int
-    topic: str
-    type_name: str
-    cdr: bytes
-
-    def message(self) -> Any:
-        """Give the message itself."""
-        return deserialize(self.cdr, message_class(self.type_name))
-
-
-Heard = tuple[int, Arrival | None]  # robot time [ns], and what came; nothing where only time went by
+Heard = tuple[int, Sample | None]  # robot time [ns], and what came; nothing where only time went by
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,8 +117,8 @@ class GraphSource(Source):
                 due = [*ends, tick_ns] if every else ends
                 left = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
                 if self.wait(lambda: bool(arrived), left):
-                    heard_ns = arrived[0].received_ns
-                    yield heard_ns, arrived.popleft()
+                    heard_ns, sample = arrived.popleft()
+                    yield heard_ns, sample
                 elif every and graph.now_ns >= tick_ns:
                     yield graph.now_ns, None
                     tick_ns += round(every * 1e9)
@@ -154,14 +138,16 @@ class GraphSource(Source):
         return " No node is running: start one, like run_live(MyNode())."
 
     @contextmanager
-    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[Arrival]]:
+    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, Sample]]]:
         """Subscribe for a while; gives what arrives."""
-        arrived: deque[Arrival] = deque()
-
-        def hear(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
-            arrived.append(Arrival(received_ns, source_ns, topic, type_name, cdr))
+        arrived: deque[tuple[int, Sample]] = deque()
 
         node = self.graph.add_node(NODE_NAME, "/")
+
+        def hear(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
+            sample = Sample(source_ns, topic, type_name, cdr, topics[topic], node)  # as it was heard
+            arrived.append((received_ns, sample))
+
         try:
             for topic, qos in topics.items():
                 self.graph.add_subscription(node, 0, topic, type_name, qos, partial(hear, topic))
@@ -200,8 +186,7 @@ class RecordingSource(Source):
             if sample is None or sample.stamp_ns > end_ns:
                 return
             if sample.topic in topics and sample.type_name == type_name:
-                stamp_ns = sample.stamp_ns
-                yield stamp_ns, Arrival(stamp_ns, stamp_ns, sample.topic, type_name, sample.cdr)
+                yield sample.stamp_ns, sample
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """A recorded topic has messages: only a time limit keeps them away."""

@@ -11,7 +11,6 @@ import numpy as np
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
 from course_lib.ros import wall
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.message_text import Style, to_yaml
 from course_lib.tools.rqt.markup import drawing, tag, text
 from course_lib.tools.rqt.view import View
@@ -82,7 +81,7 @@ class BagView(View):
         if sample is None:
             return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
         stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
-        words = escape(to_yaml(deserialize(sample.cdr, message_class(sample.type_name)), Style()))
+        words = escape(to_yaml(sample.message(), Style()))
         return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{words}</pre>"
 
     def _index(self, seconds: float) -> int:

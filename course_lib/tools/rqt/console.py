@@ -5,7 +5,6 @@ from html import escape
 from typing import Any
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.markup import icon, table
 from course_lib.tools.rqt.view import View
 
@@ -45,7 +44,7 @@ class ConsoleView(View):
         """Take a log message, unless that is paused."""
         if (sample.topic, sample.type_name) == ("/rosout", _TYPE) and not self["Pause"]:
             self._count += 1
-            self._logs.append((self._count, deserialize(sample.cdr, message_class(sample.type_name))))
+            self._logs.append((self._count, sample.message()))
 
     def picture(self) -> str:
         """Write the table."""

@@ -64,7 +64,7 @@ class GraphView(View):
 
     def _names(self) -> dict[int, str]:
         """Give the full names of the shown nodes by their numbers."""
-        full = {node.id: f"{node.namespace.rstrip('/')}/{node.name}" for node in self.graph.nodes()}
+        full = {node.id: node.full_name for node in self.graph.nodes()}
         return {number: name for number, name in full.items() if self._shown(name, "Node")}
 
     def _ends(self) -> dict[str, list[EndpointInfo]]:

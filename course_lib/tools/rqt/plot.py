@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.field_path import FieldPath, parse
 from course_lib.tools.rqt.markup import drawing, tag, text
 from course_lib.tools.rqt.view import View
@@ -52,7 +51,7 @@ class PlotView(View):
         message = None
         for path, points in self._curves.values():
             if (path.topic, path.type_name) == (sample.topic, sample.type_name):
-                message = message or deserialize(sample.cdr, message_class(sample.type_name))
+                message = message or sample.message()
                 points.append(((sample.stamp_ns - self._start_ns) * 1e-9, path.read(message)))
 
     def refresh(self) -> None:

@@ -4,7 +4,6 @@ from html import escape
 from typing import Any
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
 from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import View
@@ -44,7 +43,7 @@ class ReconfigureView(View):
     def hear(self, sample: Sample) -> None:
         """Follow what others set."""
         if (sample.topic, sample.type_name) == _EVENTS and self._rows:
-            event: Any = deserialize(sample.cdr, message_class(sample.type_name))
+            event: Any = sample.message()
             if event.node == self["Node"]:
                 changes = (*event.new_parameters, *event.changed_parameters)
                 self._show({change.name: plain_value(change.value) for change in changes})

@@ -5,7 +5,6 @@ from html import escape
 from typing import Any
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
 from course_lib.tools.rqt.view import View
 
@@ -37,7 +36,7 @@ class RobotMonitorView(View):
         if sample.topic != self._topic:
             self._statuses.clear()  # the aggregator names them otherwise
         self._topic, self._heard_ns = sample.topic, sample.stamp_ns
-        message: Any = deserialize(sample.cdr, message_class(sample.type_name))
+        message: Any = sample.message()
         for status in message.status:
             self._statuses["/" + status.name.strip("/")] = sample.stamp_ns, status
         if self._statuses:

@@ -5,7 +5,6 @@ from html import escape
 from typing import Any
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import table, tag
 from course_lib.tools.rqt.view import View
@@ -79,21 +78,15 @@ class TopicView(View):
         seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
         rates = ["", ""]
         if seconds:
-            rates = [
-                _amount(sum(size for _, size in window[1:]) / seconds),
-                f"{(len(window) - 1) / seconds:.2f}",
-            ]
-        value = (
-            to_csv(self._message(topic), Style(truncate=8))[:200] if topic in self._last else "not heard yet"
-        )
+            bandwidth = _amount(sum(size for _, size in window[1:]) / seconds)
+            rates = [bandwidth, f"{(len(window) - 1) / seconds:.2f}"]
+        last = self._last.get(topic)
+        value = to_csv(last.message(), Style(truncate=8))[:200] if last else "not heard yet"
         return [", ".join(types), *rates, value]
 
-    def _message(self, topic: str) -> Any:
-        sample = self._last[topic]
-        return deserialize(sample.cdr, message_class(sample.type_name))
-
     def _value(self, topic: str) -> str:
-        return to_yaml(self._message(topic), Style()) if topic in self._last else "nothing came yet"
+        last = self._last.get(topic)
+        return to_yaml(last.message(), Style()) if last else "nothing came yet"
 
 
 def _cells(texts: tuple[str, ...] | list[str]) -> str:

@@ -8,7 +8,7 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, message_class, type_name
 from course_lib.tools.asking import kind_of
 from course_lib.tools.message_text import Style, to_csv, to_yaml
-from course_lib.tools.sources import Arrival, Listening, Source
+from course_lib.tools.sources import Listening, Source
 from course_lib.tools.topic.lookup import full_name, passes, silence, type_of
 from course_lib.tools.topic.qos import PRESETS, adapted_qos, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
@@ -32,13 +32,13 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     listening = Listening(patience=PATIENCE, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for _, arrival in source.stream({topic: qos}, kind, listening):
+        for now_ns, arrival in source.stream({topic: qos}, kind, listening):
             came = True
             assert arrival is not None  # no ticks were asked for
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):
                 continue
-            write(_info(arrival, arguments) + _text(selected, arguments))
+            write(_info(arrival.stamp_ns, now_ns, arguments) + _text(selected, arguments))
             if arguments.once:
                 return
         if not came:
@@ -52,9 +52,8 @@ def _say_why_it_ends(limit: float | None, write: Write) -> None:
     write(f"{why}: ros2 topic echo stopped after {limit or PATIENCE:g} s of robot time.\n")
 
 
-def _info(arrival: Arrival, arguments: Namespace) -> str:
-    """Write when a message was sent and received, if that was asked for; nobody counts messages here."""
-    sent, received = arrival.source_ns, arrival.received_ns
+def _info(sent: int, received: int, arguments: Namespace) -> str:
+    """Write when a message was sent and received, [ns], if asked for; nobody counts messages here."""
     if not arguments.include_message_info:
         return ""
     if arguments.csv:

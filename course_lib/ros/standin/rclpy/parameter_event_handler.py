@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterEvent
 
+from rclpy.impl import names
 from rclpy.qos import QoSProfile, qos_profile_parameter_events
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class ParameterEventHandler:
         elif node_name.startswith("/"):
             full_name = node_name
         else:
-            full_name = f"{self.node.get_namespace().rstrip('/')}/{node_name}"
+            full_name = names.join(self.node.get_namespace(), node_name)
         handle = ParameterCallbackHandle(parameter_name, full_name, callback)
         self._handles.insert(0, handle)
         return handle
