@@ -126,7 +126,7 @@ class Desk:
             "hands": session.view.hands(),
             "views": [repr(session.view), list(VIEWS), [saved.name for saved in session.saved_views]],
             "status": {**rows.marked(worst), "text": _line(told_first, len(session.displays))},
-            "types": [(name, short_name(name)) for name in (*REGISTRY, GROUP)],
+            "types": [(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)],
             "undrawn": list(RVIZ_ONLY),
             "topics": topics,
             "frames": sorted({session.fixed_frame, *session.context.frames.buffer.frames()}),

@@ -9,6 +9,7 @@ from course_lib.displays.frames import NS, Matrix, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
 from course_lib.ros.qos import Qos
 
+PATIENCE = NS // 2  # [ns] that a message waits before a hint says so, if its frame is known at all
 # By the fields of Qos; in RViz's words, its default first.
 _POLICIES = {
     "history": ("Keep Last", "Keep All"),
@@ -172,10 +173,15 @@ class FilteredDisplay(TopicDisplay):
             else:
                 still.append(message)
         self._waiting.extend(still)
-        problem = self.problem(still[-1]) if still else None
+        problem = self.problem(still[-1]) if still and self._waits_long(still[0]) else None
         self.statuses.hint(
             "Waiting", *([f"{len(still)} messages wait for tf2. {problem}"] if problem else [])
         )
+
+    def _waits_long(self, message: Any) -> bool:
+        """Tell a wait that may last from that for the next transform, which every driving robot has."""
+        known = self.context.frames.transform(message.header.frame_id) is not None
+        return not known or abs(self.context.now_ns - nanoseconds(message.header.stamp)) > PATIENCE
 
     def problem(self, message: Any) -> str | None:
         """Say why a message has to wait; None if it need not."""
