@@ -177,6 +177,10 @@ class PropertyHolder:
         """Return a property by its whole label, or something else if there is none."""
         return self._values.get(label, default)
 
+    def keys(self) -> Iterable[str]:
+        """Return the labels of all properties; with them ``dict(display)`` shows the values."""
+        return self._values.keys()
+
     def __setitem__(self, label: str, value: Any) -> None:
         prop = self._property(label)
         try:

@@ -159,6 +159,8 @@ class Viewer:
 
     @view.setter
     def view(self, view: View) -> None:
+        if not isinstance(view, View):
+            raise CourseError(f"{view!r} is no view; write one like viewer.view = Orbit().")
         self.session.view = view
 
     @property

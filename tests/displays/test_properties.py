@@ -47,6 +47,11 @@ def test_a_property_goes_by_its_path_its_unique_label_or_a_python_name(label: st
     assert thing.seen == ["Line Style/Line Width"]
 
 
+def test_a_dict_of_it_has_all_values() -> None:
+    assert dict(Thing())["Line Style/Line Width"] == 0.03
+    assert list(dict(Thing())) == [prop.label for prop in Thing.properties]
+
+
 def test_the_same_value_again_is_no_change() -> None:
     thing = Thing()
     thing["Cell Size"] = 1

@@ -125,6 +125,15 @@ def test_a_mistake_is_answered_with_what_would_be_right(name: str, graph: Graph)
     assert len(viewer.displays) == 1
 
 
+def test_what_is_no_view_is_refused_and_the_old_one_stays() -> None:
+    viewer = Viewer()
+    with pytest.raises(
+        CourseError, match=r"'TopDownOrtho' is no view; write one like viewer.view = Orbit\(\)"
+    ):
+        viewer.view = "TopDownOrtho"  # type: ignore[assignment]
+    assert isinstance(viewer.view, Orbit)
+
+
 def test_the_view_may_be_replaced_or_changed_by_label(graph: Graph) -> None:
     viewer = Viewer()
     viewer.view = Orbit(distance=3.0, focal_point=(0, 0, 1))
