@@ -79,7 +79,8 @@ class Detector(Node):
         found = Detection3D(header=image.header, id="1")
         found.bbox.center.position.x = 2.0  # [m] ahead
         self._found.publish(Detection3DArray(header=image.header, detections=[found]))
-        marker = Marker(header=found.header, ns="boxes", type=Marker.CUBE, pose=found.bbox.center)
+        marker = Marker(ns="boxes", type=Marker.CUBE, pose=found.bbox.center)
+        marker.header.frame_id = found.header.frame_id  # without a stamp: drawn by the latest frames
         marker.scale.x = marker.scale.y = marker.scale.z = 0.6  # [m]
         marker.color.g, marker.color.a = 0.8, 0.8
         self._markers.publish(MarkerArray(markers=[marker]))
@@ -190,7 +191,7 @@ class Board(Node):
     def _measure(self) -> None:
         now = self.get_clock().now()
         seconds = (now.nanoseconds - self._start_ns) * 1e-9
-        battery = BatteryState(percentage=max(0.0, 0.45 - 0.01 * seconds))
+        battery = BatteryState(percentage=max(0.05, 0.32 - 0.0005 * seconds))
         warmth = Temperature(temperature=75.0 - 40.0 * math.exp(-seconds / 20.0))  # [°C]
         battery.header.stamp = warmth.header.stamp = now.to_msg()
         self._battery.publish(battery)

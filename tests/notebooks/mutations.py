@@ -128,7 +128,6 @@ OPERATORS = (
     Operator("clip: none", r"min\(max\((.*), 0\.0\), 1\.0\)", r"\1", "value"),
     Operator("sign: height of the wrist", r"-math\.atan2\(up", "math.atan2(up", "value"),
     Operator("half of the wall", r"\.mean\(\)", ".sum()", "value"),
-    Operator("comparison: edge", r"if rate ([<>]) (\d+)", r"if rate \1= \2", "the level is"),
     Operator("count: never back to 0", r"(publish\(array\)\n +)self\.count = 0", r"\1pass", "the level is"),
     Operator("off by one: n gaps", r"\(len\(times\) - 1\)", "len(times)", "expected"),
     Operator("unit: milliseconds", r"round\(stamp \* 1000\)", "round(stamp)", "expected"),
