@@ -3,6 +3,7 @@
 import time
 from argparse import Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from course_lib.errors import CourseError
@@ -56,7 +57,8 @@ def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Samp
                 say("Recording...")
             source.wait(lambda: False, POLLING)
     say("Recording stopped")
-    return recorder.recording().samples
+    # What was latched before comes as the recorder begins to listen.
+    return [replace(s, stamp_ns=max(s.stamp_ns, start_ns)) for s in recorder.recording().samples]
 
 
 def _wants(arguments: Namespace, topic: str, type_name: str) -> bool:

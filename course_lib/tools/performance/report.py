@@ -94,7 +94,7 @@ class PerformanceReport:
         from rich.console import Console
         from rich.table import Table
 
-        console = Console(file=StringIO(), width=140, markup=False, force_jupyter=False)
+        console = Console(file=StringIO(), width=140, markup=False, force_jupyter=False, force_terminal=False)
         for title, heads, rows in self._grids():
             table = Table(*heads, title=title, title_justify="left")
             for row in rows:
