@@ -20,16 +20,11 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
         write(bag_info(arguments.bag_path, digest=False))
 
 
+_OPTIONS = (
+    *READER,
+    flag("-t", "--topic-name", help="Only display topic names"),
+    flag("-v", "--verbose", help="Display request/response information for services"),
+)
 BAG_INFO = Verb(
-    "bag",
-    "info",
-    "Print information about a bag to the screen",
-    (
-        *READER,
-        flag("-t", "--topic-name", help="Only display topic names"),
-        flag("-v", "--verbose", help="Display request/response information for services"),
-    ),
-    run,
-    from_start=True,
-    looks=False,
+    "bag", "info", "Print information about a bag to the screen", _OPTIONS, run, from_start=True, looks=False
 )

@@ -61,14 +61,11 @@ def _rate(text: str) -> float:
     return rate
 
 
+_OPTIONS = (
+    value("source_frame", help="Frame that the transform is expressed in"),
+    value("target_frame", help="Frame whose pose it is"),
+    value("echo_rate", nargs="?", type=_rate, default=1.0, help="How often to print it [Hz]"),
+)
 TF2_ECHO = Verb(
-    "run tf2_ros",
-    "tf2_echo",
-    "Print how target_frame lies in source_frame, once a second",
-    (
-        value("source_frame", help="Frame that the transform is expressed in"),
-        value("target_frame", help="Frame whose pose it is"),
-        value("echo_rate", nargs="?", type=_rate, default=1.0, help="How often to print it [Hz]"),
-    ),
-    run,
+    "run tf2_ros", "tf2_echo", "Print how target_frame lies in source_frame, once a second", _OPTIONS, run
 )

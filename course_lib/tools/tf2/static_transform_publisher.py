@@ -79,14 +79,11 @@ def _publish(parent: str, child: str, shift: tuple[float, ...], turn: tuple[floa
     return node.get_name(), now.nanoseconds
 
 
+_OPTIONS = (
+    value("--frame-id", required=True, help="parent frame"),
+    value("--child-frame-id", required=True, help="child frame id"),
+    *(value(f"--{name}", type=float, metavar=name.upper(), help=text) for name, text in _NUMBERS.items()),
+)
 STATIC_TRANSFORM_PUBLISHER = Verb(
-    "run tf2_ros",
-    "static_transform_publisher",
-    "Publish a transform that never changes",
-    (
-        value("--frame-id", required=True, help="parent frame"),
-        value("--child-frame-id", required=True, help="child frame id"),
-        *(value(f"--{name}", type=float, metavar=name.upper(), help=text) for name, text in _NUMBERS.items()),
-    ),
-    run,
+    "run tf2_ros", "static_transform_publisher", "Publish a transform that never changes", _OPTIONS, run
 )

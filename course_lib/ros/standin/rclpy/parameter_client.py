@@ -3,13 +3,13 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rcl_interfaces import srv
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterEvent
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import wait_for_partner
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
+from rclpy.parameter_service import SERVICES
 from rclpy.qos import QoSProfile, qos_profile_parameter_events, qos_profile_services_default
 from rclpy.subscription import Subscription
 from rclpy.task import Future
@@ -18,14 +18,6 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 OnDone = Callable[[Future[Any]], object]
-_SERVICES: dict[str, Any] = {
-    "get_parameters": srv.GetParameters,
-    "list_parameters": srv.ListParameters,
-    "set_parameters": srv.SetParameters,
-    "get_parameter_types": srv.GetParameterTypes,
-    "describe_parameters": srv.DescribeParameters,
-    "set_parameters_atomically": srv.SetParametersAtomically,
-}
 
 
 class AsyncParameterClient:
@@ -50,7 +42,7 @@ class AsyncParameterClient:
             name: node.create_client(
                 kind, f"{remote_node_name}/{name}", qos_profile=qos_profile, callback_group=callback_group
             )
-            for name, kind in _SERVICES.items()
+            for name, kind in SERVICES.items()
         }
 
     def services_are_ready(self) -> bool:
@@ -122,7 +114,7 @@ class AsyncParameterClient:
         )
 
     def _call(self, service: str, callback: OnDone | None, **request: Any) -> Future[Any]:
-        future = self._clients[service].call_async(_SERVICES[service].Request(**request))
+        future = self._clients[service].call_async(SERVICES[service].Request(**request))
         if callback is not None:
             future.add_done_callback(callback)
         return future

@@ -65,7 +65,7 @@ QoSLivelinessPolicy = LivelinessPolicy
 UNSPECIFIED = Duration()
 
 
-_POLICIES: dict[str, type[IntEnum]] = {
+POLICIES: dict[str, type[IntEnum]] = {
     "history": HistoryPolicy,
     "reliability": ReliabilityPolicy,
     "durability": DurabilityPolicy,
@@ -112,7 +112,7 @@ class QoSProfile:
             setattr(self, name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        policy = _POLICIES.get(name)
+        policy = POLICIES.get(name)
         wanted = int if policy else type(_DEFAULTS.get(name))
         if not isinstance(value, wanted):
             raise AssertionError(
