@@ -16,7 +16,6 @@ from course_lib.tools.sources import Source
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
 
 PATIENCE = 60.0  # [s] for a goal to come to its end, if nobody can press ■
-_STATUSES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 
 
 def list_all(source: Source, arguments: Namespace, write: Write) -> None:
@@ -67,10 +66,12 @@ def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
+    from rclpy.action.server_goal_handle import STATES
+
     future = handle.get_result_async()
     try:
         result = answer(source, future, "The action", source.limit(PATIENCE))
-        write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {_STATUSES[result.status]}\n")
+        write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
         if not future.done() and not source.graph.ended:
             write("Canceling goal...\n")

@@ -13,6 +13,7 @@ from course_lib.ros.graph import Sample
 from course_lib.tools.bag.options import pattern, several
 from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2.heard import log_line
+from course_lib.tools.topic.lookup import full_name
 from course_lib.tools.verb import Verb, Write, flag, value
 
 POLLING = 0.1  # [s] between two looks for new topics
@@ -25,8 +26,8 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     Raises:
         CourseError: Nothing was chosen, or the folder is there already.
     """
-    arguments.topics = [_full(topic) for topic in (*arguments.topics, *arguments.topics_positional)]
-    arguments.exclude_topics = [_full(topic) for topic in arguments.exclude_topics]
+    arguments.topics = [full_name(topic) for topic in (*arguments.topics, *arguments.topics_positional)]
+    arguments.exclude_topics = [full_name(topic) for topic in arguments.exclude_topics]
     if not (arguments.all or arguments.topics or arguments.topic_types or arguments.regex):
         raise CourseError(f"[ERROR] [ros2bag]: Need to specify at least one option out of {_CHOICES}")
     seconds = time.gmtime(source.graph.now_ns // 10**9)
@@ -70,10 +71,6 @@ def _wants(arguments: Namespace, topic: str, type_name: str) -> bool:
     if arguments.exclude_regex and arguments.exclude_regex.search(topic):
         left_out = True
     return chosen and not left_out and (arguments.include_hidden_topics or not is_hidden(topic))
-
-
-def _full(topic: str) -> str:
-    return topic if topic.startswith("/") else f"/{topic}"
 
 
 _OPTIONS = (

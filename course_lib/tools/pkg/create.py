@@ -55,7 +55,7 @@ def create(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _text(arguments: Namespace) -> PackageText:
-    node, maintainer = arguments.node_name, arguments.maintainer_name
+    node, maintainer = arguments.node_name, arguments.maintainer_name or _user()
     return PackageText(
         arguments.package_name,
         maintainer=maintainer,
@@ -66,6 +66,13 @@ def _text(arguments: Namespace) -> PackageText:
         executables={node: f"{node}:main"} if node else {},
         depends=arguments.dependencies,
     )
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError) as error:  # on hubs where users are numbers
+        raise CourseError("This machine has no name for you: add --maintainer-name NAME.") from error
 
 
 def _check(arguments: Namespace) -> None:
@@ -126,7 +133,7 @@ _OPTIONS = (
     ),
     value("--dependencies", nargs="+", default=[], help="list of dependencies"),
     value("--maintainer-email", help="email address of the maintainer of this package"),
-    value("--maintainer-name", default=getpass.getuser(), help="name of the maintainer of this package"),
+    value("--maintainer-name", help="name of the maintainer of this package"),
     value("--node-name", help="name of the empty executable"),
 )
 PKG_CREATE = Verb("pkg", "create", "Create a new ROS 2 package", _OPTIONS, create, looks=False)

@@ -3,7 +3,6 @@
 from argparse import Namespace
 from functools import partial
 from pathlib import Path
-from xml.etree import ElementTree
 
 from course_lib.errors import CourseError
 from course_lib.ros.packages import find_package, packages
@@ -44,6 +43,8 @@ def xml(source: Source, arguments: Namespace, write: Write) -> None:
     Raises:
         CourseError: There is no such package, manifest or tag.
     """
+    from xml.etree import ElementTree
+
     manifest = _share(arguments.package_name) / "package.xml"
     if not manifest.is_file():
         raise CourseError(

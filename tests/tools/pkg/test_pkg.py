@@ -130,3 +130,13 @@ def test_pkg_needs_neither_a_program_nor_a_recording(made: str, capsys: pytest.C
 def test_an_executable_runs_from_the_command_line(made: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert ros2_over(["run", "my_pkg", "talker"], files=[], bag=None, seconds=1.0) == 0
     assert capfd.readouterr().out == "Hi from my_pkg.\n"
+
+
+def test_a_user_without_a_name_is_asked_for_one(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> str:
+        raise KeyError("getpwuid(): uid not found: 1000760000")
+
+    monkeypatch.setattr(getpass, "getuser", fail)
+    with pytest.raises(CourseError, match="--maintainer-name NAME"):
+        run("create --build-type ament_python my_pkg")
+    assert "Ada" in run("create --build-type ament_python my_pkg --maintainer-name Ada")

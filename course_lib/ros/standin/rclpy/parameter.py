@@ -7,8 +7,6 @@ from typing import Any
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterValue
 
-from course_lib.ros.parameter_yaml import read_file
-
 
 class Parameter:
     """A name, a type and a value; the type is found from the value, or has to agree with it."""
@@ -107,6 +105,8 @@ def parameter_dict_from_yaml_file(
     Raises:
         RuntimeError: It is no such file, or says nothing about these nodes; with rclpy's text.
     """
+    from course_lib.ros.parameter_yaml import read_file  # YAML is needed only here
+
     try:
         nodes = dict(read_file(parameter_file))
     except ValueError as error:

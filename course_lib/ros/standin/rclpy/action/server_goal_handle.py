@@ -24,7 +24,7 @@ class GoalEvent(Enum):
     CANCELED = 4
 
 
-_STATES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+STATES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 _ENDS = {GoalEvent.SUCCEED: GoalStatus.STATUS_SUCCEEDED, GoalEvent.ABORT: GoalStatus.STATUS_ABORTED}
 _CANCEL = {GoalEvent.CANCEL_GOAL: GoalStatus.STATUS_CANCELING}
 _TRANSITIONS = {
@@ -116,7 +116,7 @@ class ServerGoalHandle:
         if state is None:
             raise RCLError(
                 "Failed to update goal state: goal_handle attempted invalid transition from state "
-                f"{_STATES[self._status]} with event {event.name}"
+                f"{STATES[self._status]} with event {event.name}"
             )
         self._status = state
         self._action_server.notify_state(self)
