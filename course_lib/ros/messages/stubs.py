@@ -30,6 +30,7 @@ _IMPL = """    class Impl:
         CancelGoalService: TypeAlias = action_msgs.srv.CancelGoal
         GoalStatusMessage: TypeAlias = action_msgs.msg.GoalStatusArray
 """
+_WIDTH = 106  # of a line in a class
 _MODULE = """from course_lib.ros.messages.registry import import_types as _import_types
 
 globals().update(_import_types(__name__))
@@ -85,11 +86,18 @@ def _class(message: MessageDefinition) -> str:
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
     body = [f"{name}: Final = {_literal(value)}" for name, value in {**message.constants, **defaults}.items()]
     body += [line for field in fields for line in _field_lines(field)]
-    body += ["def __init__(", "    self,", "    *,"]
-    body += [f"    {field.name}: {_accepted(field)} = ...," for field in fields]
-    body += ["    check_fields: bool = ...,", ") -> None: ..."]
+    accepted = [f"{field.name}: {_accepted(field)} = ..." for field in fields]
+    body += _constructor(["self", "*", *accepted, "check_fields: bool = ..."])
     name = message.type_name.rsplit("/", 1)[1]
     return f"class {name}(Message):\n" + "".join(f"    {line}\n" for line in body)
+
+
+def _constructor(parameters: list[str]) -> list[str]:
+    """Declare the constructor, in a line if it fits."""
+    line = f"def __init__({', '.join(parameters)}) -> None: ..."
+    if len(line) <= _WIDTH:
+        return [line]
+    return ["def __init__(", *(f"    {parameter}," for parameter in parameters), ") -> None: ..."]
 
 
 def _field_lines(field: FieldDefinition) -> list[str]:

@@ -8,12 +8,7 @@ import action_msgs.msg
 
 class CancelGoal_Request(Message):
     goal_info: action_msgs.msg.GoalInfo
-    def __init__(
-        self,
-        *,
-        goal_info: action_msgs.msg.GoalInfo = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, goal_info: action_msgs.msg.GoalInfo = ..., check_fields: bool = ...) -> None: ...
 
 class CancelGoal_Response(Message):
     ERROR_NONE: Final = 0

@@ -5,21 +5,9 @@ from course_lib.ros.messages.message import Message
 class Duration(Message):
     sec: int
     nanosec: int
-    def __init__(
-        self,
-        *,
-        sec: int = ...,
-        nanosec: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, sec: int = ..., nanosec: int = ..., check_fields: bool = ...) -> None: ...
 
 class Time(Message):
     sec: int
     nanosec: int
-    def __init__(
-        self,
-        *,
-        sec: int = ...,
-        nanosec: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, sec: int = ..., nanosec: int = ..., check_fields: bool = ...) -> None: ...

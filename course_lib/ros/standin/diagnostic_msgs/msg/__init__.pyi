@@ -41,10 +41,4 @@ class DiagnosticStatus(Message):
 class KeyValue(Message):
     key: str
     value: str
-    def __init__(
-        self,
-        *,
-        key: str = ...,
-        value: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, key: str = ..., value: str = ..., check_fields: bool = ...) -> None: ...

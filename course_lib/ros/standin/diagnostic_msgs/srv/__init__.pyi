@@ -7,30 +7,15 @@ import diagnostic_msgs.msg
 
 class AddDiagnostics_Request(Message):
     load_namespace: str
-    def __init__(
-        self,
-        *,
-        load_namespace: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, load_namespace: str = ..., check_fields: bool = ...) -> None: ...
 
 class AddDiagnostics_Response(Message):
     success: bool
     message: str
-    def __init__(
-        self,
-        *,
-        success: bool = ...,
-        message: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, success: bool = ..., message: str = ..., check_fields: bool = ...) -> None: ...
 
 class SelfTest_Request(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class SelfTest_Response(Message):
     id: str

@@ -19,12 +19,7 @@ class Fibonacci_Feedback(Message):
     def sequence(self) -> array[int]: ...
     @sequence.setter
     def sequence(self, value: Sequence[int] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        sequence: Sequence[int] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, sequence: Sequence[int] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class Fibonacci_FeedbackMessage(Message):
     goal_id: unique_identifier_msgs.msg.UUID
@@ -59,24 +54,14 @@ class Fibonacci_GetResult_Response(Message):
 
 class Fibonacci_Goal(Message):
     order: int
-    def __init__(
-        self,
-        *,
-        order: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, order: int = ..., check_fields: bool = ...) -> None: ...
 
 class Fibonacci_Result(Message):
     @property
     def sequence(self) -> array[int]: ...
     @sequence.setter
     def sequence(self, value: Sequence[int] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        sequence: Sequence[int] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, sequence: Sequence[int] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class Fibonacci_SendGoal_Request(Message):
     goal_id: unique_identifier_msgs.msg.UUID

@@ -19,13 +19,7 @@ class State(Message):
     TRANSITION_STATE_ERRORPROCESSING: Final = 15
     id: int
     label: str
-    def __init__(
-        self,
-        *,
-        id: int = ...,
-        label: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, id: int = ..., label: str = ..., check_fields: bool = ...) -> None: ...
 
 class Transition(Message):
     TRANSITION_CREATE: Final = 0
@@ -60,13 +54,7 @@ class Transition(Message):
     TRANSITION_CALLBACK_ERROR: Final = 99
     id: int
     label: str
-    def __init__(
-        self,
-        *,
-        id: int = ...,
-        label: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, id: int = ..., label: str = ..., check_fields: bool = ...) -> None: ...
 
 class TransitionDescription(Message):
     transition: lifecycle_msgs.msg.Transition

@@ -8,20 +8,11 @@ import geometry_msgs.msg
 import nav_msgs.msg
 
 class GetMap_Request(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class GetMap_Response(Message):
     map: nav_msgs.msg.OccupancyGrid
-    def __init__(
-        self,
-        *,
-        map: nav_msgs.msg.OccupancyGrid = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, map: nav_msgs.msg.OccupancyGrid = ..., check_fields: bool = ...) -> None: ...
 
 class GetPlan_Request(Message):
     start: geometry_msgs.msg.PoseStamped
@@ -38,21 +29,11 @@ class GetPlan_Request(Message):
 
 class GetPlan_Response(Message):
     plan: nav_msgs.msg.Path
-    def __init__(
-        self,
-        *,
-        plan: nav_msgs.msg.Path = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, plan: nav_msgs.msg.Path = ..., check_fields: bool = ...) -> None: ...
 
 class LoadMap_Request(Message):
     map_url: str
-    def __init__(
-        self,
-        *,
-        map_url: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, map_url: str = ..., check_fields: bool = ...) -> None: ...
 
 class LoadMap_Response(Message):
     RESULT_SUCCESS: Final = 0
@@ -83,12 +64,7 @@ class SetMap_Request(Message):
 
 class SetMap_Response(Message):
     success: bool
-    def __init__(
-        self,
-        *,
-        success: bool = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, success: bool = ..., check_fields: bool = ...) -> None: ...
 
 class GetMap:
     Request: TypeAlias = GetMap_Request

@@ -83,13 +83,7 @@ class LoggerLevel(Message):
     LOG_LEVEL_FATAL: Final = 50
     name: str
     level: int
-    def __init__(
-        self,
-        *,
-        name: str = ...,
-        level: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, name: str = ..., level: int = ..., check_fields: bool = ...) -> None: ...
 
 class Parameter(Message):
     name: str
@@ -168,11 +162,7 @@ class ParameterType(Message):
     PARAMETER_INTEGER_ARRAY: Final = 7
     PARAMETER_DOUBLE_ARRAY: Final = 8
     PARAMETER_STRING_ARRAY: Final = 9
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class ParameterValue(Message):
     type: int
@@ -210,21 +200,9 @@ class ParameterValue(Message):
 class SetLoggerLevelsResult(Message):
     successful: bool
     reason: str
-    def __init__(
-        self,
-        *,
-        successful: bool = ...,
-        reason: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, successful: bool = ..., reason: str = ..., check_fields: bool = ...) -> None: ...
 
 class SetParametersResult(Message):
     successful: bool
     reason: str
-    def __init__(
-        self,
-        *,
-        successful: bool = ...,
-        reason: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, successful: bool = ..., reason: str = ..., check_fields: bool = ...) -> None: ...

@@ -13,12 +13,7 @@ import rcl_interfaces.msg
 
 class DescribeParameters_Request(Message):
     names: list[str]
-    def __init__(
-        self,
-        *,
-        names: list[str] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, names: list[str] = ..., check_fields: bool = ...) -> None: ...
 
 class DescribeParameters_Response(Message):
     descriptors: list[rcl_interfaces.msg.ParameterDescriptor]
@@ -31,12 +26,7 @@ class DescribeParameters_Response(Message):
 
 class GetLoggerLevels_Request(Message):
     names: list[str]
-    def __init__(
-        self,
-        *,
-        names: list[str] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, names: list[str] = ..., check_fields: bool = ...) -> None: ...
 
 class GetLoggerLevels_Response(Message):
     levels: list[rcl_interfaces.msg.LoggerLevel]
@@ -49,33 +39,18 @@ class GetLoggerLevels_Response(Message):
 
 class GetParameterTypes_Request(Message):
     names: list[str]
-    def __init__(
-        self,
-        *,
-        names: list[str] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, names: list[str] = ..., check_fields: bool = ...) -> None: ...
 
 class GetParameterTypes_Response(Message):
     @property
     def types(self) -> array[int]: ...
     @types.setter
     def types(self, value: Sequence[int] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        types: Sequence[int] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, types: Sequence[int] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class GetParameters_Request(Message):
     names: list[str]
-    def __init__(
-        self,
-        *,
-        names: list[str] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, names: list[str] = ..., check_fields: bool = ...) -> None: ...
 
 class GetParameters_Response(Message):
     values: list[rcl_interfaces.msg.ParameterValue]
@@ -90,13 +65,7 @@ class ListParameters_Request(Message):
     DEPTH_RECURSIVE: Final = 0
     prefixes: list[str]
     depth: int
-    def __init__(
-        self,
-        *,
-        prefixes: list[str] = ...,
-        depth: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, prefixes: list[str] = ..., depth: int = ..., check_fields: bool = ...) -> None: ...
 
 class ListParameters_Response(Message):
     result: rcl_interfaces.msg.ListParametersResult

@@ -14,12 +14,7 @@ class Gid(Message):
     def data(self) -> NDArray[np.uint8]: ...
     @data.setter
     def data(self, value: Sequence[int] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        data: Sequence[int] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: Sequence[int] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class NodeEntitiesInfo(Message):
     node_namespace: str

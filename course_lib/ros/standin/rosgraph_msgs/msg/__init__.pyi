@@ -5,9 +5,4 @@ import builtin_interfaces.msg
 
 class Clock(Message):
     clock: builtin_interfaces.msg.Time
-    def __init__(
-        self,
-        *,
-        clock: builtin_interfaces.msg.Time = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, clock: builtin_interfaces.msg.Time = ..., check_fields: bool = ...) -> None: ...

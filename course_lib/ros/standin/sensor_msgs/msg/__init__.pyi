@@ -308,12 +308,7 @@ class LaserEcho(Message):
     def echoes(self) -> array[float]: ...
     @echoes.setter
     def echoes(self, value: Sequence[float] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        echoes: Sequence[float] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, echoes: Sequence[float] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class LaserScan(Message):
     header: std_msgs.msg.Header
@@ -450,13 +445,7 @@ class NavSatStatus(Message):
     STATUS__DEFAULT: Final = -2
     status: int
     service: int
-    def __init__(
-        self,
-        *,
-        status: int = ...,
-        service: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, status: int = ..., service: int = ..., check_fields: bool = ...) -> None: ...
 
 class PointCloud(Message):
     header: std_msgs.msg.Header

@@ -40,12 +40,7 @@ class Plane(Message):
     def coef(self) -> NDArray[np.float64]: ...
     @coef.setter
     def coef(self, value: Sequence[float] | NDArray[Any]) -> None: ...
-    def __init__(
-        self,
-        *,
-        coef: Sequence[float] | NDArray[Any] = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, coef: Sequence[float] | NDArray[Any] = ..., check_fields: bool = ...) -> None: ...
 
 class SolidPrimitive(Message):
     BOX: Final = 1

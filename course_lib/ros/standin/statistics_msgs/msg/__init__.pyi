@@ -28,13 +28,7 @@ class MetricsMessage(Message):
 class StatisticDataPoint(Message):
     data_type: int
     data: float
-    def __init__(
-        self,
-        *,
-        data_type: int = ...,
-        data: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data_type: int = ..., data: float = ..., check_fields: bool = ...) -> None: ...
 
 class StatisticDataType(Message):
     STATISTICS_DATA_TYPE_UNINITIALIZED: Final = 0
@@ -43,8 +37,4 @@ class StatisticDataType(Message):
     STATISTICS_DATA_TYPE_MAXIMUM: Final = 3
     STATISTICS_DATA_TYPE_STDDEV: Final = 4
     STATISTICS_DATA_TYPE_SAMPLE_COUNT: Final = 5
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...

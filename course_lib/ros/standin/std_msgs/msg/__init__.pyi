@@ -12,21 +12,11 @@ import std_msgs.msg
 
 class Bool(Message):
     data: bool
-    def __init__(
-        self,
-        *,
-        data: bool = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: bool = ..., check_fields: bool = ...) -> None: ...
 
 class Byte(Message):
     data: bytes
-    def __init__(
-        self,
-        *,
-        data: bytes = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: bytes = ..., check_fields: bool = ...) -> None: ...
 
 class ByteMultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -41,12 +31,7 @@ class ByteMultiArray(Message):
 
 class Char(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class ColorRGBA(Message):
     r: float
@@ -64,20 +49,11 @@ class ColorRGBA(Message):
     ) -> None: ...
 
 class Empty(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class Float32(Message):
     data: float
-    def __init__(
-        self,
-        *,
-        data: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: float = ..., check_fields: bool = ...) -> None: ...
 
 class Float32MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -95,12 +71,7 @@ class Float32MultiArray(Message):
 
 class Float64(Message):
     data: float
-    def __init__(
-        self,
-        *,
-        data: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: float = ..., check_fields: bool = ...) -> None: ...
 
 class Float64MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -129,12 +100,7 @@ class Header(Message):
 
 class Int16(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class Int16MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -152,12 +118,7 @@ class Int16MultiArray(Message):
 
 class Int32(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class Int32MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -175,12 +136,7 @@ class Int32MultiArray(Message):
 
 class Int64(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class Int64MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -198,12 +154,7 @@ class Int64MultiArray(Message):
 
 class Int8(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class Int8MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -245,21 +196,11 @@ class MultiArrayLayout(Message):
 
 class String(Message):
     data: str
-    def __init__(
-        self,
-        *,
-        data: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: str = ..., check_fields: bool = ...) -> None: ...
 
 class UInt16(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class UInt16MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -277,12 +218,7 @@ class UInt16MultiArray(Message):
 
 class UInt32(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class UInt32MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -300,12 +236,7 @@ class UInt32MultiArray(Message):
 
 class UInt64(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class UInt64MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout
@@ -323,12 +254,7 @@ class UInt64MultiArray(Message):
 
 class UInt8(Message):
     data: int
-    def __init__(
-        self,
-        *,
-        data: int = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: int = ..., check_fields: bool = ...) -> None: ...
 
 class UInt8MultiArray(Message):
     layout: std_msgs.msg.MultiArrayLayout

@@ -5,56 +5,27 @@ from typing import TypeAlias
 from course_lib.ros.messages.message import Message
 
 class Empty_Request(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class Empty_Response(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class SetBool_Request(Message):
     data: bool
-    def __init__(
-        self,
-        *,
-        data: bool = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, data: bool = ..., check_fields: bool = ...) -> None: ...
 
 class SetBool_Response(Message):
     success: bool
     message: str
-    def __init__(
-        self,
-        *,
-        success: bool = ...,
-        message: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, success: bool = ..., message: str = ..., check_fields: bool = ...) -> None: ...
 
 class Trigger_Request(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class Trigger_Response(Message):
     success: bool
     message: str
-    def __init__(
-        self,
-        *,
-        success: bool = ...,
-        message: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, success: bool = ..., message: str = ..., check_fields: bool = ...) -> None: ...
 
 class Empty:
     Request: TypeAlias = Empty_Request

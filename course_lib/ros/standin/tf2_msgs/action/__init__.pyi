@@ -12,11 +12,7 @@ import tf2_msgs.msg
 import unique_identifier_msgs.msg
 
 class LookupTransform_Feedback(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class LookupTransform_FeedbackMessage(Message):
     goal_id: unique_identifier_msgs.msg.UUID

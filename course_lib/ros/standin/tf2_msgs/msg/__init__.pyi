@@ -15,13 +15,7 @@ class TF2Error(Message):
     TRANSFORM_ERROR: Final = 6
     error: int
     error_string: str
-    def __init__(
-        self,
-        *,
-        error: int = ...,
-        error_string: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, error: int = ..., error_string: str = ..., check_fields: bool = ...) -> None: ...
 
 class TFMessage(Message):
     transforms: list[geometry_msgs.msg.TransformStamped]

@@ -137,13 +137,7 @@ class IndividualTypeDescription(Message):
 class KeyValue(Message):
     key: str
     value: str
-    def __init__(
-        self,
-        *,
-        key: str = ...,
-        value: str = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, key: str = ..., value: str = ..., check_fields: bool = ...) -> None: ...
 
 class TypeDescription(Message):
     type_description: type_description_interfaces.msg.IndividualTypeDescription

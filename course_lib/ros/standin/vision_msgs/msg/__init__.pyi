@@ -95,13 +95,7 @@ class Detection3DArray(Message):
 class ObjectHypothesis(Message):
     class_id: str
     score: float
-    def __init__(
-        self,
-        *,
-        class_id: str = ...,
-        score: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, class_id: str = ..., score: float = ..., check_fields: bool = ...) -> None: ...
 
 class ObjectHypothesisWithPose(Message):
     hypothesis: vision_msgs.msg.ObjectHypothesis
@@ -117,13 +111,7 @@ class ObjectHypothesisWithPose(Message):
 class Point2D(Message):
     x: float
     y: float
-    def __init__(
-        self,
-        *,
-        x: float = ...,
-        y: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, x: float = ..., y: float = ..., check_fields: bool = ...) -> None: ...
 
 class Pose2D(Message):
     position: vision_msgs.msg.Point2D

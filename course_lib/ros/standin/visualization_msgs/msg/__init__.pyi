@@ -297,10 +297,4 @@ class MeshFile(Message):
 class UVCoordinate(Message):
     u: float
     v: float
-    def __init__(
-        self,
-        *,
-        u: float = ...,
-        v: float = ...,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, u: float = ..., v: float = ..., check_fields: bool = ...) -> None: ...

@@ -6,11 +6,7 @@ from course_lib.ros.messages.message import Message
 import visualization_msgs.msg
 
 class GetInteractiveMarkers_Request(Message):
-    def __init__(
-        self,
-        *,
-        check_fields: bool = ...,
-    ) -> None: ...
+    def __init__(self, *, check_fields: bool = ...) -> None: ...
 
 class GetInteractiveMarkers_Response(Message):
     sequence_number: int
