@@ -48,7 +48,9 @@ class CameraDriver(Node):
     def _start(self, _: Any) -> None:
         if self._timer is not None:
             self.destroy_timer(self._timer)
-        self._timer = self.create_timer(1 / self.get_parameter("frame_rate").value, self._take)
+        rate = self.get_parameter("frame_rate").value
+        self._timer = self.create_timer(1 / rate, self._take)
+        self.get_logger().info(f"{rate:g} images per second")
 
     def _take(self) -> None:
         wide, high = self._width, self._width * 3 // 4

@@ -56,7 +56,7 @@ def timeline(calls: Sequence[Call], start_ns: int, begin: float, end: float) -> 
         waits = [(ready, began - ready) for ready, began, _ in runs if began > ready]
         axes.broken_barh(waits, (number - 0.2, 0.4), facecolor=_WAITED, edgecolor="grey", hatch="////")
         bars = [(began, max(ended - began, shortest)) for _, began, ended in runs]
-        axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN)
+        axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN, edgecolor="white", linewidth=0.5)
     axes.set(xlim=(begin, end), ylim=(len(lanes) - 0.4, -0.6), xlabel="robot time [s]")
     axes.set_yticks(range(len(lanes)), list(lanes))
     axes.set_title("Callbacks: dark while they ran, hatched while they waited for their turn", fontsize=10)
