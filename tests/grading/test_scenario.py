@@ -52,6 +52,22 @@ def test_the_students_own_values_go_into_inputs_and_calls() -> None:
     assert run(lambda a, b: (a, b), "function", {"n": 5.0}, calls=calls).returns == ([5.0, [10.0]],)
 
 
+def test_an_input_may_ask_a_service() -> None:
+    def tuned() -> Node:
+        node = Node("tuned")
+        node.declare_parameter("gain", 1.0)
+        out = node.create_publisher(Float64, "/out", 10)
+        node.create_timer(1.0, lambda: out.publish(Float64(data=node.get_parameter("gain").value)))
+        return node
+
+    gain = {"parameters": [{"name": "gain", "value": {"type": 3, "double_value": my("gain")}}]}
+    asked = Message("/tuned/set_parameters", "rcl_interfaces/srv/SetParameters", gain, at=1.5)
+    assert numbers(run(tuned, inputs=(asked,), seconds=2.0, personal={"gain": 4.0})) == [
+        (1.0, 1.0),
+        (2.0, 4.0),
+    ]
+
+
 def test_a_malformed_input_names_its_topic() -> None:
     with pytest.raises(CourseError, match=r"the message for /in \(std_msgs/msg/Float64\)"):
         run(Doubler, inputs=(Message("/in", NUMBER, {"date": 1.0}),))

@@ -2,6 +2,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import Float64
 
 from course_lib.grading.evidence import Evidence
@@ -55,6 +56,29 @@ def test_a_rate_is_measured_over_the_whole_scenario(
     evidence: MakeEvidence, times: tuple[float, ...], message: str
 ) -> None:
     assert expect_rate("/tick", 1.0).judge(evidence(*ticks(*times))).message == message
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "message"),
+    [
+        (0.0, 3.0, "as expected"),
+        (4.0, None, "/tick is too fast: 2.00 Hz, expected 1.00 Hz"),
+        (3.1, 3.9, "nothing was published on /tick from 3.1 to 3.9 s"),
+    ],
+)
+def test_a_rate_may_be_that_of_a_part(
+    evidence: MakeEvidence, begin: float, end: float | None, message: str
+) -> None:
+    came = evidence(*ticks(1, 2, 3, 4, 4.5, 5), seconds=5.0)
+    assert expect_rate("/tick", 1.0, begin=begin, end=end).judge(came).message == message
+
+
+def test_a_field_in_a_list_is_named_by_its_place(evidence: MakeEvidence) -> None:
+    array = DiagnosticArray(status=[DiagnosticStatus(name="a"), DiagnosticStatus(name="b")])
+    came = evidence((1.0, "/diagnostics", array))
+    assert expect_message("/diagnostics", {"status.1.name": "b"}).judge(came).score == 1
+    said = expect_message("/diagnostics", {"status.2.name": "b"}).judge(came).message
+    assert said == "status.2.name is None, expected 'b'"
 
 
 @pytest.mark.parametrize(

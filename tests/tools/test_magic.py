@@ -4,6 +4,7 @@ import sys
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
+from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.tools.magic import register
 
@@ -42,3 +43,23 @@ def test_an_error_is_a_line_without_a_traceback(
     shown = capsys.readouterr()
     assert "UsageError: " in shown.out + shown.err
     assert "Traceback" not in shown.out + shown.err
+
+
+def test_timeout_ends_a_command_as_the_stop_button_does(
+    shell: InteractiveShell, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    with use_graph(Graph(notebook=True)) as graph:
+        assert run(shell, "import rclpy\nrclpy.init()\n%timeout 2.5 ros2 topic hz /nothing\nprint('and on')")
+        assert 2.5 <= (graph.now_ns - START_NS) * 1e-9 < 3.0
+    shown = capsys.readouterr().out
+    assert shown.endswith("Stopped after 2.5 s of robot time.\nand on\n")
+
+
+@pytest.mark.parametrize("line", ["", "ros2 topic hz /a", "5 rqt", "1.2.3 ros2 topic list", "5 ros2"])
+def test_timeout_says_how_it_is_written(
+    shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    assert not run(shell, f"%timeout {line}")
+    shown = capsys.readouterr()
+    assert "%timeout 5 ros2 topic hz /scan" in shown.out + shown.err

@@ -29,7 +29,7 @@ def robot_facts() -> dict[str, Any]:
 
 
 class Camera(Node):
-    """Limits by a descriptor; a fast timer asks whether the next image is due."""
+    """Limits by a descriptor; the timer is made anew after each change."""
 
     def __init__(self) -> None:
         super().__init__("camera")
@@ -43,10 +43,11 @@ class Camera(Node):
         )
         self.images = self.create_publisher(Image, "camera/image_raw", 10)
         self.add_post_set_parameters_callback(self.restart)
+        self.timer: Any = None
         self.restart([])
 
     def restart(self, parameters: Any) -> None:
-        if hasattr(self, "timer"):
+        if self.timer is not None:
             self.timer.cancel()
         self.timer = self.create_timer(1 / float(self.get_parameter("frame_rate").value), self.take)
 

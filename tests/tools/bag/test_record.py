@@ -3,10 +3,13 @@ from pathlib import Path
 
 import pytest
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
 from course_lib.ros.clock import START_NS
+from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource
@@ -89,3 +92,13 @@ def test_an_interrupt_ends_the_recording_and_keeps_it(
     ros2(["bag", "record", "-a", "-o", "kept"], source, written.append)
     assert counts("kept")["/chatter"] == 4
     assert written[-1].endswith("[rosbag2_recorder]: Recording stopped\n")
+
+
+def test_what_was_latched_before_begins_with_the_bag(graph: Graph, run: Run) -> None:
+    node = Node("latching")
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_publisher(String, "/latched", latched).publish(String(data="before"))
+    spin_for(7.0, node)
+    run("record -a -o late")
+    (sample,) = [s for s in read_bag("late").samples if s.topic == "/latched"]
+    assert sample.stamp_ns == START_NS + 7 * 10**9
