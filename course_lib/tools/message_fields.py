@@ -34,14 +34,19 @@ def fill(message: Message, text: str) -> list[SetTime]:
             "The passed value needs to be a dictionary in YAML format, like '{x: 1.0}' or 'x: 1.0' "
             "with a space after the colon."
         )
-    times: list[SetTime] = []
     try:
-        _set(message, values, times)
+        return set_fields(message, values)
     except (AttributeError, AssertionError, TypeError, ValueError, OverflowError) as error:
         fields = ", ".join(f"{name}: {of}" for name, of in message.get_fields_and_field_types().items())
         raise CourseError(
             f"Failed to populate field: {error}. {type_name(message)} has {fields or 'no field'}."
         ) from error
+
+
+def set_fields(message: Message, values: Any) -> list[SetTime]:
+    """Set fields from dicts, lists and numbers; returns as `fill`, raises what ROS raises for a misfit."""
+    times: list[SetTime] = []
+    _set(message, values, times)
     return times
 
 
