@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
 from course_lib.grading.inputs import header, pose, scan, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
+from course_lib.grading.task import Call, Message, Row, Scenario, Task, my
 from course_lib.grading.vocabulary import (
     expect_display,
     expect_drawn,
@@ -19,6 +20,7 @@ from course_lib.grading.vocabulary import (
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
+LENGTH = (80, 200)  # words of a text
 FACTS = ("image_rate", "image_width", "scan_reliability", "threshold", "trigger_service")
 
 
@@ -207,6 +209,35 @@ INSPECTION_LAYOUT = Task(
     personal={"keep": (20, 30, 40, 50, 60, 80)},
 )
 
+
+def words(evidence: Evidence) -> Verdict:
+    """A text of about the length that was asked for."""
+    text = evidence.returns[0] if evidence.returns else ""
+    count = len(str(text or "").split())
+    low, high = LENGTH
+    if 0.8 * low <= count <= 1.25 * high:
+        return passed(f"{count} words")
+    return failed(f"{count} words, expected {low} to {high}", "the text has another length")
+
+
+FINDINGS = Task(
+    "week06.findings",
+    title="Findings",
+    kind="written",
+    name="findings",
+    hints=(
+        "Begin with what you measured, then what you saw, then what follows from it.",
+        "A number alone says little: name its topic, its unit, and the tool that gave it.",
+        "I measured ... with ...; LaserScan shows ...; I recommend ..., because ... is ...",
+    ),
+    scenarios=(Scenario("public", checks=(Check("its length", words),)),),
+    rubric=(
+        Row("Measured: three numbers, each with the tool that gave it", 4),
+        Row("Seen: what two displays of the layout show about the robot", 3),
+        Row("Recommended: one thing to change, with a reason that follows from a number", 3),
+    ),
+)
+
 DETECTION_LATENCY = Task(
     "week06.detection_latency",
     title="From image to detection",
@@ -232,4 +263,12 @@ DETECTION_LATENCY = Task(
     ),
 )
 
-TASKS = (ROBOT_FACTS, CAMERA, CAMERA_MONITOR, PERFORMANCE_TABLE, INSPECTION_LAYOUT, DETECTION_LATENCY)
+TASKS = (
+    ROBOT_FACTS,
+    CAMERA,
+    CAMERA_MONITOR,
+    PERFORMANCE_TABLE,
+    INSPECTION_LAYOUT,
+    FINDINGS,
+    DETECTION_LATENCY,
+)

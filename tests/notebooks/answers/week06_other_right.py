@@ -141,3 +141,6 @@ def detection_latency(images: Any, detections: Any) -> Any:
     times = [seconds for _, seconds in pairs] or [0.0]
     found = len({number for number, _ in pairs})
     return np.mean(times), max(times), (len(images) - found) / max(len(images), 1)
+
+
+findings = "word " * 150
