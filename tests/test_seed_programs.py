@@ -103,6 +103,16 @@ def test_the_diagnostic_node_of_the_documents_runs_once_its_indentation_is_back(
     assert (status.name, status.level, status.message) == ("Front Camera System", level, message)
 
 
+def test_the_dashboard_of_the_documents_keeps_all_its_rates(tmp_path: Path) -> None:
+    (tmp_path / "dashboard.py").write_text(program("PerceptionDashboard"))
+    recording, again = (run(tmp_path / bag, tmp_path / "dashboard.py") for bag in ("one", "two"))
+    counts = {topic.name: topic.count for topic in recording.topics()}
+    assert (counts["/perception/markers"], counts["/tf"], counts["/planned_path"]) == (50, 100, 5)
+    paths: list[Any] = [path for _, path in recording.messages("/planned_path")]
+    assert {(path.header.frame_id, len(path.poses)) for path in paths} == {("world", 50)}
+    assert recording.digest() == again.digest()
+
+
 def test_the_paint_node_of_the_documents_paints_two_stripes_and_nothing_while_driving(tmp_path: Path) -> None:
     (tmp_path / "paint.py").write_text(program("PaintPathNode"))
     recording = run(tmp_path / "bag", tmp_path / "paint.py", ROBOT, seconds=12.0)

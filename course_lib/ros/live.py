@@ -138,6 +138,12 @@ def live_runs(graph: Graph) -> tuple[LiveRun, ...]:
     return tuple(_runs_of(graph))
 
 
+def stop_all() -> None:
+    """Stop all that runs between the cells: nodes of `run_live`, what `%ros2 launch` started."""
+    for run in live_runs(current_graph()):
+        run.stop()
+
+
 def _stop_what_is_over(graph: Graph) -> None:
     for run in tuple(_runs_of(graph)):
         if run.is_over():
