@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class, serialize
+from course_lib.ros.messages import serialize
 
 PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 ROOM = 4 << 20  # bytes for each topic
@@ -27,7 +27,7 @@ class ImageRoom:
 
 def _without_pixels(sample: Sample) -> Sample:
     try:
-        message: Any = deserialize(sample.cdr, message_class(sample.type_name))
+        message: Any = sample.message()
     except Exception:  # the bytes come from a student's process: what is no picture has no header to keep
         return replace(sample, cdr=b"")
     message.data = []

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from course_lib.ros.graph import Graph, Sample
-from course_lib.ros.messages import Message, deserialize, message_class
+from course_lib.ros.messages import Message
 from course_lib.ros.qos import Qos
 
 
@@ -53,7 +53,7 @@ class Recording:
         """
         for sample in self.samples:
             if sample.topic == topic:
-                yield sample.stamp_ns, deserialize(sample.cdr, message_class(sample.type_name))
+                yield sample.stamp_ns, sample.message()
 
     def digest(self) -> str:
         """Give the SHA-256 of every sample's topic, type, stamp and CDR bytes, in hexadecimal digits."""

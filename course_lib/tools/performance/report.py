@@ -18,6 +18,7 @@ from course_lib.tools.performance.measure import (
     called,
     topic_rows,
 )
+from course_lib.tools.sources import ALWAYS_THERE
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -160,12 +161,9 @@ def _report(
     recording: Recording, start_ns: int, end_ns: int, calls: Sequence[Call], delay_ns: int
 ) -> PerformanceReport:
     seconds = (end_ns - start_ns) * 1e-9
-    topics = [row for row in topic_rows(recording.samples, delay_ns) if row.topic not in _ALWAYS]
+    topics = [row for row in topic_rows(recording.samples, delay_ns) if row.topic not in ALWAYS_THERE]
     callbacks = callback_rows(calls, seconds) if seconds else ()
     return PerformanceReport(seconds, start_ns, tuple(topics), tuple(callbacks), tuple(calls))
-
-
-_ALWAYS = ("/parameter_events", "/rosout")  # of every node
 
 
 def _cell(name: str, value: Any) -> str:
