@@ -163,10 +163,10 @@ class Gripper(Node):
         self._commands = self.create_publisher(JointState, "joint_commands", 10)
         self._wanted = self._is = 0.0  # [m]
         self._server = ActionServer(self, GripperCommand, "gripper_cmd", self._move)
-        self.create_timer(0.05, self._report)
+        self.create_timer(0.1, self._report)
 
     def _report(self) -> None:
-        self._is += 0.2 * (self._wanted - self._is)
+        self._is += 0.4 * (self._wanted - self._is)
         for publisher, position in ((self._states, self._is), (self._commands, self._wanted)):
             state = JointState(name=["finger_joint"], position=[position])
             state.header.stamp = self.get_clock().now().to_msg()
