@@ -24,7 +24,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-bag = typer.Typer(help="Look into recordings.", no_args_is_help=True, rich_markup_mode=None)
+bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
 app.add_typer(staff)
 

@@ -40,6 +40,7 @@ def bad_inputs(tmp_path: Path) -> Path:
     "words",
     [
         "frobnicate",
+        "bag",
         "run",
         "run missing.py",
         "run folder",

@@ -84,8 +84,9 @@ class Program(Process):
 
     @property
     def is_launch_file(self) -> bool:
-        """Whether the file describes a launch: it defines what `ros2 launch` calls."""
-        return "generate_launch_description" in self._code.co_names
+        """Whether the file describes a launch, by its name or by what `ros2 launch` calls."""
+        named = self.file.name.endswith((".launch.py", "_launch.py"))
+        return named or "generate_launch_description" in self._code.co_names
 
     def work(self) -> None:
         """Run the file."""

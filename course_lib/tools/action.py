@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.messages import Message, action_class
-from course_lib.tools.asking import answer, kind_of, own_node
+from course_lib.ros.messages import Message, action_class, type_name
+from course_lib.tools.asking import answer, check_type, kind_of, own_node
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.listing import count, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
@@ -45,6 +45,7 @@ def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
     goal = kind.Goal()
     fill(goal, sys.stdin.read() if arguments.stdin else arguments.goal)
     there = _actions(source)
+    check_type(name, type_name(kind.Goal).removesuffix("_Goal"), there)
     with until_interrupted(), own_node(source) as node:
         client = ActionClient(node, kind, name)
         node.add_waitable(client)

@@ -1,11 +1,13 @@
 """How tools ask services and actions: with a node of their own."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import running_nodes
+from course_lib.ros.messages.definitions import type_names
+from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import NODE_NAME, Source
 
 if TYPE_CHECKING:
@@ -44,4 +46,21 @@ def answer(source: Source, future: "Future[Any]", who: str, patience: float | No
 def kind_of(find: Any, type_name: str, folder: str) -> Any:
     """Find a service's or an action's class; as in ROS the folder may be left out of its name."""
     package, *rest = type_name.split("/")
-    return find("/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest]))
+    whole = "/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest])
+    try:
+        return find(whole)
+    except CourseError as error:
+        word, end = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
+        there = [
+            name.removesuffix(end) for name in type_names() if f"/{folder}/" in name and name.endswith(end)
+        ]
+        if whole in there:
+            raise
+        message = f"The passed {word} type is invalid: {whole}{did_you_mean(whole, there)}"
+        raise CourseError(message) from error
+
+
+def check_type(name: str, type_name: str, there: Mapping[str, Sequence[str]]) -> None:
+    """Raise a CourseError if what goes by a name is of another type: waiting for it would have no end."""
+    if name in there and type_name not in there[name]:
+        raise CourseError(f"{name} has the type {', '.join(there[name])}, not {type_name}.")

@@ -5,9 +5,9 @@ from argparse import Namespace
 
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
-from course_lib.ros.messages import service_class
+from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
-from course_lib.tools.asking import answer, kind_of, own_node
+from course_lib.tools.asking import answer, check_type, kind_of, own_node
 from course_lib.tools.hints import did_you_mean
 from course_lib.tools.listing import count, find_verb, hidden, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
@@ -40,6 +40,7 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
     name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, True)
+    check_type(name, type_name(kind.Request).removesuffix("_Request"), there)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
         if not client.service_is_ready():

@@ -83,5 +83,7 @@ def test_what_cannot_be_sent_is_named(run: Run, talker: Node) -> None:
         run(f"action send_goal /fibonaci {TYPE}")
     with pytest.raises(CourseError, match="Failed to populate field: 'Fibonacci_Goal' object"):
         run(f"action send_goal /fibonacci {TYPE} {{ordr: 3}}")
-    with pytest.raises(CourseError, match="No message type 'example_interfaces/action/Fib_Goal' here"):
+    with pytest.raises(
+        CourseError, match=r"^The passed action type is invalid: .*/Fib\. Did you mean .*/Fibonacci\?"
+    ):
         run("action send_goal /fibonacci example_interfaces/Fib")

@@ -67,7 +67,13 @@ def test_call_names_what_cannot_be_asked(run: Run, adder: Node) -> None:
     assert run.written == "waiting for service to become available...\n"  # type: ignore[attr-defined]
     with pytest.raises(CourseError, match="Failed to populate field: 'AddTwoInts_Request' object has no"):
         run(f"service call /add_two_ints {TYPE} {{c: 1}}")
-    with pytest.raises(CourseError, match="No message type 'example_interfaces/srv/AddTwo_Request'"):
+    with pytest.raises(
+        CourseError, match=r"^The passed service type is invalid: .*/AddTwo\. Did you mean .*/AddTwoInts\?$"
+    ):
         run("service call /add_two_ints example_interfaces/AddTwo")
+    with pytest.raises(
+        CourseError, match=r"^/add_two_ints has the type .*AddTwoInts, not std_srvs/srv/Empty\.$"
+    ):
+        run("service call /add_two_ints std_srvs/srv/Empty")
     with pytest.raises(CourseError, match="A recording gives no answers"):
         ros2(["service", "call", "/add_two_ints", TYPE], RecordingSource(Recording(())), print)

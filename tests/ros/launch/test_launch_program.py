@@ -9,6 +9,7 @@ from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros.launch_program import arguments_of
 from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.program import Program
 from tests.ros.launch.run import recorded
 
 Write = Callable[..., Path]
@@ -199,3 +200,9 @@ def test_arguments_of_a_program_that_is_no_launch_file_are_an_error(tmp_path: Pa
     (tmp_path / "program.py").write_text("print(1)")
     with pytest.raises(CourseError, match="generate_launch_description"):
         arguments_of(tmp_path / "program.py")
+
+
+def test_a_file_with_the_name_of_a_launch_file_is_one_even_if_it_describes_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("import launch\n")
+    assert Program(file, []).is_launch_file
