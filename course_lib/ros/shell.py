@@ -25,4 +25,5 @@ def make_shell() -> "InteractiveShell":
     config = Config()
     config.HistoryManager.enabled = False
     config.InteractiveShell.colors = "nocolor"
+    InteractiveShell.clear_instance()  # that of another notebook in this process
     return Shell.instance(config=config)

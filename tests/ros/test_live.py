@@ -10,7 +10,7 @@ from course_lib.ros import live, pace, virtual_time, wall
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.live import LiveRun, run_live
+from course_lib.ros.live import LiveRun, run_live, stop_all
 
 Captured = pytest.CaptureFixture[str]
 
@@ -69,6 +69,14 @@ def test_a_node_that_is_run_again_has_one_run(notebook: Graph, monkeypatch: pyte
     first, second = run_live(node), run_live(node)
     assert (first.running, second.running) == (False, True)
     second.stop()
+    assert running_nodes() == []
+
+
+def test_all_that_runs_can_be_stopped_at_once(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    runs = [run_live(Node("talker")), run_live(Node("listener"))]
+    stop_all()
+    assert [run.running for run in runs] == [False, False]
     assert running_nodes() == []
 
 

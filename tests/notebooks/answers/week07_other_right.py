@@ -78,9 +78,9 @@ class TrajectoryNode(Node):
         self.create_timer(0.1, self.update)  # [s]
 
     def update(self) -> None:
-        frames = [self.get_parameter(name).value for name in ("world_frame", "base_frame")]
+        world, base = (self.get_parameter(name).value for name in ("world_frame", "base_frame"))
         try:
-            found = self.buffer.lookup_transform(*frames, Time())
+            found = self.buffer.lookup_transform(world, base, Time())
         except TransformException:
             return
         pose = PoseStamped(header=found.header)
@@ -91,7 +91,7 @@ class TrajectoryNode(Node):
         self.path.poses.append(pose)
         while len(self.path.poses) > self.get_parameter("trajectory_max_points").value:
             self.path.poses.pop(0)
-        self.path.header.frame_id = frames[0]
+        self.path.header.frame_id = world
         self.path.header.stamp = self.get_clock().now().to_msg()
         self.publisher.publish(self.path)
 

@@ -102,6 +102,7 @@ def test_of_two_values_the_later_one_counts(tmp_path: Path) -> None:
         ),
         ("/**:\n  ros__parameters:\n    x:\n", "No value at line 3"),
         ("a: [\n", "Error parsing a event near line 2"),
+        ("a: &x {}\nb: *x\n", "Will not support aliasing at line 2"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:

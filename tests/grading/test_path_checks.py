@@ -1,0 +1,74 @@
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import expect_parameters, expect_path
+
+MakeEvidence = Callable[..., Evidence]
+CHECK = expect_path("/way", count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.0)
+
+
+def way(count: int = 3, frame: str = "map", y: float = 0.0, yaw: float = 1.0) -> Any:
+    path = Path()
+    path.header.frame_id = frame
+    for number in range(count):
+        pose = PoseStamped()
+        pose.pose.position.x, pose.pose.position.y = float(number), y
+        pose.pose.orientation.z, pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        path.poses.append(pose)
+    return (1.0, "/way", path)
+
+
+def test_the_right_path_passes(evidence: MakeEvidence) -> None:
+    assert CHECK.judge(evidence(way())).score == 1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (way(count=4), "the last path on /way has 4 poses, expected 3"),
+        (way(frame="odom"), "the path on /way is in frame 'odom', expected 'map'"),
+        (way(y=1.0), "the first pose of /way is at (0.00, 1.00, 0.00) m, expected (0.00, 0.00, 0.00) m"),
+        (way(yaw=0.0), "the last pose of /way is turned by 0.00 rad about z, expected 1.00 rad"),
+    ],
+)
+def test_what_is_wrong_with_a_path_is_named(evidence: MakeEvidence, wrong: Any, message: str) -> None:
+    verdict = CHECK.judge(evidence(wrong))
+    assert (verdict.score, verdict.message) == (0, message)
+
+
+def returned(text: Any) -> Evidence:
+    return Evidence("week07.params", "public", 5.0, returns=(text,))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "/**:\n  ros__parameters: {rate: 5.0}\n",
+        "talker:\n  ros__parameters:\n    rate: 5.0\n",
+        "/talker: {ros__parameters: {rate: 5.}}",
+        "/**: {ros__parameters: {rate: 1.0}}\ntalker: {ros__parameters: {rate: 5.0}}",
+    ],
+)
+def test_a_parameter_may_be_given_in_all_ways_that_ros_reads(text: str) -> None:
+    assert expect_parameters("/talker", {"rate": 5.0}).judge(returned(text)).score == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("talker: {ros__parameters: {rate: 5}}", "rate of /talker is the integer 5, expected a double"),
+        ("listener: {ros__parameters: {rate: 5.0}}", "/talker gets no rate from the file"),
+        ("talker: {rate: 5.0}", "ROS says of the file: Cannot have a value before ros__parameters at line 1"),
+        ("a: &x {}\nb: *x", "ROS says of the file: Will not support aliasing at line 2"),
+        (None, "no text of a parameters file came back"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_named(text: Any, message: str) -> None:
+    verdict = expect_parameters("/talker", {"rate": 5.0}).judge(returned(text))
+    assert (verdict.score, verdict.message) == (0, message)
