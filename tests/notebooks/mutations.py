@@ -137,7 +137,7 @@ OPERATORS = (
         "hard-coded: one student's value",
         r"my_values\(.*?\)\[.*?\]",
         "9.9",
-        f"{GEOMETRY}|too slow|your robot|'Keep'",
+        f"{GEOMETRY}|too slow|your robot|'Keep'|threshold",
     ),
     Operator(
         "hard-coded: as long as the public run",
