@@ -253,5 +253,5 @@ def _line(worst: StatusTable | list[Any], displays: int) -> str:
     """Say how things are in one line."""
     first = worst[0] if worst else None
     if first is None or first.level == "ok":
-        return f"{displays} displays"
+        return "1 display" if displays == 1 else f"{displays} displays"
     return f"{first.display}: {first.text}" + (f" (and {len(worst) - 1} more)" if len(worst) > 1 else "")
