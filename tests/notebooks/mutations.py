@@ -113,7 +113,7 @@ OPERATORS = (
     Operator("axes: rows from columns", r"k\[4\] \* y", "k[4] * x", "rectangle|value"),
     Operator("center: forgotten", r" \+ k\[2\]", "", "rectangle|value"),
     Operator("behind: forgotten", r"any\(z < ", "any(z < -9", "items|rectangle|value"),
-    Operator("trajectory: endless", r"\[-self\.value\(.*\) :\]", "", "poses"),
+    Operator("trajectory: endless", r"\[-most:\]", "", "poses"),
     Operator("orientation: forgotten", r"pose\.pose\.orientation = .*", "pass", "orientation"),
     Operator(
         "transform: the other way round",
