@@ -44,12 +44,14 @@ def answer(source: Source, future: "Future[Any]", who: str, patience: float | No
 
 
 def kind_of(find: Any, type_name: str, folder: str) -> Any:
-    """Find a service's or an action's class; as in ROS the folder may be left out of its name."""
+    """Find a message's, a service's or an action's class; as in ROS its name may go without the folder."""
     package, *rest = type_name.split("/")
     whole = "/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest])
     try:
         return find(whole)
     except CourseError as error:
+        if folder == "msg":  # the error has ROS's words already
+            raise
         word, end = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
         there = [
             name.removesuffix(end) for name in type_names() if f"/{folder}/" in name and name.endswith(end)

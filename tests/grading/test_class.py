@@ -93,7 +93,7 @@ def test_evidence_of_other_inputs_is_not_judged(
 def test_damaged_evidence_is_a_fault_of_ours(course: Course, tmp_path: Path) -> None:
     write_class(tmp_path, 1)
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    (evidence,) = (tmp_path / "out/evidence").iterdir()
+    (evidence,) = (tmp_path / "out/evidence").glob("*.gz")
     evidence.write_bytes(evidence.read_bytes()[:100])
     assert not grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
     (result,) = results_in(tmp_path / "out")
