@@ -24,7 +24,7 @@ from course_lib.ros.messages import deserialize
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host
 from tests.displays.bench import marker
-from tests.displays.test_viewer import publish
+from tests.displays.stage import publish
 
 pytestmark = pytest.mark.browser
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, Vector3
 from std_msgs.msg import ColorRGBA
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -101,6 +101,10 @@ def marker(
     if "color" not in fields:
         made.color = ColorRGBA(r=1.0, a=1.0)
     return made
+
+
+def at(x: float) -> Pose:
+    return Pose(position=Point(x=x))
 
 
 def points(*coordinates: tuple[float, float, float]) -> list[Point]:

@@ -1,5 +1,5 @@
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,13 @@ from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import FrameAligned, XYOrbit
 from course_lib.displays.writer import member_config
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 from tests.displays.bench import marker
+from tests.displays.stage import publish
 from tests.displays.test_layout import LAYOUT
-from tests.displays.test_viewer import publish
 
 
 class Page:
@@ -44,12 +44,6 @@ class Page:
             self.told |= content["changed"]
             for key in content["gone"]:
                 del self.told[key]
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    with use_graph(Graph()) as made:
-        yield made
 
 
 @pytest.fixture

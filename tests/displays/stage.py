@@ -1,0 +1,20 @@
+"""What is published to a viewer in a graph, and what it shows of it."""
+
+from typing import Any
+
+from course_lib.displays.viewer import Viewer
+from course_lib.ros.graph import Graph
+from course_lib.ros.messages import serialize, type_name
+from course_lib.ros.qos import Qos
+
+LATCHED = Qos(durability="transient_local")
+
+
+def publish(graph: Graph, topic: str, message: Any, qos: Qos | None = None) -> None:
+    node = graph.add_node("talker", "/")
+    graph.publish(graph.add_publisher(node, topic, type_name(message), qos or Qos()), serialize(message))
+
+
+def shown(viewer: Viewer) -> set[str]:
+    viewer.look()
+    return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.visible(path)}

@@ -1,0 +1,113 @@
+"""How long a viewer listens: while somebody can see it, or has it by a name."""
+
+import urllib.request
+import weakref
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from course_lib.displays.viewer import Viewer
+from course_lib.ros import pace
+from course_lib.ros.graph import Graph
+from tests.displays.bench import marker
+from tests.displays.stage import publish, shown
+
+
+def test_a_closed_viewer_hears_nothing_and_may_be_closed_again(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    viewer.close()
+    viewer.close()
+    publish(graph, "/m", marker())
+    assert shown(viewer) == {"Grid"}
+
+
+def test_a_cell_gets_the_view_a_picture_and_the_statuses(graph: Graph) -> None:
+    from course_lib.ros import pace
+
+    viewer = Viewer()
+    pace.pages.clear()
+    data, _ = viewer._repr_mimebundle_()
+    assert {"application/vnd.jupyter.widget-view+json", "image/png", "text/plain"} <= data.keys()
+    assert "No tf data." in data["text/plain"]
+    assert (
+        viewer._repr_mimebundle_()[0]["application/vnd.jupyter.widget-view+json"]
+        == (data["application/vnd.jupyter.widget-view+json"])
+    )
+    assert [is_there() for is_there in pace.pages] == [False]
+    viewer.close()
+    assert pace.pages == set()
+
+
+def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    viewer = Viewer()
+    viewer._repr_mimebundle_()
+    posted: list[Any] = []
+    assert viewer._panel._view is not None
+    link = viewer._panel._view.link
+    monkeypatch.setattr(link, "post", lambda content, _: posted.append(content))
+    viewer.fixed_frame = "moon"
+    link.receive({"type": "desk", "act": "open", "page": "one", "number": 0})
+    assert "Frame [moon] does not exist" in posted[-1]["changed"]["status"]["text"]
+    viewer.close()
+
+
+def test_a_viewer_that_nothing_holds_and_no_page_shows_stops_listening(graph: Graph) -> None:
+    viewer = Viewer()
+    assert len(graph._taps) == 1
+    del viewer
+    assert graph._taps == []
+
+
+def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = Viewer()
+    known = weakref.ref(viewer)
+    viewer._repr_mimebundle_()
+    assert viewer._panel._view is not None
+    view = viewer._panel._view
+    history = {7: viewer, 8: None}
+    names = {"_7": viewer, "_": viewer, "_oh": history}
+    hook = SimpleNamespace(_=viewer)
+    shell = SimpleNamespace(user_ns=names, user_ns_hidden={"_7": viewer}, displayhook=hook)
+    monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
+    del viewer
+    view.link.receive({"type": "views", "count": 1})
+    assert known() is not None
+    view.link.receive({"type": "views", "count": 0})
+    assert known() is None
+    assert graph._taps == []
+    assert (names, history) == ({"_": "", "_oh": {8: None}}, {8: None})
+    assert not pace.pages
+
+
+def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer._repr_mimebundle_()
+    assert viewer._panel._view is not None
+    view = viewer._panel._view
+    view.link.receive({"type": "views", "count": 0})
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    assert shown(viewer) == {"Grid", "Marker"}
+    view.link.receive({"type": "views", "count": 1})
+    assert view.keeps is viewer
+    viewer.close()
+
+
+def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    viewer = Viewer()
+    url = viewer.open()
+    assert opened == [url]
+    assert url in capsys.readouterr().out
+    assert viewer.open(browser=False) == url
+    with urllib.request.urlopen(url, timeout=5) as response:
+        assert response.status == 200
+    viewer.close()
+    assert viewer.session.after_frame == []

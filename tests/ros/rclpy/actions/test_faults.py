@@ -1,0 +1,103 @@
+"""What goes wrong in an action, with ROS's texts."""
+
+import pytest
+import rclpy
+from action_msgs.msg import GoalStatus
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer
+from rclpy.action.server import ServerGoalHandle
+from rclpy.exceptions import RCLError
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from course_lib.ros.baton import DeadlockError
+from tests.ros.rclpy.actions.fibonacci import Drive, count, send
+
+
+def test_a_goal_callback_that_returns_something_else_rejects_with_a_warning(
+    server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", count, goal_callback=lambda goal: None)
+    assert not send(client, until_done).accepted
+    warning = "Goal request callback did not return a GoalResponse type. Rejecting goal."
+    assert f"[server.action_server]: {warning}" in capfd.readouterr().err
+
+
+def test_a_callback_that_ends_no_goal_aborts_it_with_ros_s_warning(
+    server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", lambda goal: Fibonacci.Result())
+    assert until_done(send(client, until_done).get_result_async()).status == GoalStatus.STATUS_ABORTED
+    assert (
+        "[server.action_server]: Goal state not set, assuming aborted. Goal ID: [" in capfd.readouterr().err
+    )
+
+
+def test_an_exception_aborts_the_goal_and_is_logged(
+    server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def fail(goal: ServerGoalHandle) -> Fibonacci.Result:
+        raise ValueError("no way")
+
+    ActionServer(server_node, Fibonacci, "fibonacci", fail)
+    answer = until_done(send(client, until_done).get_result_async())
+    assert (answer.status, list(answer.result.sequence)) == (GoalStatus.STATUS_ABORTED, [])
+    said = capfd.readouterr().err
+    assert "Error raised in execute callback: no way" in said
+    assert "ValueError: no way" in said
+
+
+def test_an_impossible_transition_has_rcl_s_text(
+    server_node: Node, client: ActionClient, until_done: Drive
+) -> None:
+    said: list[str] = []
+
+    def end_wrongly(goal: ServerGoalHandle) -> Fibonacci.Result:
+        try:
+            goal.canceled()
+        except RCLError as error:
+            said.append(str(error))
+        goal.abort()
+        return Fibonacci.Result()
+
+    ActionServer(server_node, Fibonacci, "fibonacci", end_wrongly)
+    assert until_done(send(client, until_done).get_result_async()).status == GoalStatus.STATUS_ABORTED
+    assert said == [
+        "Failed to update goal state: goal_handle attempted invalid transition from state EXECUTING "
+        "with event CANCELED"
+    ]
+
+
+def test_wrong_types_are_refused_as_in_ros(node: Node, client: ActionClient) -> None:
+    with pytest.raises(TypeError, match=r"^$"):
+        client.send_goal_async(Fibonacci.Result())
+    with pytest.raises(RuntimeError, match=r"^The action type provided is not valid .*message or service$"):
+        ActionServer(node, String, "fibonacci", count)
+    with pytest.raises(RuntimeError, match=r"^The service type provided is not valid .*message or action$"):
+        node.create_service(Fibonacci, "fibonacci", lambda request, response: response)
+    with pytest.raises(RuntimeError, match=r"^The action type provided is not valid"):
+        ActionClient(node, Trigger, "fibonacci")
+    with pytest.raises(TypeError, match=r"^Failed to register goal execution callback: not callable$"):
+        ActionServer(node, Fibonacci, "fibonacci", None)  # type: ignore[arg-type]  # the mistake that is tested
+
+
+def test_send_goal_in_a_callback_is_a_deadlock_that_is_named(
+    node: Node, server_node: Node, client: ActionClient
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", count)
+    node.create_timer(0.1, lambda: client.send_goal(Fibonacci.Goal()))
+    with pytest.raises(DeadlockError, match=r"call\(\) on /fibonacci/_action/send_goal waits for a response"):
+        rclpy.spin(node)
+
+
+def test_a_second_server_of_that_name_is_warned_of(
+    node: Node, server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(2):
+        ActionServer(server_node, Fibonacci, "fibonacci", count)
+    until_done(send(client, until_done).get_result_async())
+    assert (
+        "[talker.action_client]: Ignoring unexpected goal response. There may be more than one action server "
+        "for the action 'fibonacci'"
+    ) in capfd.readouterr().err
