@@ -1,0 +1,53 @@
+"""Transforms and tf2's buffer."""
+
+# (program, the last line of what it says, the hint below it)
+FRAMES = [
+    (
+        "Buffer().lookup_transform('map', 'base', Time())",
+        'tf2.LookupException: "map" passed to lookupTransform argument target_frame does not exist. ',
+        "is the frame published, spelt so? %ros2 run tf2_tools view_frames.",
+    ),
+    (
+        "Buffer().lookup_transform('/map', 'base', Time())",
+        'tf2.InvalidArgumentException: Invalid argument "/map" passed to lookupTransform argument '
+        "target_frame - in tf2 frame_ids cannot start with a '/'",
+        "write the frame's name without the slash.",
+    ),
+    (
+        "buffer = Buffer()\n"
+        "for parent, child in (('map', 'odom'), ('world', 'base')):\n"
+        "    buffer.set_transform(transform(parent, child, 1), 'me')\n"
+        "buffer.lookup_transform('map', 'base', Time())",
+        "tf2.ConnectivityException: Could not find a connection between 'map' and 'base' because "
+        "they are not part of the same tree.Tf has two or more unconnected trees.",
+        "a transform between two trees is missing: %ros2 run tf2_tools view_frames.",
+    ),
+    (
+        "buffer = Buffer()\n"
+        "for second in (1, 2):\n"
+        "    buffer.set_transform(transform('map', 'base', second), 'me')\n"
+        "buffer.lookup_transform('map', 'base', Time(seconds=3))",
+        "tf2.ExtrapolationException: Lookup would require extrapolation into the future.  "
+        "Requested time 3.000000 but the latest data is at time 2.000000, when looking up "
+        "transform from frame [base] to frame [map]",
+        "ask for the latest one, Time(), or give a timeout.",
+    ),
+    (
+        "Buffer().set_transform(transform('', 'base', 1), 'me')",
+        '[ERROR] []: TF_NO_FRAME_ID: Ignoring transform with child_frame_id "base"  from authority '
+        '"me" because frame_id not set',
+        "",
+    ),
+    (
+        "Buffer().set_transform(transform('base', 'base', 1), 'me')",
+        '[ERROR] []: TF_SELF_TRANSFORM: Ignoring transform from authority "me" with frame_id and  '
+        'child_frame_id "base" because they are the same',
+        "",
+    ),
+    (
+        "Buffer().transform(Marker(), 'map')",
+        "tf2_ros.buffer_interface.TypeException: Type <class "
+        "'visualization_msgs.msg._marker.Marker'> is not loaded or supported",
+        "import tf2_geometry_msgs: it knows points and poses.",
+    ),
+]

@@ -1,0 +1,109 @@
+"""Nodes, timers, logging, and the run around them."""
+
+# (program, the last line of what it says, the hint below it)
+NODES = [
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        self.publisher = self.create_publisher(String, 'chatter', 10)\n"
+        "Robot()",
+        "AttributeError: 'Robot' object has no attribute '_default_callback_group'",
+        "call super().__init__('a_name') first in Robot.__init__().",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__()\nRobot()",
+        "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'",
+        "name the node: super().__init__('a_name').",
+    ),
+    (
+        "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
+        "TypeError: <lambda>() missing 1 required positional argument: 'event'",
+        "a timer gives no argument.",
+    ),
+    (
+        "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
+        "TypeError: 'NoneType' object is not callable",
+        "give the function itself, without ().",
+    ),
+    (
+        "node.create_timer(-0.1, lambda: None)",
+        "rclpy.exceptions.RCLError: failed to create timer: timer period must be non-negative",
+        "give the period in seconds, like 0.1 for 10 Hz.",
+    ),
+    (
+        "node.create_timer('0.1 s', lambda: None)",
+        "ValueError: could not convert string to float: '0.1 s'",
+        "give the period in seconds, as a number.",
+    ),
+    (
+        "rclpy.shutdown()\nNode('late')",
+        "rclpy.exceptions.NotInitializedException: rclpy.init() has not been called. msg:cannot create node",
+        "call rclpy.init() first.",
+    ),
+    (
+        "rclpy.init()",
+        "RuntimeError: Context.init() must only be called once",
+        "one rclpy.init() per program; rclpy.ok() says if it was.",
+    ),
+    (
+        "rclpy.shutdown()\nrclpy.shutdown()",
+        "RuntimeError: Context must be initialized before it can be shutdown",
+        "rclpy.try_shutdown() never complains.",
+    ),
+    (
+        "Node('my robot')",
+        "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not contain "
+        "characters other than alphanumerics or '_':",
+        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+    ),
+    (
+        "Node('2nd')",
+        "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not start "
+        "with a number:",
+        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+    ),
+    (
+        "Node('/robot')",
+        "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not contain "
+        "characters other than alphanumerics or '_':",
+        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+    ),
+    (
+        "Node('robot', namespace='my ns')",
+        "rclpy.exceptions.InvalidNamespaceException: Invalid namespace: namespace must not contain "
+        "characters other than alphanumerics, '_', or '/':",
+        "use letters, digits and underscores, and begin with a letter, like /robot_1.",
+    ),
+    (
+        "rate = node.create_rate(10)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)",
+        "course_lib.ros.baton.DeadlockError: Rate.sleep() waits for a tick that comes only after "
+        "this callback has ended. Use a timer, or a MultiThreadedExecutor.",
+        "",
+    ),
+    (
+        "node.create_timer(0.1, lambda: rclpy.spin(node))\nrclpy.spin(node)",
+        "ValueError: generator already executing",
+        "a callback must not spin: use await, or add_done_callback.",
+    ),
+    (
+        "rclpy.spin()",
+        "TypeError: spin() missing 1 required positional argument: 'node'",
+        "say which node: rclpy.spin(node).",
+    ),
+    (
+        "node.get_logger().info(5)",
+        "TypeError: rclpy_logging_rcutils_log(): incompatible function arguments: the message must "
+        "be a str, not int; write str(...) or an f-string",
+        "write one f-string: info(f'speed: {speed}').",
+    ),
+    (
+        "node.get_logger().info('speed:', 5)",
+        "TypeError: RcutilsLogger.info() takes 2 positional arguments but 3 were given",
+        "write one f-string: info(f'speed: {speed}').",
+    ),
+    (
+        "for say in ('info', 'error'):\n    getattr(node.get_logger(), say)('hello')",
+        "ValueError: Logger severity cannot be changed between calls.",
+        "write one line for each severity.",
+    ),
+]

@@ -1,0 +1,40 @@
+"""Parameters of a node."""
+
+# (program, the last line of what it says, the hint below it)
+PARAMETERS = [
+    (
+        "node.declare_parameter('speed', 1)\nnode.declare_parameter('speed', 2)",
+        "rclpy.exceptions.ParameterAlreadyDeclaredException: Parameter(s) already declared: ['speed']",
+        "declare it once, in __init__; set_parameters changes it.",
+    ),
+    (
+        "node.get_parameter('speed')",
+        "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): speed",
+        "declare it first: self.declare_parameter('a_name', 1.0).",
+    ),
+    (
+        "node.set_parameters([Parameter('speed', value=1)])",
+        "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): []",
+        "declare it first: self.declare_parameter('a_name', 1.0).",
+    ),
+    (
+        "node.declare_parameter('speed', 1.0)\nprint(node.get_parameter('speed') * 2)",
+        "TypeError: unsupported operand type(s) for *: 'Parameter' and 'int'",
+        "ask for its value: get_parameter('a_name').value.",
+    ),
+    (
+        "node.declare_parameter('speed', {'max': 1.0})",
+        "TypeError: The given value is not one of the allowed types '{'max': 1.0}'.",
+        "bool, int, float, str, or lists.",
+    ),
+    (
+        "node.declare_parameter('speeds', [1, 'fast'])",
+        "TypeError: The given value is not a list of one of the allowed types '[1, 'fast']'.",
+        "bool, int, float, str, or lists.",
+    ),
+    (
+        "node.declare_parameter('speed', Parameter.Type.DOUBLE)\nnode.get_parameter('speed').value",
+        "rclpy.exceptions.ParameterUninitializedException: The parameter 'speed' is not initialized: speed",
+        "declare it with a default value, or set it before.",
+    ),
+]

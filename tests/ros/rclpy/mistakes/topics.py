@@ -1,0 +1,134 @@
+"""Publishers, subscriptions and their QoS."""
+
+# (program, the last line of what it says, the hint below it)
+TOPICS = [
+    (
+        "node.create_subscription(String, 'chatter', lambda: None, 10)",
+        "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
+        "argument(to get only the message) or two (to get message and message info)",
+        "write def heard(self, msg), and give self.heard, without ().",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def heard(msg):\n"
+        "        pass\n"
+        "robot = Robot('arm')\n"
+        "robot.create_subscription(String, 'chatter', robot.heard, 10)",
+        "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
+        "argument(to get only the message) or two (to get message and message info)",
+        "write def heard(self, msg), and give self.heard, without ().",
+    ),
+    (
+        "node.create_subscription(String, 'chatter', print('heard'), 10)",
+        "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
+        "argument(to get only the message) or two (to get message and message info)",
+        "write def heard(self, msg), and give self.heard, without ().",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', 10).publish('hello')",
+        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'str'>",
+        "put it into a message: String(data=...).",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', 10).publish(String)",
+        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'type'>",
+        "make an object: String(), with ().",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', 10).publish(Twist())",
+        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class "
+        "'geometry_msgs.msg._twist.Twist'>",
+        "publish a String, or make the publisher for the other type.",
+    ),
+    (
+        "node.create_publisher(String, 'chatter')",
+        "TypeError: Node.create_publisher() missing 1 required positional argument: 'qos_profile'",
+        "say how many messages are kept, like 10, as the last argument.",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', '10')",
+        "TypeError: Expected QoSProfile or int, but received <class 'str'>",
+        "say how many messages are kept, like 10.",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', -1)",
+        "ValueError: history depth must be greater than or equal to zero",
+        "",
+    ),
+    (
+        "node.create_publisher('std_msgs/msg/String', 'chatter', 10)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
+        "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "give the class: from std_msgs.msg import String.",
+    ),
+    (
+        "node.create_publisher(AddTwoInts, 'chatter', 10)",
+        "RuntimeError: The message type provided is not valid (<class "
+        "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a service or action",
+        "they are in .msg, .srv and .action.",
+    ),
+    (
+        "node.create_publisher(String, 'my chatter', 10)",
+        "rclpy.exceptions.InvalidTopicNameException: Invalid topic name: topic name must not "
+        "contain characters other than alphanumerics, '_', '~', '{', or '}':",
+        "use letters, digits and underscores, and begin with a letter, like robot/front_camera.",
+    ),
+    (
+        "node.create_publisher(String, 'chatter/', 10)",
+        "rclpy.exceptions.InvalidTopicNameException: Invalid topic name: topic name must not end "
+        "with a forward slash:",
+        "use letters, digits and underscores, and begin with a letter, like robot/front_camera.",
+    ),
+    (
+        "node.create_publisher(String, '2nd/chatter', 10)",
+        "rclpy.exceptions.InvalidTopicNameException: Invalid topic name: topic name token must not "
+        "start with a number:",
+        "use letters, digits and underscores, and begin with a letter, like robot/front_camera.",
+    ),
+    (
+        "node.create_publisher(String, '', 10)",
+        "rclpy.exceptions.InvalidTopicNameException: Invalid topic name: topic name must not be "
+        "empty string:",
+        "use letters, digits and underscores, and begin with a letter, like robot/front_camera.",
+    ),
+    (
+        "publisher = node.create_publisher(String, 'chatter', 10)\n"
+        "node.destroy_publisher(publisher)\n"
+        "publisher.publish(String())",
+        "rclpy.exceptions.InvalidHandle: cannot use Destroyable because destruction was requested",
+        "it was destroyed before; make a new one, or destroy it later.",
+    ),
+    (
+        "QoSProfile()",
+        "rclpy.qos.InvalidQoSProfileException: ('Invalid QoSProfile', 'History and/or depth "
+        "settings are required.')",
+        "say how many messages are kept: depth=10.",
+    ),
+    (
+        "QoSProfile(dept=10)",
+        "AssertionError: Invalid arguments passed to constructor: dict_keys(['dept'])",
+        "it takes depth, reliability, ...",
+    ),
+    (
+        "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
+        "node.create_publisher(String, 'chatter', best)\n"
+        "node.create_subscription(String, 'chatter', print, 10)",
+        "[WARN] [robot]: New publisher discovered on topic 'chatter', offering incompatible QoS. "
+        "No messages will be received from it. Last incompatible policy: RELIABILITY",
+        "",
+    ),
+    (
+        "node.create_publisher(String, 'latched', 1)\n"
+        "latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)\n"
+        "node.create_subscription(String, 'latched', print, latched)",
+        "[WARN] [robot]: New publisher discovered on topic 'latched', offering incompatible QoS. "
+        "No messages will be received from it. Last incompatible policy: DURABILITY",
+        "",
+    ),
+    (
+        "node.create_publisher(String, 'chatter', 1)\nnode.create_subscription(Int32, 'chatter', print, 1)",
+        "[WARN] [robot]: Incompatible type on topic 'chatter', no messages will be sent to it.",
+        "",
+    ),
+]
