@@ -51,9 +51,12 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
             ) from error
         for node, text in _parts(cell.source, nodes):
             now, later = _needs(text)
-            gives = frozenset(_bound(node))
-            changes = frozenset(_changed(node))
-            found.append(Statement(len(found), cell, node, text, gives, changes, now - gives, later))
+            gives, changes = frozenset(_bound(node)), frozenset(_changed(node))
+            if isinstance(node, ast.AugAssign):
+                now |= gives
+            elif not isinstance(node, ast.Assign):  # X = X + 1 needs the X before it
+                now -= gives
+            found.append(Statement(len(found), cell, node, text, gives, changes, now, later))
     return found
 
 

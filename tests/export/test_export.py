@@ -119,6 +119,7 @@ def test_what_cannot_work_is_found_before_anything_is_written(
         (("def f():\n    return g()\n\n\ndef g():\n    return 1", TALKER + "        f()"), "def g():"),
         (("import numpy as np, math", TALKER + "        print(np.pi)"), "import numpy as np"),
         (("X = [n for n in range(3)]", TALKER + "        print(X)"), "X = [n for n in range(3)]"),
+        (("A = [1]\nA += [2]\nA = A + [3]", TALKER + "        print(A)"), "A = [1]\nA += [2]\nA = A + [3]"),
         (("try:\n    import a\nexcept ImportError:\n    a = None", TALKER + "        print(a)"), "a = None"),
         (("class Base(Node):\n    pass", TALKER.replace("(Node)", "(Base)")), "class Base(Node):"),
         (("x = 1; y = 2", TALKER + "        print(y)"), "\ny = 2"),
