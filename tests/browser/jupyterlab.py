@@ -90,12 +90,12 @@ class Notebook:
     def run_one_by_one(self) -> Iterator[tuple[str, Locator]]:
         """Run the code cells in their order, each after the one before has ended; gives source and cell."""
         script = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
-            .filter(c => c.type == 'code').map(c => c.sharedModel.getSource())"""
-        for source in self.page.evaluate(script):
-            self.cell(source)
+            .flatMap((c, i) => c.type == 'code' ? [[i, c.sharedModel.getSource()]] : [])"""
+        for index, source in self.page.evaluate(script):
+            self.cell(index)
             self.page.evaluate("() => jupyterapp.commands.execute('notebook:run-cell')")
             self.wait_idle()
-            yield source, self.cell(source)
+            yield source, self.cell(index)
 
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""
@@ -137,13 +137,13 @@ class Notebook:
         """List the error outputs."""
         return [f"{o['ename']}: {o['evalue']}" for o in self.outputs() if o["output_type"] == "error"]
 
-    def cell(self, text: str) -> Locator:
-        """Bring the first code cell whose source has `text` in it into view."""
-        script = """text => { const panel = jupyterapp.shell.currentWidget.content;
-            panel.activeCellIndex = panel.widgets.findIndex(
-                w => w.model.type == 'code' && w.model.sharedModel.getSource().includes(text));
+    def cell(self, wanted: str | int) -> Locator:
+        """Bring a cell into view: the first code cell whose source has a text in it, or that at an index."""
+        script = """wanted => { const panel = jupyterapp.shell.currentWidget.content;
+            panel.activeCellIndex = Number.isInteger(wanted) ? wanted : panel.widgets.findIndex(
+                w => w.model.type == 'code' && w.model.sharedModel.getSource().includes(wanted));
             return panel.scrollToItem(panel.activeCellIndex, 'start') }"""
-        self.page.evaluate(script, text)
+        self.page.evaluate(script, wanted)
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
 
