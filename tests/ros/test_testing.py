@@ -30,10 +30,10 @@ from my_package.my_node import Talker
 @pytest.fixture(scope="module")
 def node_with_executor():
     rclpy.init()
-    node = Talker()
-    executor = SingleThreadedExecutor()
+    node, executor = Talker(), SingleThreadedExecutor()
     executor.add_node(node)
     yield node, executor
+    executor.shutdown()
     node.destroy_node()
     rclpy.shutdown()
 

@@ -14,7 +14,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.grading import my_values
 
-COLORS = {"person_color": [0.0, 1.0, 0.0, 0.5], "car_color": [1.0, 0.0, 0.0, 0.5]}
+COLORS = {"car_color": [1.0, 0.0, 0.0, 0.5], "person_color": [0.0, 1.0, 0.0, 0.5]}
 DEFAULTS = {"marker_lifetime": 1.0, "confidence_threshold": 0.5, "max_detections": 20, **COLORS}
 
 
