@@ -1,6 +1,5 @@
 """All tasks of the course: course.toml and the weeks' check files, checked against each other."""
 
-import difflib
 import runpy
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.files import exercises_dir
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.course_file import CourseFile, read_course_file
 from course_lib.grading.task import Scenario, Task, check_scenarios
 
@@ -35,8 +34,8 @@ class Catalog:
             CourseError: No task has this id; the message names the close ones.
         """
         if task_id not in self.tasks:
-            close = difflib.get_close_matches(str(task_id), self.tasks, n=3, cutoff=0.4) or list(self.tasks)
-            raise CourseError(f"there is no task {task_id!r}. Did you mean {' or '.join(map(repr, close))}?")
+            meant = did_you_mean(str(task_id), self.tasks, 3) or f"; there is {', '.join(self.tasks)}."
+            raise CourseError(f"there is no task {task_id!r}{meant}")
         return self.tasks[task_id]
 
     def of_week(self, week: str) -> list[Task]:

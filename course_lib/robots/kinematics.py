@@ -1,6 +1,5 @@
 """Forward kinematics: where the links are, by Pinocchio."""
 
-import difflib
 from collections.abc import Mapping
 from math import cos, isfinite, nan, sin
 from numbers import Real
@@ -9,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.robots.robot import Robot
 from course_lib.robots.urdf import MOVING, Urdf
 
@@ -100,10 +99,9 @@ def _place(model: "pin.Model", values: Floats, name: str, position: float) -> No
 
 def _check(robot: Robot, movable: list[str], name: str, position: object) -> None:
     if name not in movable:
-        close = difflib.get_close_matches(str(name), movable, n=1)
-        hint = f"Did you mean {close[0]!r}? " if close else ""
+        meant = did_you_mean(str(name), movable) or "."
         raise CourseError(
-            f"{robot.name!r} has no joint {name!r} that moves. {hint}Those that do: {', '.join(movable)}."
+            f"{robot.name!r} has no joint {name!r} that moves{meant} Those that do: {', '.join(movable)}."
         )
     if not isinstance(position, Real) or not isfinite(position):
         unit = robot.tree.joints[name].unit

@@ -1,10 +1,9 @@
 """Robots by name, from a URDF file, or from the text of one."""
 
-import difflib
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.robots.resources import package_roots, resolve
 from course_lib.robots.robot import Robot
 from course_lib.robots.urdf import needed, parse_urdf
@@ -31,9 +30,9 @@ def _from_example_robot_data(name: str) -> Robot:
     example_robot_data = needed("example_robot_data")
     known = sorted(example_robot_data.ROBOTS)
     if name not in known:
-        close = ", ".join(difflib.get_close_matches(name, known, n=3) or known[:3])
+        meant = did_you_mean(name, known, 3) or f", like {known[0]}."
         raise CourseError(
-            f"There is no robot {name!r} among the {len(known)} models; close to it: {close}. "
+            f"There is no robot {name!r} among the {len(known)} models{meant} "
             'A file ends in .urdf, like load_robot("my_robot.urdf").'
         )
     try:

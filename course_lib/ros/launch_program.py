@@ -1,6 +1,5 @@
 """A launch file run as a program: its nodes are processes of one graph, by one clock."""
 
-import difflib
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -18,7 +17,7 @@ from launch.launch_description_sources import InvalidPythonLaunchFileError, Laun
 from launch.substitution import SubstitutionFailure, text_of
 from launch_ros.actions import Node
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
@@ -153,12 +152,10 @@ class LaunchProgram(Process):
         names = [*found.executables] if found else [name for place, name in self._own if place == package]
         if not names and found is None:
             raise CourseError(why_not_found(package))
-        close = difflib.get_close_matches(executable, names, n=1)
-        meant = f" Did you mean '{close[0]}'?" if close else ""
         where = " Executables are named in console_scripts in setup.py." if found else ""
         raise CourseError(
             f"executable '{executable}' not found in package '{package}', which has: "
-            f"{', '.join(names) or 'none'}.{meant}{where}"
+            f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
         )
 
     def _go_on(self) -> None:

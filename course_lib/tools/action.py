@@ -4,11 +4,10 @@ import sys
 from argparse import Namespace
 from typing import Any, Literal
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, action_class, type_name
 from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.listing import count, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.message_text import Style, to_yaml
@@ -51,7 +50,7 @@ def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
         node.add_waitable(client)
         write("Waiting for an action server to become available...\n")
         if not source.wait(client.server_is_ready, source.limit()):
-            raise CourseError(f"Nobody serves the action '{name}'{did_you_mean(name, there)}")
+            raise CourseError(f"Nobody serves the action '{name}'{did_you_mean(name, there) or '.'}")
         write(f"Sending goal:\n     {_text(goal)}\n")
 
         def show(message: Any) -> None:

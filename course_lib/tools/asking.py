@@ -4,10 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.messages.definitions import type_names
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import NODE_NAME, Source
 
 if TYPE_CHECKING:

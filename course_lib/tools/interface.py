@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Iterator
 from functools import partial
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
@@ -17,7 +17,6 @@ from course_lib.ros.messages.definitions import (
 )
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.message_text import Style, to_yaml
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Option, Verb, Write, flag, value

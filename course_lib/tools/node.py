@@ -3,10 +3,9 @@
 from argparse import Namespace
 from collections.abc import Iterable
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.topics import SERVICE_TOPICS
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.listing import count
 from course_lib.tools.sources import Source, is_hidden
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value

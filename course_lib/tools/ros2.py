@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.recording import Recording, read_bag
 from course_lib.ros import standin_path
 from course_lib.tools.action import ACTION_VERBS
@@ -15,7 +15,6 @@ from course_lib.tools.bag.info import BAG_INFO
 from course_lib.tools.bag.play import BAG_PLAY
 from course_lib.tools.bag.record import BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.interface import INTERFACE_VERBS
 from course_lib.tools.launch import LAUNCH, RUN
 from course_lib.tools.node import NODE_VERBS

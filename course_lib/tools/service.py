@@ -3,12 +3,11 @@
 import sys
 from argparse import Namespace
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
 from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.listing import count, find_verb, hidden, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.sources import Source, is_hidden
@@ -46,7 +45,7 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
         if not client.service_is_ready():
             write("waiting for service to become available...\n")
             if not source.wait(client.service_is_ready, limit):
-                raise CourseError(f"Nobody offers the service '{name}'{did_you_mean(name, there)}")
+                raise CourseError(f"Nobody offers the service '{name}'{did_you_mean(name, there) or '.'}")
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")
             begun_ns = source.graph.now_ns

@@ -24,7 +24,7 @@ def test_a_students_copy_has_no_hidden_scenarios(course: Course) -> None:
 
 
 def test_an_unknown_task_names_the_close_ones(course: Course) -> None:
-    with pytest.raises(CourseError, match=r"Did you mean 'week01\.red_cube'"):
+    with pytest.raises(CourseError, match=r"Did you mean week01\.red_cube"):
         load_catalog(course.exercises).task("week01.red_cub")
 
 

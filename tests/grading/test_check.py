@@ -88,7 +88,7 @@ def test_a_value_instead_of_a_function_is_explained(capsys: pytest.CaptureFixtur
 
 
 def test_an_unknown_task_names_the_close_ones() -> None:
-    with pytest.raises(CourseError, match=r"Did you mean 'week01\.red_cube'"):
+    with pytest.raises(CourseError, match=r"Did you mean week01\.red_cube"):
         check("week01.redcube", object)
 
 

@@ -59,7 +59,7 @@ def test_robots_of_one_text_are_apart() -> None:
 
 
 def test_an_unknown_name_is_answered_with_close_ones() -> None:
-    with pytest.raises(CourseError, match=r"no robot 'ur1O' among the \d+ models; close to it: ur10"):
+    with pytest.raises(CourseError, match=r"no robot 'ur1O' among the \d+ models\. Did you mean ur10"):
         load_robot("ur1O")
 
 

@@ -80,7 +80,7 @@ def test_a_launch_that_ends_by_itself_is_no_run(graph: Graph, launch_file: Run) 
         ("launch my_robt robot.launch.py", "package 'my_robt' not found"),
         ("launch my_robot other.launch.py", "There is: robot.launch.py"),
         ("launch nowhere.launch.py", "No such launch file"),
-        ("run my_robot talkr", "Did you mean 'talker'"),
+        ("run my_robot talkr", "Did you mean talker"),
     ],
 )
 def test_what_is_not_there_is_named(graph: Graph, launch_file: Run, line: str, said: str) -> None:

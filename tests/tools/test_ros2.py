@@ -57,7 +57,7 @@ def test_every_verb_has_help(verb: object) -> None:
         ("topic lst", r"^ros2 topic: error: argument Call `ros2 topic <command> -h` for more detailed usage."
          r": invalid choice: 'lst' \(choose from 'bw', .*\)\. Did you mean list\?$"),
         ("topc list", r"^ros2: error: .*invalid choice: 'topc' .*Did you mean topic\?$"),
-        ("xyz", r"invalid choice: 'xyz' \(choose from .*\)\.$"),
+        ("xyz", r"invalid choice: 'xyz' \(choose from .*\)$"),
     ],
 )  # fmt: skip
 def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: str, text: str) -> None:

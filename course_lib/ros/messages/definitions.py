@@ -6,12 +6,11 @@ The types are files in the folder ``interfaces``, laid out as in ROS packages.
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages.interface_files import check_interface, read_defaults, read_interface
 
 if TYPE_CHECKING:
@@ -121,11 +120,8 @@ def definition(type_name: str) -> MessageDefinition:
     if type_name not in known:
         find_package(type_name.split("/")[0])
     if type_name not in known:
-        close = get_close_matches(type_name, known, n=3, cutoff=0.5)
-        hint = (
-            f"Did you mean {' or '.join(close)}?" if close else "Written like visualization_msgs/msg/Marker."
-        )
-        raise CourseError(f"No message type {type_name!r} here. {hint}")
+        meant = did_you_mean(type_name, known, 3) or ". Written like visualization_msgs/msg/Marker."
+        raise CourseError(f"No message type {type_name!r} here{meant}")
     constants, fields = known[type_name]
     return MessageDefinition(
         type_name,

@@ -4,11 +4,10 @@ from argparse import Namespace
 from functools import partial
 from pathlib import Path
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.packages import find_package, packages
 from course_lib.ros.standin_path import STANDIN, provided
 from course_lib.tools.executables import EXECUTABLES
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 

@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import Message
 from course_lib.ros.messages.definitions import FieldDefinition, definition
 from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.tools.hints import did_you_mean
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 

@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
 from course_lib.ros.graph import current_graph
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.rqt.bag import BagView
 from course_lib.tools.rqt.console import ConsoleView
 from course_lib.tools.rqt.graph import GraphView
@@ -55,7 +54,7 @@ def _view_class(name: str) -> type[View]:
     plain = name.removeprefix("rqt_")
     if plain not in VIEWS:
         raise CourseError(
-            f"rqt has no view {name!r} here, but {', '.join(VIEWS)}{did_you_mean(plain, VIEWS)}"
+            f"rqt has no view {name!r} here, but {', '.join(VIEWS)}{did_you_mean(plain, VIEWS) or '.'}"
         )
     return VIEWS[plain]
 

@@ -3,10 +3,9 @@
 from html import escape
 from typing import Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import message_class, service_class
 from course_lib.tools.asking import answer, own_node
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.message_fields import fill
 from course_lib.tools.message_text import Style, to_yaml
 from course_lib.tools.rqt.markup import table
@@ -26,7 +25,7 @@ class ServiceCallerView(View):
 
         wanted, names = self.wanted(), sorted(self._services())
         if wanted and wanted not in names:
-            raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names)}")
+            raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names) or '.'}")
         self._told = ""
         self.add_choice("Service", names, wanted, self._choose)
         self._request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})

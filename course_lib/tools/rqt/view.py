@@ -5,11 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, Sample
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.rqt.markup import STYLE
 from course_lib.tools.sources import GraphSource
 
@@ -159,7 +158,8 @@ class View:
 
         for name, value in settings.items():
             if name not in self.controls:
-                raise CourseError(f"{self.title} has no control {name!r}{did_you_mean(name, self.controls)}")
+                meant = did_you_mean(name, self.controls) or "."
+                raise CourseError(f"{self.title} has no control {name!r}{meant}")
             try:
                 self.controls[name].value = value
             except TraitError:

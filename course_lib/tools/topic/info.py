@@ -2,11 +2,10 @@
 
 from argparse import Namespace
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import EndpointInfo, NodeInfo
 from course_lib.ros.messages.definitions import typestore
 from course_lib.ros.qos import Qos
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
 

@@ -4,11 +4,10 @@ from collections.abc import Callable, Iterator, Sequence
 from statistics import pstdev
 from typing import Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
-from course_lib.tools.hints import did_you_mean
 from course_lib.tools.sources import Heard, Listening, Source
 from course_lib.tools.topic.qos import PRESETS
 from course_lib.tools.verb import NODE_OPTIONS, Option, Write, positive, value
@@ -37,7 +36,7 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
             source.wait(lambda: topic in source.topics(), source.limit())
     types = source.topics().get(topic)
     if not types:
-        hint = f"{did_you_mean(topic, there)} Topics here: {', '.join(there) or 'none'}."
+        hint = f"{did_you_mean(topic, there) or '.'} Topics here: {', '.join(there) or 'none'}."
         raise CourseError(f"Could not determine the type for the passed topic{hint}")
     if len(types) > 1:
         found = ", ".join(types)

@@ -146,7 +146,7 @@ def test_a_process_that_dies_is_named_and_the_others_go_on(
     [
         ("Node(package='nowhere', executable='x')", "package 'nowhere' not found"),
         ("LogInfo(msg=FindPackageShare('nowhere'))", "course export FILE --package nowhere"),
-        ("Node(package='my_robot', executable='talkr')", "Did you mean 'talker'?"),
+        ("Node(package='my_robot', executable='talkr')", "Did you mean talker?"),
         ("Node(package='rviz2', executable='rviz')", "which has: rviz2"),
         ("LogInfo(msg=LaunchConfiguration('nope'))", "launch configuration 'nope' does not exist"),
         ("LogInfo(msg='x', condition=IfCondition('maybe'))", "given 'maybe', expected one of"),

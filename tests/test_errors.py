@@ -1,0 +1,15 @@
+import pytest
+
+from course_lib.errors import did_you_mean
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("/chater", ". Did you mean /chatter?"), ("lst", ". Did you mean list?"), ("xyz", ""), ("", "")],
+)
+def test_the_nearest_name_goes_on_behind_a_text(name: str, text: str) -> None:
+    assert did_you_mean(name, iter(["/chatter", "list", "/rosout"])) == text
+
+
+def test_as_many_near_names_are_given_as_are_wanted() -> None:
+    assert did_you_mean("arm", ["arm_1", "arm_2", "leg"], most=3) == ". Did you mean arm_2 or arm_1?"
