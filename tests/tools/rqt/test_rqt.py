@@ -101,7 +101,7 @@ def test_a_view_that_fits_nothing_now_is_left_out_and_named(
 ) -> None:
     (tmp_path / "f").write_text("- {view: plot, words: [/gone/x]}\n- {view: graph}")
     assert "Node Graph" in show("--perspective-file", str(tmp_path / "f"))
-    assert "MatPlot is left out: topic /gone/x does not exist." in capsys.readouterr().out
+    assert "MatPlot is left out: topic /gone/x does not exist" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("topic", ["/rosout", "/parameter_events", "/diagnostics"])
