@@ -1,10 +1,17 @@
+import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Page
 
+from course_lib.ros.graph import Graph, use_graph
 from course_lib.viewer.browser import find_browser
+from tests.browser.bench import Bench
 from tests.browser.fake_host import Host, chromium
+from tests.browser.waiting import PATIENCE
+
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 
 
 @pytest.fixture(scope="module")
@@ -15,10 +22,33 @@ def browser() -> Iterator[Browser]:
         yield running
 
 
-@pytest.fixture
-def host(browser: Browser, monkeypatch: pytest.MonkeyPatch) -> Iterator[Host]:
-    page = browser.new_page(viewport={"width": 800, "height": 600})
-    host = Host(page, monkeypatch)
-    yield host
+@pytest.fixture(scope="module")
+def one_page(browser: Browser) -> Iterator[Page]:
+    """A page for all tests of a file: to load the viewer's script costs more than most of them."""
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE * 1000)
+    yield page
     page.close()
+
+
+@pytest.fixture
+def host(one_page: Page, monkeypatch: pytest.MonkeyPatch) -> Iterator[Host]:
+    one_page.set_viewport_size({"width": 800, "height": 600})
+    one_page.mouse.move(0, 0)
+    host = Host(one_page, monkeypatch)
+    yield host
+    host.leave()
     assert host.errors == []
+
+
+@pytest.fixture
+def bench(host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
+    monkeypatch.chdir(tmp_path)
+    with use_graph(Graph()) as graph:
+        made = Bench(host, graph)
+        assert host.errors == []
+        yield made
+        if PICTURES:
+            name = os.environ["PYTEST_CURRENT_TEST"].split("::")[1].split(" ")[0]
+            host.page.screenshot(path=Path(PICTURES) / f"desk_{name}.png")
+        made.viewer.close()

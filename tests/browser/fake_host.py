@@ -1,7 +1,7 @@
 """Real widgets in a real Chromium without Jupyter: messages are carried by hand between the two."""
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from typing import Any
@@ -11,10 +11,11 @@ import numpy as np
 from comm.base_comm import BaseComm
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
 from course_lib.viewer.browser import FLAGS, find_browser
 from course_lib.viewer.widget import SceneWidget
+from tests.browser.waiting import wait_until
 
 Pixels = NDArray[np.int64]
 
@@ -36,7 +37,7 @@ class Model {
   set(name, value) { this.state[name] = value; }
   on(name, handler) { this.handlers.set(name, handler); }
   off(name) { this.handlers.delete(name); }
-  send(content) { toPython.push([this.id, content]); }
+  send(content) { if (models[this.id] === this) toPython.push([this.id, content]); }
   widget_manager = { get_model: async (id) => models[id] };
 }
 globalThis.open_model = async (id, state, paths, buffers) => {
@@ -55,6 +56,14 @@ globalThis.show = async (id, width) => {
   document.body.append(el);
   hides.push(await models[id].module.render({ model: models[id], el }));
 };
+globalThis.clear = async () => {
+  if (document.fullscreenElement) await document.exitFullscreen();
+  hides.splice(0).forEach((hide) => hide?.());
+  Object.values(models).forEach((model) => model.close?.());
+  document.body.replaceChildren();
+  globalThis.models = {};
+  toPython.length = 0;
+};
 """
 
 
@@ -68,7 +77,12 @@ class FakeComm(BaseComm):
 
 
 class Host:
-    """A page with widgets."""
+    """A page with widgets, which begins as a notebook's page does whose cells were all cleared.
+
+    Args:
+        page: The page; the viewer's script and its graphics context may be there from another host.
+        monkeypatch: Widgets made from now on are connected with this page.
+    """
 
     def __init__(self, page: Page, monkeypatch: Any) -> None:
         self.page = page
@@ -76,9 +90,23 @@ class Host:
         self.sent: list[tuple[str, str, dict[str, Any], list[bytes]]] = []
         self._comms: dict[str, FakeComm] = {}
         monkeypatch.setattr(comm, "create_comm", self._create)
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("console", lambda said: self.errors.extend([said.text] if said.type == "error" else []))
-        self.reload()
+        page.on("pageerror", self._hear_error)
+        page.on("console", self._hear_console)
+        if page.evaluate("'clear' in globalThis"):
+            page.evaluate("clear()")
+        else:
+            self.reload()
+
+    def leave(self) -> None:
+        """Let the page be, for the next host."""
+        self.page.remove_listener("pageerror", self._hear_error)
+        self.page.remove_listener("console", self._hear_console)
+
+    def _hear_error(self, error: object) -> None:
+        self.errors.append(str(error))
+
+    def _hear_console(self, said: ConsoleMessage) -> None:
+        self.errors += [said.text] if said.type == "error" else []
 
     def _create(self, *args: Any, **kwargs: Any) -> FakeComm:
         FakeComm.sent = self.sent
@@ -126,6 +154,15 @@ class Host:
             self.carry()
         for _ in range(frames):
             self.page.evaluate("() => new Promise(requestAnimationFrame)")
+
+    def wait_until(self, ready: Callable[[], object]) -> None:
+        """Carry messages until something is so, however slow the machine is."""
+
+        def is_ready() -> object:
+            self.carry()
+            return ready()
+
+        wait_until(is_ready, self.page)
 
     def pixels(self) -> Pixels:
         """Return what the page shows, RGB, shape (rows, columns, 3)."""

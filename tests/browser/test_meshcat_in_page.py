@@ -43,13 +43,12 @@ def test_an_animation_of_meshcat_plays(host: Host) -> None:
             frame.set_transform(meshcat.transformations.translation_matrix([x, 0, 0]))
     vis.set_animation(animation)
     shown(host, scene)
-    host.page.wait_for_timeout(600)
-    pixels = host.pixels()
-    assert count(pixels[:, 200:400], CYAN) > 1000
-    assert count(pixels[:, :200], CYAN) == 0
+    host.wait_until(lambda: count(host.pixels()[:, :200], CYAN) == 0)
+    assert count(host.pixels()[:, 200:400], CYAN) > 1000
 
 
 def test_what_is_replaced_leaves_nothing_on_the_graphics_card(host: Host) -> None:
+    host.reload()
     host.page.evaluate("""() => {
         globalThis.alive = 0;
         const gl = WebGL2RenderingContext.prototype;

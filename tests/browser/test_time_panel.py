@@ -1,26 +1,19 @@
 """The Time panel below a viewer in a cell, and pictures that an open page draws."""
 
 import threading
-from collections.abc import Iterator
 from io import BytesIO
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import speed_of
-from tests.browser.fake_host import Host, count
-from tests.browser.test_desk import Bench
+from tests.browser.bench import Bench
+from tests.browser.fake_host import count
 from tests.browser.test_playback import READING
+from tests.browser.waiting import wait_until
 
 pytestmark = pytest.mark.browser
-
-
-@pytest.fixture
-def bench(host: Host) -> Iterator[Bench]:
-    with use_graph(Graph()) as graph:
-        yield Bench(host, graph)
 
 
 def test_the_time_panel_shows_robot_time_and_drives_its_speed(bench: Bench) -> None:
@@ -52,10 +45,13 @@ def test_the_time_panel_is_driven_by_keys_when_it_has_the_focus(bench: Bench) ->
 def test_the_panel_follows_robot_time(bench: Bench) -> None:
     bench.graph.call_at(bench.graph.now_ns + 2_500_000_000, lambda: None, node=0, entity=0)
     bench.graph.advance()
-    bench.page.wait_for_timeout(150)
-    bench.viewer.look()
-    bench.host.carry()
-    assert "ROS Elapsed: 2.50" in bench.page.locator(READING).inner_text()
+
+    def is_read() -> bool:
+        bench.viewer.look()
+        bench.host.carry()
+        return "ROS Elapsed: 2.50" in bench.page.locator(READING).inner_text()
+
+    wait_until(is_read, bench.page)
 
 
 def test_an_open_page_draws_the_screenshot(bench: Bench) -> None:

@@ -1,0 +1,82 @@
+"""RViz's tools in a real page: what is clicked and dragged there is published."""
+
+import pytest
+from geometry_msgs.msg import PointStamped, PoseStamped, PoseWithCovarianceStamped
+
+from tests.browser.bench import Bench
+
+pytestmark = pytest.mark.browser
+
+
+def test_a_goal_is_dragged_on_the_ground_as_rviz_publishes_it(bench: Bench) -> None:
+    bench.viewer.view = type(bench.viewer.view)(yaw=-1.5707963, focal_point=(1.0, 2.0, 0.0))  # y is up
+    bench.widget.flush()
+    bench.host.carry()
+    bench.page.locator("canvas").press("g")
+    bench.drag((0, 0), (0, -20), (0, -60))
+    goal = bench.message("/goal_pose", PoseStamped)
+    assert goal.header.frame_id == "map"
+    at, turn = goal.pose.position, goal.pose.orientation
+    assert (at.x, at.y, at.z) == pytest.approx((1.0, 2.0, 0.0), abs=0.02)
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx((0, 0, 0.5**0.5, 0.5**0.5), abs=0.02)
+    assert bench.page.get_by_role("button", name="Interact (i)").get_attribute("aria-pressed") == "true"
+
+
+def test_an_estimate_has_the_covariance_of_rviz(bench: Bench) -> None:
+    bench.page.locator("canvas").press("p")
+    bench.drag((0, 0), (40, 0))
+    covariance = bench.message("/initialpose", PoseWithCovarianceStamped).pose.covariance
+    assert {i: value for i, value in enumerate(covariance) if value} == {
+        0: 0.25, 7: 0.25, 35: 0.06853891909122467,
+    }  # fmt: skip
+
+
+def test_a_point_on_an_object_is_published(bench: Bench) -> None:
+    bench.press("Publish Point (u)")
+    bench.drag((0, 0))
+    point = bench.message("/clicked_point", PointStamped)
+    assert point.header.frame_id == "map"
+    assert max(abs(point.point.x), abs(point.point.y), abs(point.point.z)) == pytest.approx(0.5, abs=0.01)
+
+
+def test_escape_leaves_a_tool(bench: Bench) -> None:
+    canvas = bench.page.locator("canvas")
+    canvas.press("n")
+    assert bench.page.get_by_role("button", name="Measure (n)").get_attribute("aria-pressed") == "true"
+    canvas.press("Escape")
+    assert bench.page.get_by_role("button", name="Interact (i)").get_attribute("aria-pressed") == "true"
+
+
+def test_a_selected_object_tells_its_message_and_frame(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.page.locator("canvas").press("s")
+    bench.drag((0, 0))
+    assert "in frame 'map'" in bench.page.get_by_label("Selection").inner_text()
+    assert "frame_id: map" in bench.page.get_by_label("Selection").inner_text()
+
+
+def test_a_distance_is_measured(bench: Bench) -> None:
+    bench.page.locator("canvas").press("n")
+    bench.drag((0, 0))
+    bench.drag((10, 0))
+    assert "[Length: 0." in bench.page.locator(".course-notice").inner_text()
+
+
+def test_clicks_reach_python_and_the_scene_is_told_in_words(bench: Bench) -> None:
+    paths: list[str | None] = []
+    bench.viewer.on_click(lambda click: paths.append(click.path))
+    bench.drag((0, 0))
+    assert [path and path.split("/")[1] for path in paths] == ["Marker"]
+    described = bench.page.locator("canvas").get_attribute("aria-describedby")
+    assert "Fixed frame map" in (bench.page.locator(f"#{described}").text_content() or "")
+
+
+def test_the_properties_of_a_tool_are_typed_in_the_views_panel(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.page.get_by_text("Tool Properties", exact=True).click()
+    bench.row("2D Goal Pose").press("ArrowRight")
+    field = bench.page.get_by_role("textbox", name="Topic")
+    field.fill("/my_goal")
+    field.press("Enter")
+    bench.host.carry()
+    assert bench.viewer.session.tools[6]["Topic"] == "/my_goal"

@@ -1,0 +1,136 @@
+"""Views in a real page: what hands turn there reaches the session."""
+
+import math
+
+import pytest
+from geometry_msgs.msg import Quaternion, TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from course_lib.displays.views import FrameAligned, TopDownOrtho, View, XYOrbit
+from tests.browser.bench import Bench
+from tests.displays.stage import publish
+
+pytestmark = pytest.mark.browser
+TURNED_AFTER = 150  # [ms] after which a page tells that its view rests
+
+
+def rests_at(bench: Bench, label: str, value: float) -> None:
+    """Wait until the page has told where the view was turned to."""
+    bench.host.wait_until(lambda: bench.viewer.view[label] == pytest.approx(value, abs=1e-3))
+
+
+def test_a_view_turned_by_hand_comes_back_to_the_properties(bench: Bench) -> None:
+    view = bench.viewer.view
+    yaw, pitch, distance = view["Yaw"], view["Pitch"], view["Distance"]
+    bench.drag((0, 0), (50, 0), (100, 20))
+    rests_at(bench, "Yaw", yaw - 0.5)
+    assert view["Pitch"] == pytest.approx(pitch + 0.1, abs=1e-3)
+    assert view["Distance"] == pytest.approx(distance, rel=1e-6)
+
+
+def test_views_are_changed_saved_and_used_again(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.press("Save the current view")
+    bench.page.get_by_role("dialog").get_by_role("textbox").fill("Start")
+    bench.page.keyboard.press("Enter")
+    bench.host.carry()
+    bench.page.get_by_role("combobox", name="Type of view").select_option("TopDownOrtho")
+    bench.host.carry()
+    assert repr(bench.viewer.view) == "TopDownOrtho"
+    bench.page.get_by_role("listbox", name="Saved views").select_option("Start")
+    bench.press("Use the chosen saved view")
+    assert repr(bench.viewer.view) == "Orbit"
+
+
+def test_an_fps_view_turns_around_its_eye(bench: Bench) -> None:
+    bench.press("Views panel")
+    bench.page.get_by_role("combobox", name="Type of view").select_option("FPS")
+    bench.host.carry()
+    bench.widget.flush()
+    bench.host.carry()
+    view = bench.viewer.view
+    position, yaw = view["Position"], view["Yaw"]
+    bench.drag((0, 0), (40, 0))
+    rests_at(bench, "Yaw", yaw - 0.2)
+    assert view["Position"] == pytest.approx(position, abs=1e-6)
+
+
+def show_view(bench: Bench, view: View) -> None:
+    bench.viewer.view = view
+    tell(bench)
+
+
+def tell(bench: Bench) -> None:
+    """Let the page have what was changed, without waiting for its turn."""
+    bench.widget.flush()
+    bench.widget.link.receive({"type": "desk", "act": "look"})
+    bench.host.carry()
+
+
+def test_an_xy_orbit_moves_turns_and_zooms_with_its_focal_point_on_the_ground(bench: Bench) -> None:
+    show_view(bench, XYOrbit(distance=5.0, yaw=0.0, pitch=0.8))
+    view, canvas = bench.viewer.view, bench.page.locator("canvas")
+    bench.page.keyboard.down("Shift")
+    bench.drag((0, 60), (30, 60))
+    bench.page.keyboard.up("Shift")
+    canvas.press("ArrowLeft")
+    canvas.press("+")
+    rests_at(bench, "Distance", 5.0 * math.exp(-0.1))
+    x, y, z = view["Focal Point"]
+    assert (x, z) == pytest.approx((0.0, 0.0), abs=1e-3)
+    assert y < -0.05  # what is under the pointer goes to the right with it, where +y is
+    assert view["Yaw"] == pytest.approx(0.08, abs=1e-3)
+    assert view["Pitch"] == pytest.approx(0.8, abs=1e-3)
+
+
+def test_a_frame_aligned_view_turns_about_the_axis_of_its_frame_unless_it_is_locked(bench: Bench) -> None:
+    half = 0.5**0.5
+    tilt = TransformStamped(child_frame_id="tilted")
+    tilt.header.frame_id = "map"
+    tilt.transform.rotation = Quaternion(x=half, w=half)  # z of the frame is -y of map
+    publish(bench.graph, "/tf_static", TFMessage(transforms=[tilt]))
+    show_view(bench, FrameAligned(target_frame="tilted", yaw=0.5, pitch=0.3, position=(1.0, 2.0, 3.0)))
+    view = bench.viewer.view
+    bench.drag((0, 0), (40, 20))
+    rests_at(bench, "Yaw", 0.3)
+    assert view["Pitch"] == pytest.approx(0.4, abs=1e-3)
+    assert view["Position"] == pytest.approx((1.0, 2.0, 3.0), abs=1e-6)
+    view["Lock Camera"] = True
+    tell(bench)
+    bench.drag((0, 0), (40, 20))
+    bench.page.wait_for_timeout(2 * TURNED_AFTER)
+    bench.host.carry()
+    assert view["Yaw"] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_a_view_from_above_turns_and_z_brings_it_back(bench: Bench) -> None:
+    show_view(bench, TopDownOrtho(scale=50.0))
+    view = bench.viewer.view
+    bench.drag((0, 0), (40, 20))
+    rests_at(bench, "Angle", 0.2)
+    assert view["Scale"] == pytest.approx(50.0, abs=1e-3)
+    bench.page.locator("canvas").press("z")
+    bench.host.carry()
+    assert (view["Angle"], view["Scale"]) == (0.0, 10.0)
+
+
+def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
+    eye = bench.viewer.camera.eye
+    bench.page.locator("canvas").press("c")
+    bench.drag((0, 0))
+    view = bench.viewer.view
+    bench.host.wait_until(lambda: max(map(abs, view["Focal Point"])) == pytest.approx(0.5, abs=0.01))
+    assert bench.viewer.camera.eye == pytest.approx(eye)
+
+
+def test_in_full_screen_the_view_fills_what_the_panels_leave(bench: Bench) -> None:
+    bench.open()
+    bench.press("Full screen")
+    bench.page.wait_for_function("document.fullscreenElement?.className == 'course-viewer'")
+    box = bench.page.locator("canvas").bounding_box()
+    size = bench.page.viewport_size
+    assert box is not None
+    assert size is not None
+    assert box["height"] > size["height"] - 120
+    assert bench.page.get_by_role("group", name="Time").is_visible()
+    assert box["width"] == pytest.approx(size["width"] - 330, abs=2)

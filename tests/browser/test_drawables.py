@@ -1,0 +1,93 @@
+"""Every kind of drawable in a real page: it is seen, and clicks hit it."""
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from course_lib.viewer import zbuffer
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Sheet, Solids, Text
+from course_lib.viewer.page_link import Click
+from tests.browser.fake_host import Host, count
+from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, shown
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.mark.parametrize(
+    "drawable",
+    [
+        Lines([[-1, 0, 0], [1, 0, 0]], (1, 0, 0, 1), width=0.2),
+        Lines([[-1, 0, 0], [1, 0, 0]], (1, 0, 0, 1), width=0.0, strip=False),
+        Points([[0, 0, 0]], (1, 0, 0, 1), (0.3, 0.3)),
+        Text("MW", 0.5, (1, 0, 0, 1)),
+        Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], None, (1, 0, 0, 1)),
+        Sheet(np.zeros((2, 2)), [(1, 0, 0, 1)] * 256, 1.0),
+        Solids("sphere", [np.eye(4)], (1, 0, 0, 1)),
+        Solids("cylinder", [np.eye(4)], (1, 0, 0, 1)),
+        Solids("cone", [np.eye(4)], (1, 0, 0, 1), lit=False),
+    ],
+    ids=["strip", "pixel line", "points", "text", "mesh", "sheet", "sphere", "cylinder", "cone"],
+)
+def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawable) -> None:
+    scene = from_above()
+    scene.set_object("thing", drawable)
+    widget = shown(host, scene)
+    clicks: list[Click] = []
+    widget.link.on_click.append(clicks.append)
+    assert count(host.pixels(), RED, within=120) > 50  # a pixel line may lie between two rows
+    host.page.mouse.click(200, 150)
+    host.carry()
+    assert [click.path for click in clicks] == ["thing"]
+
+
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_transparent_sheet_is_blended_with_the_background_and_hides_what_is_below_unless_behind(
+    host: Host, behind: bool
+) -> None:
+    scene = from_above()
+    scene.background = (0, 0, 0)
+    scene.set_object("sheet", Sheet(np.zeros((2, 2)), [(1, 0, 0, 0.5)] * 256, 1.0, behind))
+    scene.set_object("box", box((0, 0, 255)))
+    scene.set_transform("box", [[1.0, 0, 0, 1.5], [0, 1.0, 0, 1.5], [0, 0, 1.0, -2], [0, 0, 0, 1.0]])
+    shown(host, scene)
+    pixels = host.pixels()
+    assert count(pixels, (128, 0, 0), within=2) > 1000
+    assert (count(pixels, (0, 0, 255), within=2) > 1000) == behind
+    assert (count(pixels, (128, 0, 128), within=2) > 1000) != behind
+
+
+def test_a_change_that_cannot_be_shown_is_said_and_the_others_are_seen(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("bad", MeshcatObject({}))
+    scene.set_object("good", box(GREEN))
+    widget.flush()
+    host.carry()
+    assert "bad:" in host.page.get_by_role("status").inner_text()
+    assert count(host.pixels(), GREEN) > 1000
+    scene.set_transform("good", np.full((4, 4), np.nan))
+    widget.flush()
+    host.carry()
+    assert "'good' is not finite" in host.page.get_by_role("status").inner_text()
+
+
+def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(host: Host) -> None:
+    scene = from_above()
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 200), np.linspace(-1, 1, 200), [0.0]), axis=-1)
+    colors = np.repeat(np.eye(4)[[0, 2]] + [0, 0, 0, 1], 20_000, axis=0).clip(0, 1)  # half red, half blue
+    scene.set_object("cloud", Points(grid.reshape(-1, 3), colors, (0.03, 0.03)))
+    widget = shown(host, scene)
+    clicks: list[Click] = []
+    widget.link.on_click.append(clicks.append)
+    png = zbuffer.draw(scene, (400, 300))
+    expected = np.asarray(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
+    seen = host.pixels()[:300, :400]
+    assert (np.abs(seen - expected).max(axis=-1) < 60).mean() > 0.97
+    assert min(count(seen, RED), count(seen, BLUE)) > 5000
+    host.page.mouse.click(200, 170)
+    host.carry()
+    assert clicks[0].path == "cloud"
+    assert clicks[0].index is not None
+    assert np.linalg.norm(grid.reshape(-1, 3)[clicks[0].index] - clicks[0].point) < 0.05
