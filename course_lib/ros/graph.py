@@ -44,6 +44,7 @@ class Graph:
         self.delay_ns = delay_ns
         self._topics = Topics()
         self._nodes: dict[int, NodeInfo] = {}
+        self._resting: set[int] = set()
         self._last_id = 0
         self._taps: list[Callable[[Sample], None]] = []
         self._watchers: list[Callable[[int], None]] = []
@@ -96,6 +97,7 @@ class Graph:
         """Publish serialised data; it reaches each matching subscription as an event after the delay."""
         publisher = self._topics.publishers[endpoint]
         info = publisher.info
+        self.wake(info.node)
         sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
         if info.qos.durability == "transient_local":
             publisher.kept.append(sample)
@@ -136,13 +138,21 @@ class Graph:
         """How many events are to come."""
         return len(self._clock)
 
+    def rest(self, node: int) -> None:
+        """Leave a node and its endpoints out of the lists, until it wakes or publishes."""
+        self._resting.add(node)
+
+    def wake(self, node: int) -> None:
+        """List a node and its endpoints again."""
+        self._resting.discard(node)
+
     def nodes(self) -> list[NodeInfo]:
         """List the nodes in their start order."""
-        return list(self._nodes.values())
+        return [node for node in self._nodes.values() if node.id not in self._resting]
 
     def endpoints(self) -> list[EndpointInfo]:
         """List the publishers and subscriptions in the order of their making."""
-        return self._topics.endpoints()
+        return [info for info in self._topics.endpoints() if info.node not in self._resting]
 
     def tap(self, listener: Callable[[Sample], None]) -> Callable[[], None]:
         """Show every sample on a topic to `listener` at once; returns what ends that.

@@ -36,13 +36,14 @@ class LiveRun:
         return all(node.handle.has_left for node in self.nodes)
 
     def stop(self) -> None:
-        """Stop; the nodes stay usable."""
+        """Stop; the nodes leave the lists of what there is, as if their program had ended, but stay usable."""
         if not self.running:
             return
         self.running = False
         _runs_of(self._graph).remove(self)
         for node in self.nodes:
             running_nodes().remove(node)
+            self._graph.rest(node.handle.id)
         self.show_state()
 
     def state(self) -> str:

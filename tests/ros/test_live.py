@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 import pytest
 import rclpy
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.ros import live, pace, virtual_time, wall
@@ -61,6 +62,30 @@ def test_nodes_run_while_the_loop_is_free_and_rest_when_stopped(
     runs[0].stop()
     assert running_nodes() == []
     assert runs[0].state().startswith("■ stopped: talker")
+
+
+def test_stopped_nodes_are_not_listed_until_they_run_or_publish_again(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    talker, listener = Node("talker"), Node("listener")
+    publisher = talker.create_publisher(String, "/chatter", 10)
+    listener.create_subscription(String, "/chatter", print, 10)
+
+    def listed() -> tuple[list[str], int, int]:
+        sides = listener.count_publishers("/chatter"), listener.count_subscribers("/chatter")
+        return sorted(listener.get_node_names()), *sides
+
+    both = (["listener", "talker"], 1, 1)
+    run = run_live(talker)
+    assert listed() == both
+    run.stop()
+    assert listed() == (["listener"], 0, 1)
+    run = run_live(talker)
+    assert listed() == both
+    run.stop()
+    publisher.publish(String())
+    assert listed() == both
 
 
 def test_a_node_that_is_run_again_has_one_run(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -148,6 +148,7 @@ class Node(NodeEntities, NodeParameters):
 
     def destroy_node(self) -> None:
         """End the node with everything in it; ending it again changes nothing."""
+        self.handle.graph.wake(self.handle.id)  # its partners are told that it goes
         while self._created:
             self._created.pop().destroy()
         self._leave_graph()

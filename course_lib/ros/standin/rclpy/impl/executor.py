@@ -65,6 +65,7 @@ class Executor(AbstractContextManager["Executor"]):
         if node in self._nodes:
             return False
         self._nodes[node] = None
+        node.handle.graph.wake(node.handle.id)
         node.executor = self
         return True
 
