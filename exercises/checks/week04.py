@@ -161,10 +161,17 @@ IN_BETWEEN = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call([0.0, 0.0, 0.0], [1.0, 2.0, 0.4], 0.5), Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.0)),
+            calls=(
+                Call([0.0, 0.0, 0.0], [1.0, 2.0, 0.4], 0.5),
+                Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.25),
+            ),
             checks=(
                 expect_value([0.5, 1.0, 0.2], call=0, name="the pose half way"),
-                expect_value([0.0, 1.0, 3.0], call=1, name="the pose at the beginning"),
+                expect_value(
+                    [0.0, 1.0, 3.0 + 0.25 * (2 * math.pi - 6.0)],
+                    call=1,
+                    name="the pose a quarter of the shorter way round, from 3 rad to -3 rad,",
+                ).titled("the shorter way round"),
             ),
         ),
     ),

@@ -1,9 +1,8 @@
 """Week 5, configurations: tasks, hints and public checks."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
 
-from course_lib.grading.inputs import header, pose, transforms, xyz
+from course_lib.grading.inputs import header, pose, scan, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.grading.vocabulary import expect_display, expect_drawn, expect_layout, expect_value
 
@@ -21,25 +20,6 @@ Visualization Manager:
 """
 
 
-def frames(at: float) -> Message:
-    """The robot's frames, as it stands there."""
-    base = pose("world", "base_link", (1.0, 0.0, 0.0))
-    return transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
-
-
-def scan(at: float) -> Message:
-    """A half circle of 3 m."""
-    fields: Mapping[str, Any] = {
-        "header": header(at, "laser"),
-        "angle_min": -1.5,
-        "angle_max": 1.5,
-        "angle_increment": 0.1,
-        "range_max": 10.0,
-        "ranges": [3.0] * 31,
-    }
-    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
-
-
 def detections(at: float) -> Message:
     """One person."""
     marker = {
@@ -53,7 +33,15 @@ def detections(at: float) -> Message:
     return Message("/detections", "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
 
 
-ROBOT = tuple(message for n in range(1, 5) for message in (frames(n / 2), scan(n / 2), detections(n / 2)))
+def robot(at: float) -> Iterator[Message]:
+    """The robot as it stands there: its frames, a half circle of 3 m, one person."""
+    base = pose("world", "base_link", (1.0, 0.0, 0.0))
+    yield transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
+    yield scan([3.0] * 31, at, first=-1.5, step=0.1)  # [m], [rad]
+    yield detections(at)
+
+
+ROBOT = tuple(message for n in range(1, 5) for message in robot(n / 2))  # [s]
 BEST_EFFORT = ("/scan",)
 
 ROBOT_LAYOUT = Task(

@@ -1,9 +1,11 @@
 """Week 5, configurations: hidden scenarios and checks."""
 
+from collections.abc import Iterator
+
 from course_lib.displays.layout import layout_of, text_at
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
-from course_lib.grading.inputs import header, pose, transforms, xyz
+from course_lib.grading.inputs import header, pose, scan, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import expect_display, expect_drawn, expect_layout, expect_value
 
@@ -31,25 +33,6 @@ Visualization Manager:
 """
 
 
-def frames(at: float) -> Message:
-    """The robot at another place."""
-    base = pose("world", "base_link", (-2.0, 3.0, 0.0), 1.0)
-    return transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.5))), at)
-
-
-def scan(at: float) -> Message:
-    """A quarter circle of 1 m."""
-    fields = {
-        "header": header(at, "laser"),
-        "angle_min": 0.0,
-        "angle_max": 1.5,
-        "angle_increment": 0.05,
-        "range_max": 4.0,
-        "ranges": [1.0] * 31,
-    }
-    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
-
-
 def detections(at: float) -> Message:
     """Somebody else."""
     marker = {
@@ -63,7 +46,15 @@ def detections(at: float) -> Message:
     return Message("/detections", "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
 
 
-ROBOT = tuple(message for n in range(1, 5) for message in (frames(n / 2), scan(n / 2), detections(n / 2)))
+def robot(at: float) -> Iterator[Message]:
+    """The robot at another place: a quarter circle of 1 m, somebody else."""
+    base = pose("world", "base_link", (-2.0, 3.0, 0.0), 1.0)
+    yield transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.5))), at)
+    yield scan([1.0] * 31, at, first=0.0, step=0.05)  # [m], [rad]
+    yield detections(at)
+
+
+ROBOT = tuple(message for n in range(1, 5) for message in robot(n / 2))  # [s]
 BEST_EFFORT = ("/scan",)
 
 
