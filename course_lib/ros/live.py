@@ -36,7 +36,7 @@ class LiveRun:
         return all(node.handle.has_left for node in self.nodes)
 
     def stop(self) -> None:
-        """Stop; the nodes leave the lists of what there is, as if their program had ended, but stay usable."""
+        """Stop; the nodes stay usable, but are not listed, as if their program had ended."""
         if not self.running:
             return
         self.running = False

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from course_lib.errors import CourseError
 from course_lib.ros import locks, wall
 from course_lib.ros.baton import ProgramThread, baton
 from course_lib.ros.clock import START_NS
@@ -30,6 +31,9 @@ def install() -> None:
         origin_ns = 0 if name == "time" else START_NS
         setattr(time, name, _robot_clock(getattr(time, name), origin_ns, 1e-9))
         setattr(time, f"{name}_ns", _robot_clock(getattr(time, f"{name}_ns"), origin_ns, 1))
+    from concurrent.futures.process import ProcessPoolExecutor
+    from multiprocessing.pool import Pool, ThreadPool
+
     replacements: tuple[tuple[Any, str, Any], ...] = (
         (time, "sleep", _sleep),
         (threading, "Lock", locks.Lock),
@@ -41,6 +45,8 @@ def install() -> None:
         (queue, "time", time.monotonic),
         (queue, "SimpleQueue", locks.SimpleQueue),
         (selectors.DefaultSelector, "select", _select),
+        *((pool, "_setup_queues", _refused(vars(pool)["_setup_queues"])) for pool in (Pool, ThreadPool)),
+        (ProcessPoolExecutor, "__init__", _refused(ProcessPoolExecutor.__init__)),
     )
     for owner, name, replacement in replacements:
         setattr(owner, name, replacement)
@@ -128,3 +134,17 @@ def _select(selector: Any, timeout: float | None = None) -> Any:
     until_ns = None if timeout is None else current_graph().now_ns + round(timeout * 1e9)
     baton.wait(lambda: bool(_real_select(selector, 0)), until_ns=until_ns, what="asyncio")
     return _real_select(selector, 0)
+
+
+def _refused(real: Callable[..., Any]) -> Callable[..., Any]:
+    """Refuse pools in robot time whose threads read pipes: they would hold the baton meanwhile."""
+
+    def make(*args: Any, **kwargs: Any) -> Any:
+        if baton.governs():
+            raise CourseError(
+                "multiprocessing's pools and ProcessPoolExecutor would wait for ever in robot time. Use "
+                "concurrent.futures.ThreadPoolExecutor."
+            )
+        return real(*args, **kwargs)
+
+    return make

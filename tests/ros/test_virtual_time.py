@@ -3,10 +3,12 @@ import concurrent.futures
 import queue
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from multiprocessing.pool import Pool, ThreadPool
 
 import pytest
 
+from course_lib.errors import CourseError
 from course_lib.ros import virtual_time, wall
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import START_NS
@@ -106,6 +108,12 @@ def test_a_thread_pool_works_in_robot_time(graph: Graph) -> None:
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         list(pool.map(time.sleep, [3, 1, 2]))
     assert seconds(graph) == 3
+
+
+@pytest.mark.parametrize("pool", [Pool, ThreadPool, concurrent.futures.ProcessPoolExecutor])
+def test_a_pool_that_would_hang_is_refused_at_once(graph: Graph, pool: Callable[[], object]) -> None:
+    with pytest.raises(CourseError, match=r"Use concurrent\.futures\.ThreadPoolExecutor"):
+        pool()
 
 
 def test_asyncio_sleeps_in_robot_time(graph: Graph) -> None:
