@@ -217,6 +217,8 @@ def _look(marker: Any) -> tuple[Any, ...] | None:
 def _reused(before: Live | None, now: Live) -> tuple[str, ...]:
     if before is None or before.received_ns != now.received_ns:
         return ()
+    if before.marker.header.stamp != now.marker.header.stamp:
+        return ()  # they waited together for a transform
     return ("two markers with this ns and id came at once: only the last is seen. Give each its own id.",)
 
 
