@@ -7,7 +7,7 @@ from typing import Any
 from course_lib.course.exercise_file import stamp_exercises
 from course_lib.course.page import in_notebook, show
 from course_lib.course.state import student_state
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 
 MAX_LENGTH = 64
 EXTRA_CHARACTERS = "-_.@"
@@ -40,10 +40,10 @@ def set_identity(text: str) -> str:
     """Keep this ID, stamp it into the exercises of the student's folder, and say what was kept."""
     student, state = normalise(text), student_state()
     state.put("identity", "student", student)
-    stamped = stamp_exercises(state.folder, student) if state.folder else []
-    where = (
-        f"in {state.folder} and in {len(stamped)} exercise(s)" if state.folder else "while this kernel lives"
-    )
+    where = "while this kernel lives"
+    if state.folder:
+        exercises = counted(len(stamp_exercises(state.folder, student)), "exercise")
+        where = f"in {state.folder} and in {exercises}"
     return f"Your ID is {student}, kept {where}. To change it: set_identity('another-id')"
 
 

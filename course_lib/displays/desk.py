@@ -20,7 +20,7 @@ from course_lib.displays.tools import settings_of
 from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.ros import wall
 from course_lib.ros.graph import Graph
 from course_lib.viewer.camera import Camera
@@ -253,5 +253,5 @@ def _line(worst: StatusTable | list[Any], displays: int) -> str:
     """Say how things are in one line."""
     first = worst[0] if worst else None
     if first is None or first.level == "ok":
-        return "1 display" if displays == 1 else f"{displays} displays"
+        return counted(displays, "display")
     return f"{first.display}: {first.text}" + (f" (and {len(worst) - 1} more)" if len(worst) > 1 else "")

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from course_lib.displays.display import Display, Subscription
 from course_lib.displays.frames import NS, Matrix, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
+from course_lib.errors import counted
 from course_lib.ros.qos import Qos
 
 PATIENCE = NS // 2  # [ns] that a message waits before a hint says so, if its frame is known at all
@@ -175,7 +176,7 @@ class FilteredDisplay(TopicDisplay):
         self._waiting.extend(still)
         problem = self.problem(still[-1]) if still and self._waits_long(still[0]) else None
         self.statuses.hint(
-            "Waiting", *([f"{len(still)} messages wait for tf2. {problem}"] if problem else [])
+            "Waiting", *([f"{counted(len(still), 'message')} waiting for tf2. {problem}"] if problem else [])
         )
 
     def _waits_long(self, message: Any) -> bool:

@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.identity import normalise
 from course_lib.course.whole_file import write_whole
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.grading.arrivals import Arrival, arrivals
 from course_lib.grading.gradebook import harmless
 from course_lib.grading.lms_file import LmsFile
@@ -45,9 +45,9 @@ class Collection:
         """Say how much there is, and what to type next."""
         late = sum(row.get("late") == "yes" for row in self.rows.values())
         said = f", {late} late by the platform's word" if late else ""
-        left = f", {len(self.refused)} refused" if self.refused else ""
-        files = f"Collected {self.count} files of {len(self.students)} students into {out}{said}{left}."
-        return f"{files} Next: course grade {out} --out graded"
+        said += f", {len(self.refused)} refused" if self.refused else ""
+        files, students = counted(self.count, "file"), counted(len(self.students), "student")
+        return f"Collected {files} of {students} into {out}{said}. Next: course grade {out} --out graded"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.recording import bag_qos
 from course_lib.recording.recording import Recording, TopicSummary
 from course_lib.recording.salvage import data_files, salvage
@@ -71,7 +71,8 @@ def read_bag(folder: str | Path) -> Recording:
         samples = salvage(path)
         if not samples:
             raise CourseError(damage) from error
-        sys.stderr.write(f"warning: {damage}. Its first {len(samples)} messages are whole and were read.\n")
+        whole = counted(len(samples), "message")
+        sys.stderr.write(f"warning: {damage}. Read from its beginning, up to the damage: {whole}.\n")
         return Recording(tuple(samples))
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Any
 
+from course_lib.errors import counted
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.plain import plain
 from course_lib.grading.vocabulary.marker_state import ADD
@@ -30,7 +31,9 @@ def expect_topic(
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
         return [Problem(f"{topic} carries {strange[0]}, expected {type}", "a topic has the wrong type")]
-    message = f"{len(came)} message(s) on {topic} in {evidence.seconds:g} s, expected at least {at_least}"
+    message = (
+        f"{counted(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected at least {at_least}"
+    )
     return [] if len(came) >= at_least else [Problem(message, "too few messages on a topic")]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.recording import read_bag
 from course_lib.ros import wall
 from course_lib.tools.message_text import Style, to_yaml
@@ -62,7 +62,8 @@ class BagView(View):
         shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
         shapes += text("0 s", _LEFT, height - 4) + text(f"{length:.1f} s", _LEFT + _WIDTH, height - 4, "end")
         shapes += tag("path", d=f"M{x:.1f} 0v{height - 16}", stroke="#c9281f", stroke_width=2)
-        said = f"{len(self._samples)} messages of {len(self._topics)} topics, the cursor at {self._at:.2f} s"
+        came, topics = counted(len(self._samples), "message"), counted(len(self._topics), "topic")
+        said = f"{came} of {topics}, the cursor at {self._at:.2f} s"
         return drawing(shapes, _LEFT + _WIDTH + 90, height, said) + self._message()
 
     def _line(self, row: int, topic: str) -> str:

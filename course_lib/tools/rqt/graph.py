@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from itertools import pairwise
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.qos import incompatible
 from course_lib.tools.rqt.layered import Edge, Layers, Point, layered
@@ -56,7 +56,7 @@ class GraphView(View):
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
         shapes += [_node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad) for n in names]
         links = (f"{names[a]} to {names[b]} {' '.join(lines)}".strip() for (a, b), lines in edges.items())
-        return drawing("".join(shapes), *layers.size, f"{len(nodes)} nodes. {', '.join(links)}")
+        return drawing("".join(shapes), *layers.size, f"{counted(len(nodes), 'node')}. {', '.join(links)}")
 
     def _shown(self, name: str, kind: str) -> bool:
         hidden = any(rule.match(name) and self[f"Hide {what}"] for what, rule in _KINDS.items())

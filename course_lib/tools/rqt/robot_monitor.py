@@ -4,6 +4,7 @@ from collections import deque
 from html import escape
 from typing import Any
 
+from course_lib.errors import counted
 from course_lib.ros.graph import Sample
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
 from course_lib.tools.rqt.view import View
@@ -90,7 +91,7 @@ class RobotMonitorView(View):
             high = 6 * (1 + _LEVELS.index(level))
             bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=colour_of(level))
         said = ", ".join(level.upper() for _, level in self._history)
-        return drawing(bars, 9 * _HISTORY, 28, f"The last {len(self._history)} messages: {said}")
+        return drawing(bars, 9 * _HISTORY, 28, f"The last {counted(len(self._history), 'message')}: {said}")
 
     def _details(self) -> str:
         if (path := self["Details of"]) not in self._statuses:

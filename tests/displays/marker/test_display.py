@@ -21,7 +21,7 @@ def test_a_marker_waits_for_the_transform_of_its_stamp() -> None:
     assert bench.said(bench.marker, "n/0") is None
     assert bench.hints(bench.marker) == [], "every message of a driving robot waits that long"
     bench.look(1.05)
-    assert any("1 messages wait for tf2. No transform" in hint for hint in bench.hints(bench.marker))
+    assert any("1 message waiting for tf2. No transform" in hint for hint in bench.hints(bench.marker))
     bench.transform("map", "base", (1.0, 0.0, 0.0), at=1.0, static=False)
     bench.look(1.1)
     assert bench.shown() == ["n/0"]
