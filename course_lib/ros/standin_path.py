@@ -30,23 +30,24 @@ def install() -> None:
     ours = str(STANDIN)
     if sys.path[:1] != [ours]:
         sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
-    if _OwnInterfaces not in sys.meta_path:
-        sys.meta_path.insert(0, _OwnInterfaces)
+    if _Types not in sys.meta_path:
+        sys.meta_path.insert(0, _Types)
 
 
-class _OwnInterfaces(Loader):
-    """Imports interface files on Python's path, ``my_msgs/msg/Name.msg``, as ``my_msgs.msg``."""
+class _Types(Loader):
+    """Imports ``std_msgs.msg`` and the like: its types, or ``my_msgs/msg/Name.msg`` on the path."""
 
     @classmethod
     def find_spec(
         cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find the folder of a package that holds such files."""
+        """Find the folder of a package that holds such files, or their stubs."""
         package, _, kind = name.rpartition(".")
         if kind not in ("msg", "srv", "action") or not package or "." in package:
             return None
         for folder in (Path(entry) for entry in path or ()):
-            if next(folder.glob(f"{kind}/*.{kind}"), None) is not None:
+            wanted = "__init__.pyi" if folder.parent == STANDIN else f"*.{kind}"
+            if any(folder.glob(f"{kind}/{wanted}")):
                 return spec_from_loader(name, cls(), origin=str(folder))
         return None
 
@@ -55,7 +56,9 @@ class _OwnInterfaces(Loader):
         from course_lib.ros.messages.definitions import add_package
         from course_lib.ros.messages.registry import import_types
 
-        add_package(Path(str(module.__spec__ and module.__spec__.origin)))
+        folder = Path(str(module.__spec__ and module.__spec__.origin))
+        if folder.parent != STANDIN:
+            add_package(folder)
         vars(module).update(import_types(module.__name__))
 
 

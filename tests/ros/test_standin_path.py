@@ -10,7 +10,8 @@ from course_lib.errors import CourseError
 from course_lib.ros.standin_path import STANDIN, install, provided
 
 LOAD = (
-    "from course_lib.ros.standin_path import install; install(); import std_msgs.msg as m; print(m.__file__)"
+    "from course_lib.ros.standin_path import install; install(); import std_msgs.msg as m;"
+    "print(m.__spec__.origin)"
 )
 
 

@@ -1,4 +1,4 @@
-"""Write the stand-in's message packages: tiny modules, and the stubs that editors and mypy read.
+"""Write the stand-in's message packages: the stubs that editors and mypy read.
 
 Run ``python -m course_lib.ros.messages.stubs`` after rosbags brought other types; with ``--check`` it only
 says whether the files on disk are what it would write.
@@ -31,10 +31,6 @@ _IMPL = """    class Impl:
         GoalStatusMessage: TypeAlias = action_msgs.msg.GoalStatusArray
 """
 _WIDTH = 106  # of a line in a class
-_MODULE = """from course_lib.ros.messages.registry import import_types as _import_types
-
-globals().update(_import_types(__name__))
-"""
 
 
 def files() -> dict[Path, str]:
@@ -45,7 +41,6 @@ def files() -> dict[Path, str]:
         modules.setdefault(Path(type_name).parent, []).append(definition(type_name))
     for module, messages in modules.items():
         texts |= {module.parent / name: "" for name in ("__init__.py", "py.typed")}
-        texts[module / "__init__.py"] = _MODULE
         texts[module / "__init__.pyi"] = module_stub(messages)
     return texts
 
