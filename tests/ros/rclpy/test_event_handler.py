@@ -1,4 +1,4 @@
-"""Matched, deadline, liveliness and type events."""
+"""Matched, deadline and type events."""
 
 from typing import Any
 
@@ -7,22 +7,18 @@ import rclpy
 from rclpy.duration import Duration
 from rclpy.event_handler import (
     PublisherEventCallbacks,
-    QoSLivelinessChangedInfo,
     QoSOfferedDeadlineMissedInfo,
     QoSPublisherMatchedInfo,
     SubscriptionEventCallbacks,
 )
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import LivelinessPolicy, QoSProfile
+from rclpy.qos import QoSProfile
 from std_msgs.msg import Int64, String
 
 from course_lib.ros.graph import Graph
 
 LIMITED = QoSProfile(depth=1, deadline=Duration(seconds=1))
-LEASED = QoSProfile(
-    depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=Duration(seconds=1)
-)
 
 
 def spin(node: Node, seconds: float) -> None:
@@ -70,27 +66,6 @@ def test_a_missed_deadline_is_told_on_both_sides_once_per_period(node: Node) -> 
     node.destroy_publisher(publisher)
     spin(node, 1.5)
     assert told["pub"] == counts
-
-
-def test_a_lease_that_is_over_is_told_until_the_publisher_is_alive_again(node: Node) -> None:
-    lost: list[Any] = []
-    changes: list[QoSLivelinessChangedInfo] = []
-    publisher = talk(node, LEASED, liveliness=lost.append)
-    listen(node, LEASED, liveliness=changes.append)
-    spin(node, 0.1)
-    publisher.assert_liveliness()
-    spin(node, 0.9)
-    assert changes == [QoSLivelinessChangedInfo(1, 0, 1, 0)]
-    assert lost == []
-    spin(node, 3.0)
-    assert changes[1:] == [QoSLivelinessChangedInfo(0, 1, -1, 1)]
-    assert lost == [QoSOfferedDeadlineMissedInfo(1, 1)]
-    publisher.publish(String())
-    spin(node, 0.1)
-    assert changes[2:] == [QoSLivelinessChangedInfo(1, 0, 1, -1)]
-    node.destroy_publisher(publisher)
-    spin(node, 0.1)
-    assert changes[3:] == [QoSLivelinessChangedInfo(0, 0, -1, 0)]
 
 
 def test_another_type_on_the_topic_is_warned_of_on_both_sides(

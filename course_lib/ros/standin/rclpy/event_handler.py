@@ -35,18 +35,7 @@ class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
     current_count_change: int
 
 
-@dataclass
-class QoSLivelinessChangedInfo:
-    """How many publishers are alive, and how many have failed to say so in time."""
-
-    alive_count: int
-    not_alive_count: int
-    alive_count_change: int
-    not_alive_count_change: int
-
-
 QoSOfferedDeadlineMissedInfo = QoSRequestedDeadlineMissedInfo
-QoSLivelinessLostInfo = QoSRequestedDeadlineMissedInfo
 QoSMessageLostInfo = QoSRequestedDeadlineMissedInfo
 IncompatibleTypeInfo = QoSRequestedDeadlineMissedInfo
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
@@ -74,20 +63,16 @@ class Events:
         total, now = self._counts["partners"], self._counts["matched"]
         self._say("matched", QoSSubscriptionMatchedInfo(total, max(change, 0), now, change))
 
-    def alive(self, change: int, failed: int = 0) -> None:
-        """Tell a subscription that publishers are alive, or no more, and how many of them have failed."""
-        self._counts["alive"] += change
-        self._counts["failed"] += failed
-        counts = self._counts["alive"], self._counts["failed"]
-        self._say("liveliness", QoSLivelinessChangedInfo(*counts, change, failed))
-
     def _say(self, event: str, info: Any) -> None:
         if event in self.tell:
             self.tell[event](info)
 
 
 class EventCallbacks:
-    """The callbacks for one side, by event; where none is given, a warning may be logged instead."""
+    """The callbacks for one side, by event; where none is given, a warning may be logged instead.
+
+    `liveliness` is never called: nobody watches leases here.
+    """
 
     _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
     _warning: str

@@ -45,7 +45,6 @@ class Endpoint:
         for publisher, subscription in self.partners():
             for side in _sides(self.node.graph, publisher, subscription):
                 side.matched(-1)
-            self.tell_of_life(subscription, -1)
         self.node.graph.remove_endpoint(self.id)
 
     def partner_count(self) -> int:
@@ -68,14 +67,6 @@ class Endpoint:
                     side.count("incompatible_qos", last_policy_kind=QoSPolicyKind[policy])
                 else:
                     side.matched(1)
-            if matches(publisher, subscription):
-                self.tell_of_life(subscription, 1)
-
-    def tell_of_life(self, subscription: EndpointInfo, change: int, failed: int = 0) -> None:
-        """Tell a subscription that a publisher is alive, or no more."""
-        events = _told.get(self.node.graph, {}).get(subscription.id)
-        if events is not None:
-            events.alive(change, failed)
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each endpoint on the other side of the topic."""

@@ -188,9 +188,7 @@ class NodeEntities(NodeGraph):
         told = events.bind(self.handle, end.topic, group)
         limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
         if limit_ns is not None and "deadline" in told.tell:
-            end.deadline = Watchdog(self.handle, limit_ns, partial(told.count, "deadline"), again=True)
-        if isinstance(end, Publisher):
-            end.lease(partial(told.count, "liveliness"))
+            end.deadline = Watchdog(self.handle, limit_ns, partial(told.count, "deadline"))
         end.handle.watch(told)
 
     def _all(self, kind: type) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""Time limits of publishers and subscriptions: deadlines and leases."""
+"""Deadlines of publishers and subscriptions."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -10,20 +10,16 @@ if TYPE_CHECKING:
 
 
 class Watchdog:
-    """Barks when it was not fed for a while, [ns], after its first meal; `again` and again if wanted."""
+    """Barks whenever it was not fed for a while, [ns], after its first meal."""
 
-    def __init__(
-        self, node: NodeHandle, limit_ns: int, bark: Callable[[], object], *, again: bool = False
-    ) -> None:
-        self.has_barked = False
-        self._node, self._limit_ns, self._bark, self._again = node, limit_ns, bark, again
+    def __init__(self, node: NodeHandle, limit_ns: int, bark: Callable[[], object]) -> None:
+        self._node, self._limit_ns, self._bark = node, limit_ns, bark
         self._entity = node.next_entity()
         self._alarm: Alarm | None = None
 
     def feed(self) -> None:
         """Begin the time anew."""
         self.stop()
-        self.has_barked = False
         graph = self._node.graph
         due_ns = graph.now_ns + self._limit_ns
         self._alarm = graph.call_at(due_ns, self._ring, node=self._node.id, entity=self._entity)
@@ -34,7 +30,5 @@ class Watchdog:
             self._alarm.cancel()
 
     def _ring(self) -> None:
-        if self._again:
-            self.feed()
-        self.has_barked = True
+        self.feed()
         self._bark()
