@@ -26,7 +26,7 @@ def test_the_top_level_holds_what_the_design_names() -> None:
 def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
     too_long = []
     for path in tracked():
-        if path.suffix != ".py" or path.parts[0] == "tests":
+        if path.suffix != ".py":
             continue
         source = (ROOT / path).read_text()
         if len(source.splitlines()) > MAX_FILE:

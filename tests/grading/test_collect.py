@@ -120,7 +120,7 @@ def test_archives_in_archives_belong_to_who_sent_the_outer_one(sort: Sort, tmp_p
     )
     done = sort(
         {
-            "ada/work.zip": zipped({"again.zip": forged}),
+            "ada/homework.zip": zipped({"again.zip": forged}),
             f"Bob_99_assignsubmission_file_/{NAME}": notebook("b"),
         }
     )

@@ -72,25 +72,8 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
         "GRADER": os.getpid(),
         "LIB": course_lib.__file__,
     }
-    prelude = "".join(f"{name} = {str(value)!r}\n" for name, value in places.items())
-    for name, text in {
-        "course/exercises/course.toml": COURSE.replace("cell_seconds = 2\nscenario_seconds = 2", LIMITS),
-        "course/exercises/checks/week01.py": CHECKS,
-        "course/solutions/checks/week01.py": f"SECRET = {SECRET!r}\n{HIDDEN}",
-    }.items():
-        (top / name).parent.mkdir(parents=True, exist_ok=True)
-        (top / name).write_text(text)
-    right = RIGHT.split("# next cell\n")
-    for student in HONEST:
-        _hand_in(top, student, notebook(*right, student=student))
-    for entry in ALL:
-        cells = [entry.change(cell) for cell in right]
-        is_magic = entry.cell.startswith("%%")
-        attack = [entry.cell if is_magic else prelude + entry.cell] if entry.cell else []
-        claimed = entry.claims or entry.name
-        _hand_in(top, entry.name, notebook(*cells[:1], *attack, *cells[1:], student=claimed))
-    for sent in FILES:
-        _hand_in(top, sent.student, sent.data, sent.file)
+    _write_course(top)
+    _hand_in_all(top, "".join(f"{name} = {str(value)!r}\n" for name, value in places.items()))
     made = Graded(top, {}, library_before=library_hash())
     threading.Thread(target=_count, args=(listener, made.connections), daemon=True).start()
     shared_template()  # of this process: it stays
@@ -134,6 +117,31 @@ def descendants() -> set[int]:
         more = {pid for pid, parent in parents.items() if parent in more}
         found |= more
     return found
+
+
+def _write_course(top: Path) -> None:
+    for name, text in {
+        "course/exercises/course.toml": COURSE.replace("cell_seconds = 2\nscenario_seconds = 2", LIMITS),
+        "course/exercises/checks/week01.py": CHECKS,
+        "course/solutions/checks/week01.py": f"SECRET = {SECRET!r}\n{HIDDEN}",
+    }.items():
+        (top / name).parent.mkdir(parents=True, exist_ok=True)
+        (top / name).write_text(text)
+
+
+def _hand_in_all(top: Path, prelude: str) -> None:
+    """Hand in what the whole class wrote; `prelude` tells the attacks where things are."""
+    right = RIGHT.split("# next cell\n")
+    for student in HONEST:
+        _hand_in(top, student, notebook(*right, student=student))
+    for entry in ALL:
+        cells = [entry.change(cell) for cell in right]
+        is_magic = entry.cell.startswith("%%")
+        attack = [entry.cell if is_magic else prelude + entry.cell] if entry.cell else []
+        claimed = entry.claims or entry.name
+        _hand_in(top, entry.name, notebook(*cells[:1], *attack, *cells[1:], student=claimed))
+    for sent in FILES:
+        _hand_in(top, sent.student, sent.data, sent.file)
 
 
 def _hand_in(top: Path, student: str, data: bytes, name: str = "week01_exercise.ipynb") -> None:
