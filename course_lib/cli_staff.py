@@ -34,12 +34,10 @@ def collect(
     id_column: Annotated[str, typer.Option(help="The heading of that ID in --roster.")] = "ID number",
 ) -> None:
     """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
-    from course_lib.course.files import exercises_dir
+    from course_lib.course.course_file import shipped_course_file
     from course_lib.grading.collect import collect as sort
-    from course_lib.grading.course_file import read_course_file
 
-    zone = read_course_file(exercises_dir() / "course.toml").time_zone
-    done = sort(source, out, zone, roster, id_column)
+    done = sort(source, out, shipped_course_file().time_zone, roster, id_column)
     for line in (*done.refused, done.summary(out)):
         typer.echo(line)
     raise typer.Exit(NOT_PASSED if done.refused else 0)

@@ -1,11 +1,12 @@
 """The first page of the student's folder: every week, how long it takes, and how far one got."""
 
-import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
+from course_lib.course.course_file import Week as Settings
+from course_lib.course.course_file import shipped_course_file
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import exercises_dir, lessons_dir
 from course_lib.course.state import State
@@ -23,28 +24,28 @@ class Week:
     minutes: int  # [min] of the lesson
     lesson: str  # file name
     exercise: str | None  # file name
-    deadline: datetime | None
-    points: dict[str, float]  # of the tasks that count towards 100
+    deadline: datetime | None  # local time of the course
+    points: Mapping[str, float]  # of the tasks that count towards 100
 
 
 def load_weeks() -> tuple[Week, ...]:
     """All weeks that have a lesson, in order; deadlines and points from course.toml."""
-    settings = tomllib.loads((exercises_dir() / "course.toml").read_text(encoding="utf-8"))["weeks"]
+    settings = shipped_course_file().weeks
     return tuple(_week(path, settings) for path in sorted(lessons_dir().glob("week*.ipynb")))
 
 
-def _week(lesson: Path, settings: dict[str, Any]) -> Week:
+def _week(lesson: Path, settings: Mapping[str, Settings]) -> Week:
     notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
     exercise = exercises_dir() / f"{name}_exercise.ipynb"
-    table = settings.get(name, {})
+    known = settings.get(name)
     return Week(
         name=name,
         title=source(notebook["cells"][0]).splitlines()[0].lstrip("# "),
         minutes=notebook["metadata"]["course"]["minutes"],
         lesson=lesson.name,
         exercise=exercise.name if exercise.exists() else None,
-        deadline=table.get("deadline"),
-        points=table.get("points", {}),
+        deadline=known.deadline if known else None,
+        points=known.points if known else {},
     )
 
 

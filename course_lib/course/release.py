@@ -2,9 +2,11 @@
 
 import re
 import shutil
+import tomllib
 from fnmatch import fnmatch
 from pathlib import Path
 
+from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import write_exercises
 from course_lib.course.files import checkout_root
 from course_lib.errors import CourseError
@@ -29,7 +31,7 @@ def release(out: Path) -> list[Path]:
     """Copy what students get into `out`; returns what was copied, as paths in `out`.
 
     Raises:
-        CourseError: not a checkout, `out` holds something already, or can't be written.
+        CourseError: not a checkout; `out` holds something, or can't be written; course.toml is malformed.
     """
     root, out = checkout_root(), out.expanduser().resolve()
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
@@ -42,13 +44,25 @@ def release(out: Path) -> list[Path]:
         raise CourseError(
             f"made anew from the solutions, please look and commit, then release again: {names}"
         )
+    settings = _without_extensions(root / "exercises" / "course.toml")
     try:
         copies = [_copy(root / name, out / name) for name in RELEASED if (root / name).exists()]
-        settings = out / "exercises" / "course.toml"
-        settings.write_text(EXTENSIONS.sub("", settings.read_text(encoding="utf-8")), encoding="utf-8")
+        (out / "exercises" / "course.toml").write_text(settings, encoding="utf-8")
         return copies
     except OSError as error:
-        raise CourseError(f"can't write the release to {out}: {error.strerror}") from error
+        raise CourseError(
+            f"can't write the release to {out}: {error.strerror}. Name another folder."
+        ) from error
+
+
+def _without_extensions(path: Path) -> str:
+    """The course file as students get it; a malformed one is refused."""
+    read_course_file(path)
+    text = EXTENSIONS.sub("", path.read_text(encoding="utf-8"))
+    for week, table in tomllib.loads(text)["weeks"].items():
+        if "extensions" in table:
+            raise CourseError(f"{path}: write {week}'s extensions as a table, [weeks.{week}.extensions]")
+    return text
 
 
 def _strays(folder: str, names: list[str]) -> set[str]:

@@ -1,6 +1,5 @@
 """`course status`: how far a student is, and what comes next."""
 
-import tomllib
 from datetime import UTC, datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
@@ -8,7 +7,7 @@ from zoneinfo import ZoneInfo
 from rich.table import Table
 
 from course_lib.course.contents import Progress, Week, load_weeks, progress
-from course_lib.course.files import exercises_dir
+from course_lib.course.course_file import shipped_course_file
 from course_lib.course.folder import DEFAULT_FOLDER
 from course_lib.course.state import State, find_student_folder
 from course_lib.errors import CourseError
@@ -31,7 +30,7 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     if found is None:
         place = folder or Path.cwd()
         raise CourseError(f"{place} holds no {DEFAULT_FOLDER} of yours: type course lab first")
-    now, zone, state = now or datetime.now(UTC), _zone(), State(found)
+    now, zone, state = now or datetime.now(UTC), shipped_course_file().time_zone, State(found)
     table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
     rows = [(week, progress(week, state)) for week in load_weeks()]
     for week, so_far in rows:
@@ -71,7 +70,3 @@ def _next(rows: list[tuple[Week, Progress]]) -> str:
         if week.exercise and so_far.packed is None:
             return f"Next: hand in {week.name}: course submit {week.exercise}"
     return "All exercises are done and packed."
-
-
-def _zone() -> ZoneInfo:
-    return ZoneInfo(tomllib.loads((exercises_dir() / "course.toml").read_text(encoding="utf-8"))["time_zone"])

@@ -7,8 +7,8 @@ from typing import Any
 
 import msgpack
 
+from course_lib.course.course_file import Limits
 from course_lib.grading.catalog import Catalog
-from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.task import Scenario, Task
 

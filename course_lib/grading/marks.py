@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from course_lib.grading.course_file import Late
+from course_lib.course.course_file import Late
 from course_lib.grading.judge import TaskResult
 
 DAY = 86_400  # [s]

@@ -6,9 +6,9 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from course_lib.course.course_file import Late
 from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.course_file import Late
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.hand_marks import HandMark, apply_marks, marks_path, read_marks
 from course_lib.grading.judge import CheckResult, TaskResult

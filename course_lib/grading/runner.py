@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
 from course_lib.grading.perform import MAX_ERRORS, Outcome

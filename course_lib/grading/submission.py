@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.grading.course_file import Counts
+from course_lib.course.course_file import Counts
 from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.received import Received, received
 from course_lib.grading.working_files import working_files

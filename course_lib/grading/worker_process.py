@@ -5,7 +5,7 @@ import threading
 from collections.abc import Sequence
 from select import select
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.jail.launch import PIPE_HOLDS, START_SECONDS, TemplateProcess, WorkerError
 from course_lib.grading.usage import Usage
 from course_lib.ros import wall

@@ -9,7 +9,7 @@ from course_lib.course import release as release_module
 from course_lib.course.exercise import BEGIN, END
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import checkout_root, solutions_dir
-from course_lib.course.release import EXTENSIONS, _copy, release
+from course_lib.course.release import EXTENSIONS, _copy, _without_extensions, release
 from course_lib.errors import CourseError
 
 
@@ -100,3 +100,11 @@ def test_who_got_more_time_is_not_released() -> None:
     )
     assert EXTENSIONS.sub("", text) == '[weeks.week01]\ntitle = "A"\n[weeks.week02]\n'
     assert EXTENSIONS.sub("", text.split("[weeks.week02]")[0]) == '[weeks.week01]\ntitle = "A"\n'
+
+
+def test_extensions_that_would_be_released_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "course.toml"
+    week = '[weeks.week01]\ntitle = "A"\nextensions = {ada = 2027-01-01T00:00:00}\n'
+    path.write_text(f'title = "A"\ntime_zone = "UTC"\n{week}')
+    with pytest.raises(CourseError, match=r"as a table, \[weeks\.week01\.extensions\]"):
+        _without_extensions(path)

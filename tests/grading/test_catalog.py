@@ -1,8 +1,8 @@
 import pytest
 
+from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
-from course_lib.grading.course_file import read_course_file
 from course_lib.grading.grade_one import Course
 from course_lib.grading.personal import personal_values
 
@@ -50,6 +50,11 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
         ("exercises/course.toml", "2026-10-11T23:59:00", "2026-10-11T23:59:00Z", "expected local time"),
         ("exercises/course.toml", "answer = 10", "answer = -1", "expected a number of at least 0"),
         ("exercises/course.toml", "[weeks.week01]", "[weeks.week01", "can't be read"),
+        ("exercises/course.toml", '"Europe/Paris"', "[1]", "time_zone: [1], expected a name such as"),
+        ("exercises/course.toml", "time_zone", "title = 3 #", "can't be read"),
+        ("exercises/course.toml", 'time_zone = "Europe/Paris"', "", "the key 'time_zone' is missing"),
+        ("exercises/course.toml", "weeks.week01", "weeks.week1", "week1, expected a name like week01"),
+        ("exercises/course.toml", "cell_seconds = 2", "cell_seconds = 0", "0, expected a number above 0"),
         ("exercises/checks/week01.py", "TASKS", "TASK", "TASKS: expected a tuple"),
         (
             "exercises/checks/week01.py",
@@ -73,6 +78,14 @@ def test_what_is_malformed_is_named_with_its_file(
         load_catalog(course.exercises, course.solutions)
     assert message in str(refusal.value)
     assert path.name in str(refusal.value)
+
+
+def test_an_extension_belongs_to_an_id_however_it_is_spelt(course: Course) -> None:
+    path = course.exercises / "course.toml"
+    path.write_text(path.read_text() + "[weeks.week01.extensions]\nAda_1 = 2026-10-13T12:00:00\n")
+    late = read_course_file(path).deadline("week01", "ada_1")
+    assert late is not None
+    assert late.isoformat() == "2026-10-13T12:00:00+02:00"
 
 
 def test_a_missing_file_is_named(course: Course) -> None:

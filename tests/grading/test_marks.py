@@ -4,7 +4,7 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.grading.course_file import Late
+from course_lib.course.course_file import Late
 from course_lib.grading.evidence import Check, Evidence, Verdict
 from course_lib.grading.gradebook import write_gradebook
 from course_lib.grading.judge import BrokenCheckError, CheckResult, Run, TaskResult, judge_task

@@ -7,7 +7,7 @@ from textwrap import dedent
 
 import pytest
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import TemplateProcess, WorkerError
 from course_lib.grading.runner import Session

@@ -1,7 +1,7 @@
 from contextlib import closing
 from pathlib import Path
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.runner import Session
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.usage import Usage, read_usage, usage_path

@@ -4,7 +4,7 @@ from contextlib import closing
 
 import pytest
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.plain import MAX_TEXT
 from course_lib.grading.runner import Session
 from course_lib.grading.task import Scenario, Task

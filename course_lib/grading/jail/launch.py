@@ -16,8 +16,8 @@ from functools import cache
 from pathlib import Path
 
 import course_lib
+from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.course_file import Limits
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.usage import Usage
 

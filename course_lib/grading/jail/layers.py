@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.jail import landlock, limits, namespaces, seccomp
 from course_lib.grading.jail.system_calls import DUMPABLE, NO_NEW_PRIVILEGES, drop_capabilities, prctl
 

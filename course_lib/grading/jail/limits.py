@@ -5,7 +5,7 @@ import resource
 from contextlib import suppress
 from pathlib import Path
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 
 MEGABYTE = 2**20
 OPEN_FILES = 128

@@ -16,7 +16,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
-from course_lib.grading.course_file import Limits
+from course_lib.course.course_file import Limits
 from course_lib.grading.jail.layers import Place, enter, working_layers
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
 from course_lib.grading.usage import Usage, wait_any_child

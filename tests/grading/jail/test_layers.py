@@ -5,8 +5,8 @@ from contextlib import closing
 
 import pytest
 
+from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.course_file import Limits
 from course_lib.grading.jail import seccomp
 from course_lib.grading.jail.isolation import LAYERS, Isolation
 from course_lib.grading.jail.launch import TemplateProcess

@@ -1,14 +1,17 @@
 """exercises/course.toml: weeks, points, deadlines, late policy, limits."""
 
 import math
+import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 from zoneinfo import ZoneInfo, available_timezones
 
+from course_lib.course.files import exercises_dir
+from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
 
 POINTS_PER_WEEK = 100
@@ -35,6 +38,10 @@ class Limits:
     scratch_megabytes: float = 64.0
     processes: float = 64.0
 
+    def __post_init__(self) -> None:
+        if none := [name for name, limit in vars(self).items() if not limit]:
+            raise CourseError(f"{none[0]}: 0, expected a number above 0, as nothing could run")
+
 
 @dataclass(frozen=True)
 class Week:
@@ -45,7 +52,7 @@ class Week:
         deadline: Of all students.
         points: By task; they sum to 100.
         bonus: By task, on top.
-        extensions: Later deadlines, by the ID as it stands in the gradebook.
+        extensions: Later deadlines, by student; any spelling of an ID.
     """
 
     title: str
@@ -60,6 +67,7 @@ class Week:
             raise CourseError(f"points: they sum to {total:g}, expected {POINTS_PER_WEEK}")
         if twice := sorted(self.points.keys() & self.bonus.keys()):
             raise CourseError(f"bonus: {', '.join(twice)} is in points too")
+        object.__setattr__(self, "extensions", {normalise(s): when for s, when in self.extensions.items()})
 
 
 @dataclass(frozen=True)
@@ -72,6 +80,10 @@ class CourseFile:
     late: Late = Late()
     limits: Limits = Limits()
     counts: Counts = "last"  # of several submissions
+
+    def __post_init__(self) -> None:
+        if strange := [week for week in self.weeks if not re.fullmatch(r"week\d\d", week)]:
+            raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
     def deadline(self, week: str, student: str) -> datetime | None:
         """A week's deadline for one student, with the course's time zone."""
@@ -93,6 +105,11 @@ def read_course_file(path: Path) -> CourseFile:
     return course
 
 
+def shipped_course_file() -> CourseFile:
+    """The course.toml of this installation."""
+    return read_course_file(exercises_dir() / "course.toml")
+
+
 def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and 0 <= value < math.inf
 
@@ -101,14 +118,15 @@ def _is_local(value: Any) -> bool:
     return isinstance(value, datetime) and value.tzinfo is None
 
 
+LOCAL = (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v)
 # By the annotation of a field: whether a value is right, what would be, and what is made of it.
 KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     str: (lambda v: isinstance(v, str) and v != "", "a text", str),
     float: (_is_number, "a number of at least 0", float),
-    ZoneInfo: (lambda v: v in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
+    ZoneInfo: (lambda v: str(v) in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
     Counts: (lambda v: v in get_args(Counts), '"last" or "best"', str),
-    datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
-    datetime | None: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
+    datetime: LOCAL,
+    datetime | None: LOCAL,
 }
 
 
@@ -117,20 +135,21 @@ def _read(kind: Any, value: Any, where: str) -> Any:
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
-            raise CourseError(f"{where}: {value!r}, expected {expected}")
+            came = repr(value) if isinstance(value, str) else value
+            raise CourseError(f"{where}: {came}, expected {expected}")
         return make(value)
     if not isinstance(value, dict):
         raise CourseError(f"{where}: {value!r}, expected a table")
     if get_origin(kind) is Mapping:
         return {key: _read(get_args(kind)[1], item, f"{where}: {key}") for key, item in value.items()}
-    assert is_dataclass(kind)  # there is nothing else in the classes above
     hints = get_type_hints(kind)
     if strange := sorted(value.keys() - hints.keys()):
         raise CourseError(f"{where}: unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}")
+    needed = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
+    if missing := sorted(needed - value.keys()):
+        raise CourseError(f"{where}: the key {missing[0]!r} is missing")
     items = {key: _read(hints[key], item, f"{where}: {key}") for key, item in value.items()}
     try:
-        return kind(**items)  # type: ignore[operator]  # a class, not one of its objects
-    except TypeError as error:
-        raise CourseError(f"{where}: a key is missing: {error}") from error
+        return kind(**items)
     except CourseError as error:
         raise CourseError(f"{where}: {error}") from error
