@@ -46,7 +46,8 @@ def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]])
 
 
 def _published(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
-    ordered = sorted(inputs, key=lambda message: message.at)
+    shown = (message for message in inputs if "/srv/" not in message.type_name)
+    ordered = sorted(shown, key=lambda message: message.at)
     return tuple(_sample(START_NS + round(m.at * 1e9), m.topic, build(m, personal)) for m in ordered)
 
 

@@ -28,7 +28,9 @@ def is_plain(value: Any, depth: int = MAX_DEPTH + 3) -> bool:
     if type(value) is dict:
         items = value.items()
         return all(type(key) is str and is_plain(item, depth - 1) for key, item in items)
-    return value is None or type(value) in (bool, int, float, str)
+    if type(value) is str:
+        return len(value) <= MAX_TEXT
+    return value is None or type(value) in (bool, int, float)
 
 
 def _plain(value: Any, depth: int, room: list[int]) -> Any:

@@ -11,6 +11,7 @@ from course_lib.grading.ghost import expected, seen
 from course_lib.grading.judge import Run
 from course_lib.grading.task import Task
 from course_lib.recording import Recording
+from course_lib.robots.resources import packages_only
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -60,7 +61,8 @@ def _figure(caption: str, recording: Recording, room: int) -> Figure:
     if not recording.samples:
         return Figure(caption, "", "Nothing was published.")
     try:
-        return _fitting(caption, recording, room)
+        with packages_only():
+            return _fitting(caption, recording, room)
     except Exception as error:  # what students publish may be anything; the reasons matter more than the view
         return Figure(caption, "", f"This scene can't be drawn: {error}")
 

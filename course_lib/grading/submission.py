@@ -4,20 +4,22 @@ import hashlib
 import json
 import os
 import zipfile
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from course_lib.errors import CourseError
 from course_lib.course.course_file import Counts
+from course_lib.errors import CourseError
 from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.received import Received, received
 from course_lib.grading.working_files import working_files
 
 RECEIPT = "receipt.json"
 SUFFIXES = (".ipynb", ".zip")
+RESERVED = (".html", ".js")  # files that lie beside the students' folders of reports
 NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
 
 
@@ -37,6 +39,7 @@ class Submission:
         problem: Why it can't be graded, or "".
         key: Of its evidence, if it can be graded.
         twins: Others who handed in the same file.
+        rivals: Files and folders that say to be this same student's: somebody may have taken the ID.
     """
 
     student: str
@@ -50,11 +53,14 @@ class Submission:
     problem: str = ""
     key: str = ""
     twins: tuple[str, ...] = ()
+    rivals: tuple[str, ...] = ()
 
     @property
     def notes(self) -> list[str]:
         """What staff should know."""
         notes = [f"the same file as that of {', '.join(self.twins)}"] if self.twins else []
+        if self.rivals:
+            notes.append(f"this counts, of what says to be {self.student}'s in {', '.join(self.rivals)}")
         if not self.sha256 or self.claimed == self.student:
             return notes
         if self.claimed is None:
@@ -93,6 +99,11 @@ def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:
     if not found:
         raise CourseError(f"{top} holds no submission: expected STUDENT/week01_exercise.ipynb in it")
     found.sort(key=lambda one: (one.student, one.exercise, one.received.time))
+    places = defaultdict[tuple[str, str], set[str]](set)
+    for one in found:
+        places[one.student, one.exercise].add(one.path.relative_to(top).parts[0])
+    rivals = {owner: tuple(sorted(names)) for owner, names in places.items() if len(names) > 1}
+    found = [replace(one, rivals=rivals.get((one.student, one.exercise), ())) for one in found]
     newest = {(one.student, one.exercise): one for one in found}
     return found if counts == "best" else list(newest.values())
 
@@ -107,13 +118,16 @@ def read_submission(path: Path, top: Path) -> Submission:
         data, receipt = unpack(path)
         notebook = parse_notebook(data, str(receipt.get("exercise", path.name)))
         exercise, claimed = notebook.exercise, notebook.student or claimed_id(receipt)
-        files = working_files(path, notebook.cells) if path.parent != top or path.suffix == ".zip" else {}
+        beside = path.parent != top or path.suffix.lower() == ".zip"
+        files = working_files(path, notebook.cells) if beside else {}
         sha256 = content_hash(data, files)
         problem = "" if exercise else f"{path.name} {NO_EXERCISE}"
     except CourseError as error:
         problem = str(error)
     folders = path.relative_to(top).parts[:-1]
     student = claimed_id({"student": folders[0]}) or folders[0] if folders else claimed or path.stem
+    if student.lower().endswith(RESERVED):
+        student += "_"
     when = received(path, top, receipt)
     about = (notebook, files, claimed, sha256, problem)
     return Submission(student, exercise or path.name, path, when, *about)
@@ -132,9 +146,11 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
         CourseError: The file is missing, a folder, or no file that `course submit` wrote.
     """
     try:
-        if path.suffix != ".zip":
+        if path.suffix.lower() != ".zip":
             with path.open("rb") as file:
                 return file.read(MAX_BYTES + 1), {}
+        if path.stat().st_size > 2 * MAX_BYTES:  # a list of its files may be as long
+            raise ValueError(f"it has more than {2 * MAX_BYTES} bytes")
         with zipfile.ZipFile(path) as archive:
             receipt = json.loads(_member(archive, RECEIPT))
             return _member(archive, f"{receipt['exercise']}.ipynb"), receipt
@@ -156,5 +172,5 @@ def _files(top: Path) -> Iterator[Path]:
     for folder, folders, names in os.walk(top):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for path in (Path(folder, name) for name in sorted(names) if not name.startswith(".")):
-            if path.suffix in SUFFIXES and path.is_file() and not path.is_symlink():
+            if path.suffix.lower() in SUFFIXES and path.is_file() and not path.is_symlink():
                 yield path

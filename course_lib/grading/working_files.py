@@ -3,6 +3,7 @@
 import re
 import zipfile
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
@@ -11,6 +12,7 @@ SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
 FOLDER = "files/"  # in what `course submit` writes
 MAX_BYTES = 1_000_000  # of each
 MAX_FILES = 20
+MAX_NAMES = 1000  # that are looked for
 _QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
 
 
@@ -20,12 +22,13 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
     Raises:
         CourseError: They can't be read.
     """
-    found = _packed(path) if path.suffix == ".zip" else _beside(path.parent, cells)
+    found = _packed(path) if path.suffix.lower() == ".zip" else _beside(path.parent, cells)
     files: dict[str, str] = {}
     try:
         for name, data in found:
-            if len(files) < MAX_FILES and len(data) <= MAX_BYTES:
-                files[name] = data.decode("utf-8", "replace")
+            text = data.decode("utf-8", "replace")  # may be three times as long then
+            if len(files) < MAX_FILES and len(text.encode()) <= MAX_BYTES:
+                files[name] = text
     except Exception as error:  # a broken or locked archive raises a dozen kinds
         raise CourseError(f"{path.name}: the files with the notebook can't be read: {error}") from error
     return files
@@ -34,7 +37,8 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
 def _beside(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
     """What the cells name between quotes, if it lies in the folder."""
     home = folder.resolve()
-    for name in dict.fromkeys(name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name)):
+    named = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
+    for name in dict.fromkeys(islice(named, MAX_NAMES)):
         place = home / name
         if place.is_file() and place.resolve() == place:  # no link leads elsewhere
             with place.open("rb") as file:
@@ -51,6 +55,8 @@ def _packed(path: Path) -> Iterator[tuple[str, bytes]]:
 
 
 def _is_fine(name: str) -> bool:
+    if not name.lower().endswith(SUFFIXES):
+        return False
     path = PurePosixPath(name)
     inside = not path.is_absolute() and ".." not in path.parts and "\\" not in name and name.isprintable()
-    return inside and path.suffix.lower() in SUFFIXES
+    return inside and path.suffix != ""

@@ -9,7 +9,8 @@ from course_lib.ros.clock import Alarm
 from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
 
-MAX_NAME = 1_000  # characters of a topic, type or node
+MAX_NAME = 255  # characters of a topic, type or node: every sample of a recording has them
+MAX_WORD = 20  # characters of a policy, "manual_by_topic"
 MAX_ENTITIES = 10_000  # nodes, endpoints and events to come
 MAX_DELIVERIES = 100_000  # messages under way
 
@@ -173,7 +174,7 @@ def _qos(values: list[Any]) -> Qos:
     if (
         type(qos.depth) is not int
         or not 0 <= qos.depth <= 10**6
-        or not all(isinstance(word, str) for word in words)
+        or not all(isinstance(word, str) and len(word) < MAX_WORD for word in words)
         or not all(d is None or type(d) is int for d in durations)
     ):
         raise ChannelError(f"Not a QoS: {values!r:.200}")

@@ -8,6 +8,7 @@ from typing import Any
 import yaml  # type: ignore[import-untyped]  # it ships no types
 
 PARAMETERS = "ros__parameters"
+DEEPEST = 50  # levels
 _TRUE = {"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"}
 _FALSE = {"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
 _INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|\d+)")
@@ -34,7 +35,11 @@ def read_value(text: str) -> Any:
 
 def _compose(text: str) -> Any:
     try:
+        depth = 0
         for event in yaml.parse(text):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST:
+                raise ValueError(f"It is nested too deeply at line {event.start_mark.line + 1}")
             if isinstance(event, yaml.AliasEvent):
                 raise ValueError(f"Will not support aliasing at line {event.start_mark.line + 1}")
         return yaml.compose(text)
@@ -51,7 +56,7 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
         raise ValueError(f"Cannot have a value before {PARAMETERS} at line {line}")
     for key, value in mapping.value:
         if key.value != PARAMETERS:
-            yield from _nodes(value, f"{path}/{key.value.strip('/')}")
+            yield from _nodes(value, f"{path}/{str(key.value).strip('/')}")
         elif not path:
             raise ValueError(f"There are no node names before {PARAMETERS} at line {key.start_mark.line + 1}")
         else:

@@ -15,7 +15,7 @@ ESCAPES = (
     tries("writes_files",
           "open(TOP + '/out/gradebook.csv', 'a')", "open(TOP + '/new', 'w')", "open(LIB, 'a')", "os.remove(LIB)",
           "os.rename(LIB, LIB + 'x')", "open('/tmp/x', 'w')", "open('/dev/shm/x', 'w')", "os.mkdir('/tmp/d')",
-          "open(os.__file__, 'a')", "os.chmod(LIB, 0o777)", "os.truncate(LIB, 0)", "os.mkfifo(TOP + '/fifo')"),
+          "open(os.__file__, 'a')", "os.chmod(LIB, 0o666); assert os.stat(LIB).st_mode & 0o777 == 0o666", "os.truncate(LIB, 0)", "os.mkfifo(TOP + '/fifo')"),
     tries("network",
           "socket.create_connection(('127.0.0.1', int(PORT)), 1)", "socket.socket(socket.AF_INET, socket.SOCK_DGRAM)",
           "socket.socket(socket.AF_UNIX)", "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)",

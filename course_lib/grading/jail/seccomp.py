@@ -15,7 +15,6 @@ SET_SECCOMP, MODE_FILTER = 22, 2
 MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}  # column below, audit number
 NEWER = 450  # calls that came later are as good as missing
 X32 = 0x40000000  # the same calls under other numbers
-NEW_NAMESPACES = 0x7E020080  # flags of clone
 REFUSED = {
     "execve": (59, 221), "execveat": (322, 281),
     "kill": (62, 129), "tkill": (200, 130), "tgkill": (234, 131), "pidfd_send_signal": (424, 424),
@@ -38,18 +37,32 @@ REFUSED = {
     "adjtimex": (159, 171), "sethostname": (170, 161), "setdomainname": (171, 162),
     "mknod": (133, None), "mknodat": (259, 33), "memfd_secret": (447, 447), "fanotify_init": (300, 262),
     "shmget": (29, 194), "msgget": (68, 186), "semget": (64, 190), "mq_open": (240, 180),
+    "shmat": (30, 196), "shmctl": (31, 195), "msgsnd": (69, 189), "msgrcv": (70, 188), "msgctl": (71, 187),
+    "semop": (65, 193), "semctl": (66, 191), "semtimedop": (220, 192), "mq_unlink": (241, 181),
+    "memfd_create": (319, 279), "truncate": (76, 45), "inotify_init": (253, None), "inotify_init1": (294, 26),
+    "setpriority": (141, 140), "ioprio_set": (251, 30),
     "ioperm": (173, None), "iopl": (172, None), "modify_ldt": (154, None),
 }  # fmt: skip
 NETWORK = {"socket": (41, 198)}  # a pair of sockets is no network, and asyncio needs one
-ONLY_ITSELF = {  # the first argument says which process: 0 is the caller
-    "prlimit64": (302, 261), "sched_setaffinity": (203, 122), "sched_setscheduler": (144, 119),
-    "sched_setparam": (142, 118), "sched_setattr": (314, 274),
+PRETENDED = {  # does nothing, and says that it worked: who copies a file calls these, Landlock lets them pass
+    "chmod": (90, None), "fchmod": (91, 52), "fchmodat": (268, 53),
+    "chown": (92, None), "fchown": (93, 55), "lchown": (94, None), "fchownat": (260, 54),
+    "utime": (132, None), "utimes": (235, None), "futimesat": (261, None), "utimensat": (280, 88),
+    "setxattr": (188, 5), "lsetxattr": (189, 6), "fsetxattr": (190, 7),
+    "removexattr": (197, 14), "lremovexattr": (198, 15), "fremovexattr": (199, 16),
 }  # fmt: skip
-THREADS = {"clone": (56, 220), "clone3": (435, 435)}
-
 LOAD, IF_EQUAL, IF_AT_LEAST, IF_ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
+CLONE, CLONE3 = (56, 220), (435, 435)
+BY_ARGUMENT = (  # refused if one of the tests of that argument, counted from 0, is met
+    (CLONE, 0, IF_ANY_BIT, (0x7E020080,)),  # new namespaces
+    # Which process: 0 is the caller. prlimit64, sched_setaffinity, _setscheduler, _setparam, _setattr
+    *((call, 0, IF_AT_LEAST, (1,)) for call in ((302, 261), (203, 122), (144, 119), (142, 118), (314, 274))),
+    ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX have the kernel send signals
+    ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),  # ioctl: the same, and TIOCSTI types into a terminal
+    ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any other socket
+)
 ALLOW, KILL, ERROR = 0x7FFF0000, 0x80000000, 0x00050000
-NUMBER, MACHINE, ARGUMENT = 0, 4, 16  # offsets in what the filter looks at
+NUMBER, MACHINE, ARGUMENTS = 0, 4, 16  # offsets in what the filter looks at; arguments have 8 bytes each
 
 
 class _Program(ctypes.Structure):
@@ -84,16 +97,15 @@ def program(column: int, machine: int) -> bytes:
         _step(LOAD, MACHINE), _step(IF_EQUAL, machine, 1, 0), _step(RETURN, KILL),
         _step(LOAD, NUMBER), *_if(IF_AT_LEAST, X32, KILL), *_if(IF_AT_LEAST, NEWER, ERROR | errno.ENOSYS),
         # Threads start by clone then, whose flags can be looked at:
-        *_if(IF_EQUAL, numbers(THREADS)[1], ERROR | errno.ENOSYS),
+        *_if(IF_EQUAL, CLONE3[column], ERROR | errno.ENOSYS),
     ]  # fmt: skip
-    for number in numbers(REFUSED):
-        steps += _if(IF_EQUAL, number, ERROR | errno.EPERM)
-    for number in numbers(NETWORK):
-        steps += _if(IF_EQUAL, number, ERROR | errno.ENETDOWN)
-    tests = [(number, IF_AT_LEAST, 1) for number in numbers(ONLY_ITSELF)]
-    for number, test, value in [(numbers(THREADS)[0], IF_ANY_BIT, NEW_NAMESPACES), *tests]:
-        steps += [_step(IF_EQUAL, number, 0, 4), _step(LOAD, ARGUMENT)]
-        steps += [*_if(test, value, ERROR | errno.EPERM), _step(RETURN, ALLOW)]
+    for table, error in ((REFUSED, errno.EPERM), (NETWORK, errno.ENETDOWN), (PRETENDED, 0)):
+        for number in numbers(table):
+            steps += _if(IF_EQUAL, number, ERROR | error)
+    for call, argument, test, values in BY_ARGUMENT:
+        refusals = [step for value in values for step in _if(test, value, ERROR | errno.EPERM)]
+        steps += [_step(IF_EQUAL, call[column], 0, len(refusals) + 2), _step(LOAD, ARGUMENTS + 8 * argument)]
+        steps += [*refusals, _step(RETURN, ALLOW)]
     return b"".join([*steps, _step(RETURN, ALLOW)])
 
 

@@ -11,6 +11,7 @@ from course_lib.grading.evidence import Check, Evidence, Verdict, passed
 from course_lib.grading.task import resolve
 
 MOST_SHOWN = 3  # problems in one message
+LONGEST = 1000  # characters of it: it may name what a student's code made up
 Given = ParamSpec("Given")
 
 
@@ -57,6 +58,7 @@ def _verdict(problems: Sequence[Problem]) -> Verdict:
     message = "; ".join(problem.message for problem in problems[:MOST_SHOWN])
     if len(problems) > MOST_SHOWN:
         message += f"; and {len(problems) - MOST_SHOWN} more"
+    message = message if len(message) <= LONGEST else f"{message[:LONGEST]} …"
     return Verdict(0.0, message, "; ".join(dict.fromkeys(problem.mistake for problem in problems)))
 
 
