@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
 from course_lib.course.course_file import CourseFile
+from course_lib.course.whole_file import write_whole
 from course_lib.grading.judge import Run, TaskResult
 from course_lib.grading.report_scene import Figure, figures, shared_script
 from course_lib.grading.result import Result
@@ -49,7 +49,8 @@ def _by_hand(task: Task, marks: TaskResult, runs: Iterable[Run]) -> list[str]:
     """What a person reads of a task, and says of it."""
     if not task.rubric:
         return list(marks.comments)
-    answers = [str(text) for run in runs if run.evidence.task == task.id for text in run.evidence.returns]
+    own = (run.evidence for run in runs if run.evidence.task == task.id and not run.hidden)
+    answers = [str(text)[:MAX_OUTPUT] for evidence in own for text in evidence.returns]
     waits = ["A person reads and marks this task."] if marks.manual is None else []
     return [*answers, *marks.comments, *waits]
 

@@ -149,6 +149,8 @@ class Session:
                     case _:
                         raise ChannelError("what came is not the next cell")
         except ChannelError as error:
+            if current < 0 and self._left() <= 0:
+                return False  # the time ran out while it started
             if current < 0:
                 raise WorkerError(f"a worker does not begin: {worker.take_output() or error}") from error
             match error:
