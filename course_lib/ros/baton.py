@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.stopped import StoppedProgram, StoppedThread
+from course_lib.ros.program_thread import ProgramThread, StoppedProgram, StoppedThread, always
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -23,38 +23,6 @@ RETURNS_AFTER_THE_END = 1_000  # waits that return at once after the end, before
 
 class DeadlockError(CourseError):
     """Every thread waits for another one, so nothing can happen any more."""
-
-
-class ProgramThread:
-    """A thread that belongs to the program, and what it waits for."""
-
-    def __init__(self, index: int, *, name: str, main: bool) -> None:
-        self.index = index
-        self.name = name
-        self.main = main
-        self.turn = _thread.allocate_lock()  # held; released by whoever hands over the baton
-        self.turn.acquire()
-        self.graph: Graph | None = None  # the run it waits in; None while it is running
-        self.ready: Callable[[], bool] = _always
-        self.has_deadline = False
-        self.deadline_passed = False
-        self.what = ""
-        self.events_help = True
-        self.depth = 1
-        self.polls = 0
-        self.waits_after_end = 0
-        self.raises: BaseException | None = None
-        self.done = False
-
-    def can_run(self, graph: Graph) -> bool:
-        """Say whether its wait is over."""
-        if self.graph is not graph:
-            return False
-        return self.deadline_passed or graph.ended or self.raises is not None or self.ready()
-
-    def pass_deadline(self) -> None:
-        """Note that its deadline has come: the event that ends its wait."""
-        self.deadline_passed = True
 
 
 class Baton:
@@ -111,7 +79,7 @@ class Baton:
 
     def line_up(self, thread: ProgramThread) -> None:
         """Let a thread that has just been started wait for its first turn."""
-        thread.graph, thread.ready, thread.what = current_graph(), _always, "its start"
+        thread.graph, thread.ready, thread.what = current_graph(), always, "its start"
         self._waiting.append(thread)
 
     def drop_out(self, thread: ProgramThread) -> None:
@@ -273,7 +241,7 @@ class Baton:
     def _stop_waiting(self, me: ProgramThread) -> None:
         if me in self._waiting:
             self._waiting.remove(me)
-        me.graph, me.ready, me.events_help = None, _always, True
+        me.graph, me.ready, me.events_help = None, always, True
         me.has_deadline = me.deadline_passed = False
 
 
@@ -282,10 +250,6 @@ def _raise_pending(me: ProgramThread) -> None:
     if me.raises is not None:
         error, me.raises = me.raises, None
         raise error
-
-
-def _always() -> bool:
-    return True
 
 
 def _never() -> bool:

@@ -4,24 +4,13 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol
 
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import current_graph, program
-from course_lib.ros.stopped import StoppedProgram, StoppedThread
+from course_lib.ros.program_thread import StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
 
 INTERRUPTED = 130  # a shell's exit code for Ctrl+C
-
-
-class Runnable(Protocol):
-    """What runs as a program of its own."""
-
-    file: Path
-    exit_code: int
-
-    def run(self) -> None:
-        """Run to its end."""
 
 
 class Process:
@@ -71,7 +60,7 @@ class Processes:
         self.ended: list[int] = []  # their numbers, as they ended
         self._threads: list[threading.Thread] = []
 
-    def start(self, process: Runnable) -> int:
+    def start(self, process: Process) -> int:
         """Start one, which runs when the calling thread waits; returns its number."""
         number, before = len(self._threads), program.name
         graph = current_graph()

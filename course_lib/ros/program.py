@@ -15,7 +15,7 @@ from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
 from course_lib.ros.notebook_program import NotebookProgram
-from course_lib.ros.process import Process, Processes, Runnable
+from course_lib.ros.process import Process, Processes
 from course_lib.ros.seeding import seeded
 from course_lib.ros.tracebacks import print_error_of_thread
 
@@ -28,7 +28,7 @@ def run_files(
     *,
     seed: int,
     args: Sequence[str] = (),
-    beside: Sequence[Runnable] = (),
+    beside: Sequence[Process] = (),
     own: "Executables | None" = None,
 ) -> int:
     """Run Python, launch files and notebooks as if each were started alone; they share the current graph.
@@ -44,7 +44,7 @@ def run_files(
     """
     standin_path.install()
     virtual_time.install()
-    programs: list[Runnable] = [_program(file, args, own or {}) for file in files]
+    programs: list[Process] = [_program(file, args, own or {}) for file in files]
     programs += beside
     with _interpreter_kept(), seeded(seed), baton.known():
         if len(programs) == 1:
@@ -58,7 +58,7 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-def _program(file: Path, args: Sequence[str], own: "Executables") -> Runnable:
+def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     program = Program(file, args)

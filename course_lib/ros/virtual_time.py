@@ -14,9 +14,10 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros import locks, wall
-from course_lib.ros.baton import ProgramThread, baton
+from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph, program
+from course_lib.ros.program_thread import ProgramThread
 
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join

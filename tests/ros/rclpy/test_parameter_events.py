@@ -50,19 +50,13 @@ def test_a_client_asks_and_sets_another_node_s_parameters(
     assert not result(node, client.delete_parameters(["speed"])).results[0].successful
 
 
-def test_files_are_loaded_with_wildcards_if_wanted(
-    node: Node, robot: Node, client: AsyncParameterClient, tmp_path: Path
-) -> None:
+def test_files_are_read_with_wildcards_if_wanted(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text("/**:\n  ros__parameters: {speed: 7}\n/other:\n  ros__parameters: {arm: {length: 2.0}}\n")
     assert list(parameter_dict_from_yaml_file(str(file))) == ["arm.length"]
     assert list(parameter_dict_from_yaml_file(str(file), True)) == ["speed", "arm.length"]
     with pytest.raises(RuntimeError, match=r"^Param file does not contain parameters for /x,only for nodes"):
         parameter_dict_from_yaml_file(str(file), target_nodes=["/x"])
-    file.write_text("/robot:\n  ros__parameters: {speed: 7}\n")
-    assert result(node, client.load_parameter_file(str(file))).results[0].successful
-    assert robot.get_parameter("speed").value == 7
-    assert result(node, client.load_parameter_file_atomically(str(file))).result.successful
 
 
 def test_handlers_are_told_of_one_parameter_or_of_all(node: Node, robot: Node) -> None:

@@ -107,19 +107,17 @@ def test_ctrl_c_ends_every_program_of_a_run_even_of_the_same_file(tmp_path: Path
         assert process.returncode == 0
 
 
-POOL = """
-import multiprocessing
+STUCK = """
+import os, threading
 
-if __name__ == "__main__":
-    with multiprocessing.Pool(1) as pool:
-        print("ready", flush=True)
-        pool.map(abs, [1])
+print("ready", flush=True)
+threading.Thread(target=os.read, args=(os.pipe()[0], 1)).start()
 """
 
 
 def test_a_second_ctrl_c_ends_at_once_what_hangs_outside_the_kit(tmp_path: Path) -> None:
-    program = tmp_path / "pool.py"
-    program.write_text(POOL)
+    program = tmp_path / "stuck.py"
+    program.write_text(STUCK)
     command = [sys.executable, "-m", "course_lib", "run", str(program)]
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, start_new_session=True, **pipes) as process:

@@ -5,6 +5,7 @@ from typing import TypedDict
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 
+from course_lib.ros.driving import say
 from rclpy.clock import Clock
 from rclpy.context import Context
 from rclpy.duration import Duration
@@ -19,7 +20,6 @@ from rclpy.impl.node_parameters import NodeParameters
 from rclpy.impl.parameter_setting import ParameterSetting
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.impl.run import current_run
-from rclpy.impl.same_name import settle_same_names
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
@@ -27,6 +27,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.utilities import get_default_context
 
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
+
+_SAME_NAME = (
+    "Publisher already registered for node name: '{0}'. If this is due to multiple nodes with the same name "
+    "then all logs for the logger named '{0}' will go out over the existing publisher. As soon as any node "
+    "with that name is destructed it will unregister the publisher, preventing any further logs for that "
+    "name from being published on the rosout topic."
+)
 
 
 class NodeOptions(TypedDict, total=False):
@@ -87,7 +94,7 @@ class Node(NodeEntities, NodeParameters):
         arguments = joined(local, context.arguments) if use_global_arguments else local
         super().__init__(_enter_graph(context, node_name, namespace or "", arguments))
         self._logger = get_logger(self.handle.logger_name)
-        settle_same_names(self)
+        self._settle_same_names()
         context.on_shutdown(self._leave_graph)
         self._rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
         if self._rosout is not None:
@@ -152,6 +159,18 @@ class Node(NodeEntities, NodeParameters):
         while self._created:
             self._created.pop().destroy()
         self._leave_graph()
+
+    def _settle_same_names(self) -> None:
+        """Note the node; in a notebook it replaces one of the same name, elsewhere ROS warns of that."""
+        nodes, name = current_run().nodes, self.get_fully_qualified_name()
+        namesakes = [other for other in nodes.values() if other.get_fully_qualified_name() == name]
+        nodes[self.handle.id] = self
+        if namesakes and not self.handle.graph.notebook:
+            get_logger("rcl.logging_rosout").warning(_SAME_NAME.format(self.handle.logger_name))
+        elif namesakes:
+            say(f"The new node {name} replaces the one of the same name.")
+            for other in namesakes:
+                other.destroy_node()
 
     def _leave_graph(self) -> None:
         run = current_run()

@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterEvent
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import wait_for_partner
-from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
+from rclpy.parameter import Parameter
 from rclpy.parameter_service import SERVICES
 from rclpy.qos import QoSProfile, qos_profile_parameter_events, qos_profile_services_default
 from rclpy.subscription import Subscription
@@ -87,20 +87,6 @@ class AsyncParameterClient:
     def delete_parameters(self, names: list[str], callback: OnDone | None = None) -> Future[Any]:
         """Unset parameters, which have to be dynamically typed."""
         return self.set_parameters([Parameter(name) for name in names], callback)
-
-    def load_parameter_file(
-        self, parameter_file: str, use_wildcard: bool = False, callback: OnDone | None = None
-    ) -> Future[Any]:
-        """Set what a YAML file holds, each value for itself."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters(list(found.values()), callback)
-
-    def load_parameter_file_atomically(
-        self, parameter_file: str, use_wildcard: bool = False, callback: OnDone | None = None
-    ) -> Future[Any]:
-        """Set all of what a YAML file holds, or nothing."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters_atomically(list(found.values()), callback)
 
     def on_parameter_event(
         self,

@@ -4,9 +4,7 @@ from example_interfaces.action import Fibonacci
 from rclpy.action import (
     ActionClient,
     ActionServer,
-    get_action_client_names_and_types_by_node,
     get_action_names_and_types,
-    get_action_server_names_and_types_by_node,
 )
 from rclpy.node import Node
 
@@ -19,9 +17,6 @@ def test_the_graph_knows_actions_by_their_hidden_topics(
     server = ActionServer(server_node, Fibonacci, "fibonacci", count)
     known = [("/fibonacci", ["example_interfaces/action/Fibonacci"])]
     assert get_action_names_and_types(node) == known
-    assert get_action_server_names_and_types_by_node(node, "server", "/") == known
-    assert get_action_server_names_and_types_by_node(node, "talker", "/") == []
-    assert get_action_client_names_and_types_by_node(node, "talker", "/") == known
     topics = dict(node.get_topic_names_and_types())
     assert topics["/fibonacci/_action/feedback"] == ["example_interfaces/action/Fibonacci_FeedbackMessage"]
     assert topics["/fibonacci/_action/status"] == ["action_msgs/msg/GoalStatusArray"]
