@@ -33,11 +33,7 @@ class ChannelTimeoutError(ChannelError):
 
 
 class Channel:
-    """One end of a socket pair.
-
-    Args:
-        connection: A connected stream socket; the channel owns it from here on.
-    """
+    """One end of a socket pair; owns `connection`, a connected stream socket, from here on."""
 
     def __init__(self, connection: socket.socket) -> None:
         self._socket = connection

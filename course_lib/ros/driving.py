@@ -86,11 +86,7 @@ def beside_live(executor: "Executor") -> Iterator[None]:
 
 @contextmanager
 def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
-    """Give the notebook's executor, with the nodes that run anyway and `nodes` in it for a while.
-
-    Raises:
-        CourseError: If one of `nodes` is no node.
-    """
+    """Give the notebook's executor, all running nodes and `nodes` in it; a CourseError if one is none."""
     import rclpy
     from rclpy.node import Node
 

@@ -110,11 +110,7 @@ class Graph:
         return self._clock.call_at(due_ns, action, node=node, entity=entity)
 
     def advance(self) -> bool:
-        """Let the next event happen.
-
-        Returns:
-            False when no event is left before the end; at the end, `ended` is True from then on.
-        """
+        """Let the next event happen; False if none is left before the end, and `ended` from then on."""
         due_ns = self._clock.next_due_ns()
         at_end = self.end_ns is not None and (due_ns is None or due_ns > self.end_ns)
         target_ns = self.end_ns if at_end else due_ns

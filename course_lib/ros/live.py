@@ -72,16 +72,10 @@ class LiveRun:
 
 
 def run_live(*nodes: "Node") -> LiveRun:
-    """Run nodes at the wall clock's pace while the next cells are free; returns at once.
+    """Run nodes at the wall clock's pace while the next cells are free; returns at once what has `stop()`.
 
     Without a page (nbclient, scripts) they run a few seconds of robot time at full speed instead; calls that
-    wait, like `spin_for`, drive them on.
-
-    Returns:
-        The run, with `stop()`.
-
-    Raises:
-        CourseError: If no node, or something that is none, was given.
+    wait, like `spin_for`, drive them on. Raises a CourseError if no node, or what is none, is given.
     """
     if not nodes:
         raise CourseError("run_live() needs at least one node, like run_live(MyNode()).")

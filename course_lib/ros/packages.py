@@ -97,11 +97,7 @@ def _package(name: str, share: Path) -> Package:
 
 
 def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
-    """Give (module, function) of each executable that a setup.py declares, without running it.
-
-    Raises:
-        CourseError: It is no Python.
-    """
+    """Give (module, function) by executable from a setup.py, not run; a CourseError if it is no Python."""
     if not setup.is_file():
         return {}
     try:

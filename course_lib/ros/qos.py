@@ -21,11 +21,7 @@ class Qos:
 
 
 def incompatible(offered: Qos, requested: Qos) -> str | None:
-    """Name the policy that keeps a publisher and a subscription apart, as DDS matches them.
-
-    Returns:
-        ``RELIABILITY``, ``DURABILITY``, ``DEADLINE`` or ``LIVELINESS``; None if they match.
-    """
+    """Name the policy, as DDS does, that keeps a publisher and a subscription apart; None if they match."""
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
         return "RELIABILITY"
     if offered.durability == "volatile" and requested.durability == "transient_local":

@@ -17,11 +17,7 @@ _real_seed = random.Random.seed
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Seed every source of chance that a program uses; afterwards all is as before.
-
-    Args:
-        seed: Any number; the same one gives the same numbers, identifiers and bytes.
-    """
+    """Seed every source of chance that a program uses with a number; afterwards all is as before."""
     source = random.Random(seed)
     before = random.getstate(), np.random.get_state()
     random.seed(source.getrandbits(64))

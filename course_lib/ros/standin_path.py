@@ -15,11 +15,7 @@ STANDIN = Path(__file__).parent / "standin"
 
 
 def install() -> None:
-    """Put the stand-in's packages first on sys.path, so that `import rclpy` and the like find them.
-
-    Raises:
-        CourseError: Another package of such a name is in use already.
-    """
+    """Put the stand-in's packages first on sys.path; raises a CourseError if others of a name are in use."""
     for name in provided():
         module = sys.modules.get(name)
         if module is not None and not _is_ours(module):

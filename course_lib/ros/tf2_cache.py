@@ -32,11 +32,7 @@ class StaticCache:
 
 
 class TimeCache:
-    """The transforms of the last seconds.
-
-    Args:
-        length_ns: How far behind the newest one the cache reaches, [ns].
-    """
+    """The transforms of the last `length_ns` [ns] before the newest one."""
 
     def __init__(self, length_ns: int) -> None:
         self._length_ns = length_ns
@@ -58,11 +54,7 @@ class TimeCache:
         return True
 
     def at(self, time_ns: int) -> Transform:
-        """Return the transform at a time, interpolated between its neighbours; 0 means the latest.
-
-        Raises:
-            NoDataError: If the time lies outside of what is stored.
-        """
+        """Return the transform at a time, interpolated; 0 means the latest. Raises NoDataError outside."""
         stored = self._stored
         if stored and time_ns in (0, stored[-1].stamp_ns):
             return stored[-1]

@@ -18,11 +18,7 @@ _MAX_DEPTH = 1000
 
 
 class BufferCore:
-    """Remembers transforms and answers how one frame lies in another.
-
-    Args:
-        cache_ns: How long dynamic transforms are remembered, [ns].
-    """
+    """Remembers transforms, dynamic ones for `cache_ns` [ns], and answers how one frame lies in another."""
 
     def __init__(self, cache_ns: int = CACHE_NS) -> None:
         self._cache_ns = cache_ns
@@ -33,11 +29,7 @@ class BufferCore:
     def set_transform(
         self, transform: Transform, authority: str = "default_authority", is_static: bool = False
     ) -> tuple[str, ...]:
-        """Remember a transform; a static one holds at any time.
-
-        Returns:
-            What tf2 logs when it ignores a transform; nothing if it was stored.
-        """
+        """Remember a transform; a static one holds at any time. Returns what tf2 logs if it ignores it."""
         parent, child = transform.parent.removeprefix("/"), transform.child.removeprefix("/")
         complaints = complaints_about(transform, parent, child, authority)
         if complaints:
@@ -169,8 +161,7 @@ class BufferCore:
     def _climb(self, start: str, ends: set[str], time_ns: int) -> tuple[Pose, str, str | None]:
         """Follow parents from a frame until an end, a root or missing data.
 
-        Returns:
-            The pose of the start in the last frame, that frame, and what tf2 says of missing data.
+        Returns the pose of the start in the last frame, that frame, and what tf2 says of missing data.
         """
         pose, frame = IDENTITY, start
         for _ in range(_MAX_DEPTH):

@@ -70,8 +70,7 @@ def typestore() -> "Typestore":
 def add_package(package: Path) -> None:
     """Take a package's own interface files, like ``my_msgs/msg/Name.msg``, into the store.
 
-    Raises:
-        CourseError: A file is not well formed, or names a type that is not there.
+    Raises a CourseError if one is not well formed, or names a type that is not there.
     """
     from rosbags.typesys import TypesysError
 
@@ -111,11 +110,7 @@ def type_names() -> list[str]:
 
 @cache
 def definition(type_name: str) -> MessageDefinition:
-    """Look a type up.
-
-    Raises:
-        CourseError: No such type; names the closest ones.
-    """
+    """Look a type up; a CourseError names the closest ones if there is none."""
     known = typestore().fielddefs
     if type_name not in known:
         find_package(type_name.split("/")[0])

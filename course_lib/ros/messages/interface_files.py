@@ -34,11 +34,7 @@ _ACTION_TRANSPORT: Mapping[str, str] = {
 
 
 def read_interface(path: Path) -> dict[str, Any]:
-    """Read a file that lies as in a ROS package, ``my_msgs/msg/Name.msg``; gives messages by type name.
-
-    Raises:
-        CourseError: It has not as many parts as it should have.
-    """
+    """Read ``my_msgs/msg/Name.msg`` as messages by type; a CourseError if parts are missing or too many."""
     package, folder, name = path.parent.parent.name, path.parent.name, path.stem
     pieces = re.split(r"^---[ \t]*\n?", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
     parts = _PARTS[folder]

@@ -13,20 +13,12 @@ from course_lib.ros.messages.message import Message, home_of, make_class
 
 @cache
 def message_class(type_name: str) -> type[Message]:
-    """Give the class of a type written ``visualization_msgs/msg/Marker``.
-
-    Raises:
-        CourseError: No such type; names the closest ones.
-    """
+    """Give the class of a type written ``std_msgs/msg/String``; a CourseError names the closest ones."""
     return make_class(definition(type_name), message_class)
 
 
 def type_name(message: Message | type[Message]) -> str:
-    """Give a message's, or a message class's, type name, ``visualization_msgs/msg/Marker``.
-
-    Raises:
-        CourseError: It is neither.
-    """
+    """Give the type, ``std_msgs/msg/String``, of a message or its class; a CourseError if it is neither."""
     name = getattr(message, "_TYPE_NAME", None)
     if not isinstance(name, str):
         raise CourseError(f"{message!r} is no ROS message type: import one, like std_msgs.msg.String")
@@ -50,11 +42,7 @@ class _ActionType(_ServiceType):
 
 @cache
 def service_class(type_name: str) -> type:
-    """Give the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`.
-
-    Raises:
-        CourseError: No such service; names the closest types.
-    """
+    """Give the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`."""
     return _ServiceType(*_of_parts(type_name, SERVICE_PARTS))
 
 
@@ -63,9 +51,6 @@ def action_class(type_name: str) -> type:
     """Give the class of an action written ``example_interfaces/action/Fibonacci``.
 
     It holds `Goal`, `Result` and `Feedback`, and as `Impl` the types of the services and topics that it uses.
-
-    Raises:
-        CourseError: No such action; names the closest types.
     """
     name, bases, parts = _of_parts(type_name, ACTION_PARTS)
     transport = {

@@ -20,8 +20,7 @@ M = TypeVar("M", bound=Message)
 def serialize(message: Message) -> bytes:
     """Give a message's CDR bytes (little endian, with the 4 bytes of encapsulation header).
 
-    Raises:
-        AssertionError: A value that does not fit got in behind the setters' back, by ``append`` for example.
+    Raises an AssertionError for a value that got in behind the setters' back, by ``append`` for example.
     """
     store = _store_with(message._TYPE_NAME)
     try:
@@ -32,11 +31,7 @@ def serialize(message: Message) -> bytes:
 
 
 def deserialize(cdr: bytes, cls: type[M]) -> M:
-    """Make a message of CDR bytes.
-
-    Raises:
-        CourseError: These bytes are no such message.
-    """
+    """Make a message of CDR bytes; raises a CourseError if they are no such message."""
     from rosbags.serde import SerdeError
 
     store = _store_with(cls._TYPE_NAME)

@@ -24,14 +24,7 @@ _WHERE = {  # template -> file
 
 @dataclass(frozen=True)
 class PackageText:
-    """What the files say.
-
-    Attributes:
-        executables: What console_scripts starts, "module:function" inside the package, by name.
-        depends: ROS packages that the code imports.
-        exec_depends: What else it needs while it runs, as rosdep calls it.
-        about: A line for each node, for the README.
-    """
+    """What the files say."""
 
     name: str
     maintainer: str
@@ -39,10 +32,10 @@ class PackageText:
     description: str
     license: str = "Apache-2.0"
     version: str = "1.0.0"
-    executables: Mapping[str, str] = field(default_factory=dict)
-    depends: Sequence[str] = ()
-    exec_depends: Sequence[str] = ()
-    about: Sequence[str] = ()
+    executables: Mapping[str, str] = field(default_factory=dict)  # "module:function" in it, by name
+    depends: Sequence[str] = ()  # ROS packages that the code imports
+    exec_depends: Sequence[str] = ()  # what else it needs while it runs, as rosdep calls it
+    about: Sequence[str] = ()  # a line for each node, for the README
 
 
 def package_files(text: PackageText) -> dict[str, str]:

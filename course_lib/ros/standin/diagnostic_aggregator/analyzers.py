@@ -12,12 +12,7 @@ from diagnostic_aggregator.status import ERROR, OK, STALE, output_name, without_
 class GenericAnalyzer:
     """Keeps the last status of each name that matches; those that stay away for long are stale.
 
-    Args:
-        path: Of its parent.
-        parameters: Its YAML.
-
-    Raises:
-        ValueError: It could match nothing.
+    `path` is its parent's, `parameters` are its YAML; a ValueError says that they could match nothing.
     """
 
     def __init__(self, path: str, parameters: Parameters) -> None:

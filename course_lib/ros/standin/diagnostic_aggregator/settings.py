@@ -32,8 +32,7 @@ AGGREGATOR: _Table = {
 def checked(parameters: Parameters, table: _Table) -> dict[str, Any]:
     """Give each parameter of a table, or its default.
 
-    Raises:
-        CourseError: A value has another type; on a robot the node dies of that, with the same first line.
+    A value of another type is a CourseError; on a robot the node dies of that, with the same first line.
     """
     for name in table.keys() & parameters.keys():
         wanted, found = table[name][0], Parameter.Type.from_parameter_value(parameters[name])

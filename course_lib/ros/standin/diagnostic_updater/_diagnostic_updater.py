@@ -75,11 +75,9 @@ class CompositeDiagnosticTask(DiagnosticTask):
 
 
 class Updater:
-    """Runs its tasks once per period and publishes their statuses on /diagnostics.
+    """Runs its tasks every `period` [s] and publishes their statuses on /diagnostics.
 
-    Args:
-        node: Publishes; gets the parameters diagnostic_updater.period and diagnostic_updater.use_fqn.
-        period: [s]
+    Its node gets the parameters diagnostic_updater.period and diagnostic_updater.use_fqn.
     """
 
     def __init__(self, node: Node, period: float = 1.0) -> None:

@@ -15,16 +15,11 @@ from diagnostic_updater._diagnostic_updater import DiagnosticTask
 
 @dataclass
 class FrequencyStatusParam:
-    """What rate is acceptable: from min * (1 - tolerance) to max * (1 + tolerance).
+    """What rate is acceptable: from min * (1 - tolerance) to max * (1 + tolerance)."""
 
-    Attributes:
-        freq_bound: {"min": …, "max": …}, [Hz]; without "max" any higher rate will do.
-        window_size: Over how many updates the rate is taken.
-    """
-
-    freq_bound: Mapping[str, float]
+    freq_bound: Mapping[str, float]  # {"min": …, "max": …}, [Hz]; without "max" any higher rate will do
     tolerance: float = 0.1
-    window_size: int = 5
+    window_size: int = 5  # over how many updates the rate is taken
 
 
 class FrequencyStatus(DiagnosticTask):

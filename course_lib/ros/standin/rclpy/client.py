@@ -29,8 +29,8 @@ class Client(ServiceEnd):
     def call_async(self, request: Any) -> Future[Any]:
         """Send a request; the future is done when the executor has taken the response.
 
-        Without a service that never happens, as in ROS: call `wait_for_service` first. What is no request
-        of this service raises a TypeError without a word, as in rclpy.
+        Without a service that is never, as in ROS: call `wait_for_service` first. What is no request of this
+        service raises a TypeError without a word, as in rclpy.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError

@@ -100,10 +100,9 @@ def parameter_dict_from_yaml_file(
     target_nodes: list[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """Read a file as `--params-file` takes it; those of `target_nodes`, or of all nodes, by name.
+    """Read a file as `--params-file` takes it: those of `target_nodes`, or of all nodes, by name.
 
-    Raises:
-        RuntimeError: It is no such file, or says nothing about these nodes; with rclpy's text.
+    Raises a RuntimeError with rclpy's text if it is no such file, or says nothing about these nodes.
     """
     from course_lib.ros.parameter_yaml import read_file  # YAML is needed only here
 

@@ -21,13 +21,9 @@ OnDone = Callable[[Future[Any]], object]
 
 
 class AsyncParameterClient:
-    """Calls another node's parameter services; every answer comes as a future, and to a callback.
+    """Calls another node's parameter services, while `node` is spun.
 
-    Args:
-        node: Which is to be spun for the answers to come.
-        remote_node_name: The other node's name.
-        qos_profile: The quality of service of the six services.
-        callback_group: Says what may run beside the answers.
+    Every answer comes as a future, and to a callback.
     """
 
     def __init__(

@@ -31,13 +31,7 @@ class ParameterEventCallbackHandle:
 
 
 class ParameterEventHandler:
-    """Listens to /parameter_events; the newest callbacks are called first.
-
-    Args:
-        node: Which is to be spun for the callbacks to be called.
-        qos_profile: The subscription's quality of service.
-        options: What else `create_subscription` takes.
-    """
+    """Listens to /parameter_events while its node is spun; the newest callbacks are called first."""
 
     def __init__(
         self, node: "Node", qos_profile: QoSProfile = qos_profile_parameter_events, **options: Any

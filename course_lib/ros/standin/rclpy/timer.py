@@ -139,11 +139,7 @@ class Rate:
         timer.callback = self._tick
 
     def sleep(self) -> None:
-        """Block until the next tick.
-
-        Raises:
-            ROSInterruptException: If the context is shut down meanwhile.
-        """
+        """Block until the next tick; raises ROSInterruptException if the context is shut down meanwhile."""
         if self._destroyed:
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
         if self.timer.is_destroyed:

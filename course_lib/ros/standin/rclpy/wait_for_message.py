@@ -14,15 +14,7 @@ def wait_for_message(
 ) -> tuple[bool, Any]:
     """Wait for the next message on a topic, without a callback; nobody has to spin the node.
 
-    Args:
-        msg_type: The class of the message.
-        node: Where a subscription is made for the while.
-        topic: The topic.
-        qos_profile: The subscription's quality of service.
-        time_to_wait: At most so long, [s]; negative: without limit.
-
-    Returns:
-        (True, the message), or (False, None) if none came.
+    At most `time_to_wait` [s]; negative: without limit. Returns (True, the message), or (False, None).
     """
     came: list[Any] = []
     subscription = node.create_subscription(msg_type, topic, came.append, qos_profile)

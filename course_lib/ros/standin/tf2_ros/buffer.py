@@ -114,9 +114,7 @@ class Buffer:
     def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
         """Carry something with a header into another frame, at the time of its stamp.
 
-        Raises:
-            TypeException: The type is not known; `import tf2_geometry_msgs` teaches those of geometry_msgs.
-            TransformException: The transform is not known.
+        Raises a TypeException for an unknown type: `import tf2_geometry_msgs` teaches those of geometry_msgs.
         """
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header

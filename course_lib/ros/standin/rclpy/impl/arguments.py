@@ -31,17 +31,11 @@ class Remap:
 
 @dataclass
 class Arguments:
-    """What one command line asks for.
+    """What one command line asks for."""
 
-    Attributes:
-        remaps: The names to replace; the first that fits counts.
-        overrides: (Nodes, values by parameter); the last that fits counts.
-        log_levels: By logger; "" is every logger.
-    """
-
-    remaps: list[Remap] = field(default_factory=list)
-    overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
-    log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
+    remaps: list[Remap] = field(default_factory=list)  # the first that fits counts
+    overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)  # by nodes; the last counts
+    log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)  # by logger; "" is every one
 
     def renamed(self, node_name: str, what: str, name: str) -> str:
         """Give the node's name (`what` is __node) or namespace (__ns) that takes the place of `name`."""

@@ -51,11 +51,7 @@ class CallSite:
     skipped_first: bool = False
 
     def lets_pass(self, asked: dict[str, Any]) -> bool:
-        """Say whether a call is logged: each filter is asked until one says no.
-
-        Raises:
-            ValueError: If it does not ask for what the first one did.
-        """
+        """Say whether a call is logged; raises a ValueError if it does not ask for what the first one did."""
         for what, value in asked.items():
             if value != self.asked[what]:
                 raise ValueError(f"{what} cannot be changed between calls.")

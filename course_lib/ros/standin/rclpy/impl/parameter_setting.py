@@ -47,11 +47,7 @@ class ParameterSetting:
         return alternative_value or Parameter(name, Parameter.Type.NOT_SET)
 
     def set_parameters(self, parameter_list: list[Parameter]) -> list[SetParametersResult]:
-        """Set parameters one after the other; each result says whether it worked, and why not.
-
-        Raises:
-            ParameterNotDeclaredException: If one is not declared; those before it have been set.
-        """
+        """Set parameters one after the other, with a result for each; raises at one that is not declared."""
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:

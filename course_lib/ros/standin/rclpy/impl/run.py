@@ -16,23 +16,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class Run:
-    """The state of one program in one run.
+    """The state of one program in one run."""
 
-    Attributes:
-        default_context: What `rclpy.init()` without a context initialises.
-        global_executor: What `rclpy.spin()` without an executor uses.
-        contexts: Those that were initialised.
-        nodes: The nodes that are there, by their id in the graph.
-        rosout: The publisher that carries a logger's messages, by the logger's name.
-        log_levels: The levels that were set, by the logger's name.
-    """
-
-    default_context: "Context | None" = None
-    global_executor: "Executor | None" = None
-    contexts: list["Context"] = field(default_factory=list)
-    nodes: dict[int, "Node"] = field(default_factory=dict)
-    rosout: dict[str, "Publisher[Log]"] = field(default_factory=dict)
-    log_levels: dict[str, int] = field(default_factory=dict)
+    default_context: "Context | None" = None  # what `rclpy.init()` without a context initialises
+    global_executor: "Executor | None" = None  # what `rclpy.spin()` without an executor uses
+    contexts: list["Context"] = field(default_factory=list)  # that were initialised
+    nodes: dict[int, "Node"] = field(default_factory=dict)  # by their id in the graph
+    rosout: dict[str, "Publisher[Log]"] = field(default_factory=dict)  # what carries a logger's messages
+    log_levels: dict[str, int] = field(default_factory=dict)  # that were set, by logger
 
 
 def current_run() -> Run:
