@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
-from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from builtin_interfaces.msg import Time
 from unique_identifier_msgs.msg import UUID
@@ -25,13 +25,18 @@ OnFeedback = Callable[[Any], object]
 
 
 class ClientGoalHandle:
-    """A goal as its client sees it; what the future of `send_goal_async` brings."""
+    """A goal as its client sees it; what the future of `send_goal_async` brings.
+
+    `accepted` and `stamp` say whether and when the server took it; `status`, a constant of
+    action_msgs/msg/GoalStatus, is what the server published of it last.
+    """
 
     def __init__(self, action_client: "ActionClient", goal_id: UUID, goal_response: Any) -> None:
         self._action_client = action_client
-        self._goal_id = goal_id
-        self._response = goal_response
-        self._status: int = GoalStatus.STATUS_UNKNOWN
+        self.goal_id = goal_id
+        self.accepted = bool(goal_response.accepted)
+        self.stamp: Time = goal_response.stamp
+        self.status: int = GoalStatus.STATUS_UNKNOWN
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
@@ -41,27 +46,6 @@ class ClientGoalHandle:
     def __repr__(self) -> str:
         state = f"accepted={self.accepted}, status={self.status}"
         return f"ClientGoalHandle <id={self.goal_id.uuid}, {state}>"
-
-    @property
-    def goal_id(self) -> UUID:
-        """Which goal it is."""
-        return self._goal_id
-
-    @property
-    def stamp(self) -> Time:
-        """When the server accepted it."""
-        stamp: Time = self._response.stamp
-        return stamp
-
-    @property
-    def accepted(self) -> bool:
-        """Whether the server accepted it."""
-        return bool(self._response.accepted)
-
-    @property
-    def status(self) -> int:
-        """What the server published of it last: a constant of action_msgs/msg/GoalStatus."""
-        return self._status
 
     def cancel_goal(self) -> CancelGoal.Response:
         """Ask the server to end it, and wait for the answer, which another thread has to take."""
@@ -84,9 +68,7 @@ class ClientGoalHandle:
         return future
 
     def _cancel_request(self) -> CancelGoal.Request:
-        request = CancelGoal.Request()
-        request.goal_info.goal_id = self.goal_id
-        return request
+        return CancelGoal.Request(goal_info=GoalInfo(goal_id=self.goal_id))
 
 
 class ActionClient:
@@ -216,7 +198,7 @@ class ActionClient:
         for one in message.status_list:
             handle = self._goals.get(bytes(one.goal_info.goal_id.uuid))
             if handle is not None:
-                handle._status = one.status
+                handle.status = one.status
 
     def _warn(self, word: str) -> None:
         self._logger.warning(

@@ -90,10 +90,12 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 900,
     ) -> None:
-        self.register_goal_callback(goal_callback)
-        self.register_handle_accepted_callback(handle_accepted_callback)
-        self.register_cancel_callback(cancel_callback)
-        self.register_execute_callback(execute_callback)
+        if not callable(execute_callback):
+            raise TypeError("Failed to register goal execution callback: not callable")
+        self._execute_callback = execute_callback
+        self._goal_callback = goal_callback or default_goal_callback
+        self._handle_accepted_callback = handle_accepted_callback or default_handle_accepted_callback
+        self._cancel_callback = cancel_callback or default_cancel_callback
         require_type(action_type, "action")
         self.action_type = action_type
         self._node = node
@@ -117,26 +119,6 @@ class ActionServer:
             full_name = node.resolve_service_name(f"{base}/{name}")
             self._ends.append(LateService(take, node.handle, group, kind, name, full_name, qos))
             node.add_waitable(self._ends[-1])
-
-    def register_goal_callback(self, goal_callback: Callable[[Any], Any] | None) -> None:
-        """Replace what says whether a goal is accepted; None: all are."""
-        self._goal_callback = goal_callback or default_goal_callback
-
-    def register_handle_accepted_callback(
-        self, handle_accepted_callback: Callable[[ServerGoalHandle], Any] | None
-    ) -> None:
-        """Replace what is done with a goal that was accepted; None: it is executed."""
-        self._handle_accepted_callback = handle_accepted_callback or default_handle_accepted_callback
-
-    def register_cancel_callback(self, cancel_callback: Callable[[ServerGoalHandle], Any] | None) -> None:
-        """Replace what says whether a goal may be cancelled; None: it may not."""
-        self._cancel_callback = cancel_callback or default_cancel_callback
-
-    def register_execute_callback(self, execute_callback: Callable[[ServerGoalHandle], Any]) -> None:
-        """Replace what executes goals; raises a TypeError if it cannot be called."""
-        if not callable(execute_callback):
-            raise TypeError("Failed to register goal execution callback: not callable")
-        self._execute_callback = execute_callback
 
     def destroy(self) -> None:
         """Leave the graph."""

@@ -35,13 +35,17 @@ _TRANSITIONS = {
 
 
 class ServerGoalHandle:
-    """An accepted goal; what callbacks of an action server are given."""
+    """An accepted goal; what callbacks of an action server are given.
+
+    `request` is the goal as the client sent it, `status` a constant of action_msgs/msg/GoalStatus.
+    """
 
     def __init__(self, action_server: "ActionServer", goal_info: GoalInfo, goal_request: Any) -> None:
         self._action_server = action_server
         self._goal_info = goal_info
-        self._request = goal_request
-        self._status: int = GoalStatus.STATUS_ACCEPTED
+        self.goal_id: UUID = goal_info.goal_id
+        self.request = goal_request
+        self.status: int = GoalStatus.STATUS_ACCEPTED
         self.accepted_ns = Time.from_msg(goal_info.stamp).nanoseconds
 
     def __eq__(self, other: object) -> bool:
@@ -50,34 +54,19 @@ class ServerGoalHandle:
     __hash__ = None  # type: ignore[assignment]  # as in rclpy
 
     @property
-    def request(self) -> Any:
-        """The goal, as the client sent it."""
-        return self._request
-
-    @property
-    def goal_id(self) -> UUID:
-        """Which goal it is."""
-        return self._goal_info.goal_id
-
-    @property
     def is_active(self) -> bool:
         """Whether it has not come to an end."""
-        return self._status in _TRANSITIONS
+        return self.status in _TRANSITIONS
 
     @property
     def is_cancelable(self) -> bool:
         """Whether it can be asked to end."""
-        return GoalEvent.CANCEL_GOAL in _TRANSITIONS.get(self._status, {})
+        return GoalEvent.CANCEL_GOAL in _TRANSITIONS.get(self.status, {})
 
     @property
     def is_cancel_requested(self) -> bool:
         """Whether it was asked to end: then call `canceled` and return a result."""
-        return self._status == GoalStatus.STATUS_CANCELING
-
-    @property
-    def status(self) -> int:
-        """One of the constants of action_msgs/msg/GoalStatus."""
-        return self._status
+        return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[["ServerGoalHandle"], Any] | None = None) -> None:
         """Have the executor call the server's execute callback, or another one, with this goal."""
@@ -103,20 +92,20 @@ class ServerGoalHandle:
 
     def destroy(self) -> None:
         """Forget it: its state is unknown from now on, and nothing changes it."""
-        self._status = GoalStatus.STATUS_UNKNOWN
+        self.status = GoalStatus.STATUS_UNKNOWN
 
     def to_message(self) -> GoalStatus:
         """Give its state as it is published."""
-        return GoalStatus(goal_info=self._goal_info, status=self._status)
+        return GoalStatus(goal_info=self._goal_info, status=self.status)
 
     def _update_state(self, event: GoalEvent) -> None:
-        if self._status == GoalStatus.STATUS_UNKNOWN:
+        if self.status == GoalStatus.STATUS_UNKNOWN:
             return
-        state = _TRANSITIONS.get(self._status, {}).get(event)
+        state = _TRANSITIONS.get(self.status, {}).get(event)
         if state is None:
             raise RCLError(
                 "Failed to update goal state: goal_handle attempted invalid transition from state "
-                f"{STATES[self._status]} with event {event.name}"
+                f"{STATES[self.status]} with event {event.name}"
             )
-        self._status = state
+        self.status = state
         self._action_server.notify_state(self)
