@@ -247,9 +247,10 @@ def main() -> None:
         _fail(str(error), debug)
     except TyperException as error:  # wrong words on the command line
         context = getattr(error, "ctx", None)
-        _fail(f"{error.format_message()} See: {context.command_path if context else 'course'} --help", debug)
+        what = error.format_message().rstrip(".").replace("Input should be", "expected")
+        _fail(f"{what}. See: {context.command_path if context else 'course'} --help", debug)
     except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}", debug)
+        _fail(f"{error.filename}: {error.strerror}. Mend that, or name another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(INTERRUPTED)
     sys.exit(code or 0)

@@ -38,7 +38,7 @@ def collect(
     from course_lib.grading.collect import collect as sort
 
     done = sort(source, out, shipped_course_file().time_zone, roster, id_column)
-    for line in (*done.refused, done.summary(out)):
+    for line in (*done.refused, *sorted(done.notes), done.summary(out)):
         typer.echo(line)
     raise typer.Exit(NOT_PASSED if done.refused else 0)
 

@@ -4,7 +4,8 @@ import csv
 import io
 import os
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -30,11 +31,12 @@ CANVAS = re.compile(r"(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<fi
 
 @dataclass
 class Collection:
-    """What was collected, and what was refused: a line each."""
+    """What was collected, and what was refused or is to be looked at: a line each."""
 
     count: int = 0
     students: set[str] = field(default_factory=set)
     refused: list[str] = field(default_factory=list)
+    notes: set[str] = field(default_factory=set)
     rows: dict[str, dict[str, str]] = field(default_factory=dict)  # of received.csv, by file
 
     def refuse(self, name: str, why: str) -> None:
@@ -80,9 +82,12 @@ def collect(
     done = Collection(rows=_rows(out / LIST))
     for arrival in arrivals(source, done.refuse):
         try:
-            _keep(arrival, _sender(arrival, zone, ids), out, zone, done)
+            sender = _sender(arrival, zone, ids)
+            _keep(arrival, sender, out, zone, done)
         except CourseError as error:
             done.refuse("/".join(arrival.parts), str(error))
+        else:
+            done.notes |= set(_notes(sender, ids))
     if not done.count and not done.refused:
         raise CourseError(f"{source} holds no file. Name what the platform gave.")
     text = io.StringIO(newline="")
@@ -111,6 +116,14 @@ def _sender(arrival: Arrival, zone: ZoneInfo, ids: Mapping[str, str]) -> Sender:
             inner = any(name.lower().endswith(".zip") for name in parts[place + 1 : -1])
             return Sender(student, Path(student, *(parts[-1:] if inner else parts[place + 1 :])))
     raise AssertionError("a path has a last part")
+
+
+def _notes(sender: Sender, ids: Mapping[str, str]) -> Iterator[str]:
+    """What an instructor should know of it."""
+    if sender.row and ids and sender.student not in ids.values():
+        yield printable(f"note: {sender.row['name']} is not in the roster, and is named {sender.student}")
+    if sender.row and "received" not in sender.row and sender.path.suffix.lower() != ".zip":
+        yield f"note: Canvas tells no times; where there is no receipt, the download's counts: see {LIST}"
 
 
 def _keep(arrival: Arrival, sender: Sender, out: Path, zone: ZoneInfo, done: Collection) -> None:
@@ -151,15 +164,18 @@ def _default(match: re.Match[str]) -> str:
 
 def _ids(file: LmsFile, id_column: str) -> dict[str, str]:
     """Each student's ID by the platform's number."""
-    headings = [file.text(0, place) for place in range(len(file.rows[0]))]
-    known = next((heading for heading in NUMBERS if heading in headings), None)
+    known = next((heading for heading in NUMBERS if heading in file.headings), None)
     if known is None:
-        raise CourseError(f"the roster has no column {' or '.join(NUMBERS)}, but {', '.join(headings)}")
-    number, student = headings.index(known), file.column(id_column)
-    rows = [(file.text(row, number), file.text(row, student)) for row in range(1, len(file.rows))]
-    return {
-        given.removeprefix(NUMBERS[known].format("")): normalise(id_) for given, id_ in rows if given and id_
-    }
+        raise CourseError(f"the roster has no column {' or '.join(NUMBERS)}, but {', '.join(file.headings)}")
+    number, student = file.headings.index(known), file.column(id_column)
+    cells = [(file.text(row, number), file.text(row, student)) for row in range(1, len(file.rows))]
+    rows = [(number, normalise(id_)) for number, id_ in cells if number and id_]
+    for heading, column in ((known, [row[0] for row in rows]), (id_column, [row[1] for row in rows])):
+        if twice := next((one for one, count in Counter(column).items() if count > 1), ""):
+            raise CourseError(
+                f"the roster has {twice!r} twice in {heading!r}: name the IDs' with --id-column"
+            )
+    return {number.removeprefix(NUMBERS[known].format("")): id_ for number, id_ in rows}
 
 
 def _rows(path: Path) -> dict[str, dict[str, str]]:

@@ -121,9 +121,11 @@ def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor,
 def _client(address: str) -> Any:
     try:
         from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
     except ImportError as error:
         raise CourseError("--dask needs a package more: pip install 'course-lib[dask]'") from error
     try:
+        get_address_host_port(address)  # half a client of no address ends with a traceback
         return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]  # its own
     except (OSError, ValueError) as error:
         raise CourseError(

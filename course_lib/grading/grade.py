@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.grading.executors import executors, flow
 from course_lib.grading.grade_one import (
     Course,
@@ -25,11 +25,11 @@ from course_lib.grading.grade_one import (
     run_job,
 )
 from course_lib.grading.grade_progress import Row, counts, say, task_lines, watched
-from course_lib.grading.gradebook import results_in, write_gradebook
+from course_lib.grading.gradebook import results_in
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.job import Job
 from course_lib.grading.out_folder import OutError, sole_use, writing
-from course_lib.grading.report_index import write_index
+from course_lib.grading.report_index import write_tables
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
 
@@ -95,7 +95,8 @@ def grade(
 def _chosen(found: Sequence[Submission], only: str) -> list[Submission]:
     chosen = [one for one in found if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
     if not chosen:
-        raise CourseError(f"--only {only} fits no submission; one is {found[0].student}/{found[0].exercise}")
+        one = f"{found[0].student}/{found[0].exercise}"
+        raise CourseError(f"--only {only} fits no submission: write a pattern like 'ada/*'; one is {one}")
     return chosen
 
 
@@ -200,11 +201,11 @@ def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Co
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = [str(write_gradebook(out)), str(write_index(out, catalog_of(course).course.time_zone))]
+        files = map(str, write_tables(out, catalog_of(course).course.time_zone))
     for line in task_lines(results_in(out)):
         say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))
-    say(f"{len(rows)} submissions: {counts(rows) or 'nothing to do'}.")
+    say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
     say(f"Wrote {' and '.join(files)}")

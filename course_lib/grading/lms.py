@@ -1,16 +1,19 @@
 """Marks into the CSV that a learning platform exported, Canvas, Moodle or another."""
 
 import csv
+import re
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 from course_lib.course.identity import normalise
 from course_lib.course.whole_file import write_whole
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.table import printable
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
+MAXIMUM = "Maximum Grade"  # Moodle's column of it
 FINAL = ("graded", "limit")
 
 
@@ -40,21 +43,25 @@ def fill_lms(
         raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
     ids = {row: _key(file.text(row, id_place)) for row in students if _is_someone(file, row, id_place)}
-    left = _fill(file, place, ids, marks, "score" if raw else "final")
+    what = "score" if raw else "final"
+    left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
-        raise CourseError(f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}.")
+        raise CourseError(
+            f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}; "
+            f"gradebook.csv has IDs like {next(iter(marks))}. Name another --id-column."
+        )
     write_whole(target, file.encoded())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
     missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
-    what = (
+    kind = (
         "scores before the late policy" if raw else "marks after the late policy; switch the platform's off"
     )
     lines = [
-        *_points_lines(file, place, marks),
+        *_points_lines(file, place, marks.values(), what),
         *(f"{lms.name}: {line}" for line in rows),
         *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
     ]
-    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {what}."]
+    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {kind}."]
 
 
 def _fill(
@@ -109,11 +116,21 @@ def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) 
     return "the row is too short" if is_short else ""
 
 
-def _points_lines(file: LmsFile, place: int, marks: dict[str, dict[str, str]]) -> list[str]:
-    """A note if the platform counts other points than the exercise has."""
-    rows = [row for row in range(1, len(file.rows)) if file.text(row, 0) == POINTS_POSSIBLE]
-    there = {file.text(row, place).removesuffix(".0") for row in rows} - {""}
-    ours = {mark["max_score"].removesuffix(".0") for mark in marks.values()} - {""}
-    if not there or not ours or there & ours:
-        return []
-    return [f"note: the platform gives {', '.join(there)} points, gradebook.csv {', '.join(ours)}"]
+def _points_lines(file: LmsFile, place: int, marks: Iterable[dict[str, str]], what: str) -> list[str]:
+    """Notes if the platform counts other points than the exercise has, or if a bonus leads beyond them."""
+    cells = [row for row in range(1, len(file.rows)) if file.text(row, 0) == POINTS_POSSIBLE]
+    most = {file.text(row, place) for row in cells}
+    if MAXIMUM in file.headings:
+        most |= {file.text(row, file.headings.index(MAXIMUM)) for row in range(1, len(file.rows))}
+    there = {float(text.replace(",", ".")) for text in most if re.fullmatch(r"\d+([.,]\d+)?", text)}
+    rated = [mark for mark in marks if mark["status"] in FINAL]
+    ours = {float(mark["max_score"]) for mark in rated}
+    lines = []
+    if there and not there & ours:
+        given, own = (", ".join(f"{points:g}" for points in sorted(each)) for each in (there, ours))
+        lines.append(f"note: the platform gives {given} points, gradebook.csv {own}")
+    if there and (above := sum(float(mark[what]) > max(there) for mark in rated)):
+        lines.append(
+            f"note: {counted(above, 'mark')} above the platform's {max(there):g}: it may refuse them"
+        )
+    return lines

@@ -59,6 +59,11 @@ class LmsFile:
         quoted = len(cell) > 1 and cell[0] == cell[-1] == '"'
         return (cell[1:-1].replace('""', '"') if quoted else cell).strip()
 
+    @property
+    def headings(self) -> list[str]:
+        """The first row."""
+        return [self.text(0, place) for place in range(len(self.rows[0]))]
+
     def put(self, row: int, column: int, number: str) -> None:
         """Change a cell; it keeps its quotes, if it has any."""
         quote = '"' if self.rows[row][column].strip().startswith('"') else ""
@@ -70,12 +75,12 @@ class LmsFile:
         Raises:
             CourseError: There is none, or more than one.
         """
-        headings = [self.text(0, place) for place in range(len(self.rows[0]))]
+        headings = self.headings
         found = [i for i, heading in enumerate(headings) if heading == name]
         found = found or [i for i, h in enumerate(headings) if re.fullmatch(re.escape(name) + r" \(\d+\)", h)]
         if len(found) != 1:
-            known = ", ".join(repr(heading) for heading in headings)
-            raise CourseError(f"{len(found)} columns are named {name!r}; expected one of {known}")
+            known = ", ".join(map(repr, headings))
+            raise CourseError(f"{len(found) or 'no'} columns are named {name!r}; expected one of {known}")
         return found[0]
 
 

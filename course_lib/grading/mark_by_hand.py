@@ -1,13 +1,13 @@
-"""`course mark`: points and comments of a person, at once in gradebook and report."""
+"""`course mark`: points and comments of a person, at once in gradebook, index and report."""
 
 from pathlib import Path
 
 from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
-from course_lib.grading.grade_one import Course, renew_report
-from course_lib.grading.gradebook import write_gradebook
+from course_lib.grading.grade_one import Course, catalog_of, renew_report
 from course_lib.grading.hand_marks import add_mark, marks_path
 from course_lib.grading.out_folder import sole_use, writing
+from course_lib.grading.report_index import write_tables
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission
 
@@ -53,8 +53,9 @@ def mark_by_hand(
                 f"{exercise} of {student} has no task {task!r}, only {', '.join(tasks) or 'none'}"
             )
         given = add_mark(marks_path(out, student, exercise), tasks[task], number, row, comment)
-        write_gradebook(out)
-        renew_report(Submission.from_plain(result), course or Course(exercises_dir(), solutions_dir()), out)
+        course = course or Course(exercises_dir(), solutions_dir())
+        renew_report(Submission.from_plain(result), course, out)
+        write_tables(out, catalog_of(course).course.time_zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
     return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"

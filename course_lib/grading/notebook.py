@@ -41,7 +41,9 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     sheet = _dict(sheets[0]) if isinstance(sheets, list) and sheets else {}
     cells = content.get("cells", sheet.get("cells"))
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
-        raise CourseError(f"{name} is no notebook of format 3 or 4: it has no list of cells.")
+        raise CourseError(
+            f"{name} is no notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
+        )
     code = tuple(_source(cell) for cell in cells if cell.get("cell_type") == "code")
     claims = _dict(_dict(content.get("metadata")).get("course"))
     return Notebook(code, exercise_named(claims.get("exercise")) or exercise_named(name), claimed_id(claims))

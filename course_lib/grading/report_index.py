@@ -10,7 +10,7 @@ from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
 from course_lib.course.whole_file import write_whole
-from course_lib.grading.gradebook import results_in
+from course_lib.grading.gradebook import results_in, write_gradebook
 from course_lib.grading.table import fill
 from course_lib.grading.usage import read_usage
 
@@ -20,6 +20,11 @@ COLUMNS = (
     ("score", "before late policy"), ("days_late", "days late"), ("status", "status"), ("reason", "reason"),
     ("message", "message"), ("cpu_seconds", "CPU [s]"), ("memory_megabytes", "memory [MB]"),
 )  # fmt: skip
+
+
+def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
+    """Write what is derived from all results and marks: the gradebook and the index."""
+    return [write_gradebook(out), write_index(out, zone)]
 
 
 def write_index(out: Path, zone: ZoneInfo) -> Path:

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import zipfile
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -98,7 +99,7 @@ def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:
     found = [read_submission(path, top) for path in _files(top)]
     if not found:
         raise CourseError(f"{top} holds no submission: expected STUDENT/week01_exercise.ipynb in it")
-    found.sort(key=lambda one: (one.student, one.exercise, one.received.time))
+    found.sort(key=lambda one: (one.student, one.exercise, one.received.time, _again(one.path)))
     places = defaultdict[tuple[str, str], set[str]](set)
     for one in found:
         places[one.student, one.exercise].add(one.path.relative_to(top).parts[0])
@@ -166,6 +167,12 @@ def _member(archive: zipfile.ZipFile, name: str) -> bytes:
     if len(data) > MAX_BYTES:
         raise ValueError(f"{name} is larger than {MAX_BYTES} bytes")
     return data
+
+
+def _again(path: Path) -> int:
+    """The number at the end of a name, with which platforms and `course collect` mark another try, or 0."""
+    number = re.search(r"-(\d+)$", path.stem)
+    return int(number[1]) if number else 0
 
 
 def _files(top: Path) -> Iterator[Path]:

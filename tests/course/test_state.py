@@ -55,6 +55,12 @@ def test_an_atomic_write_leaves_no_draft_behind(tmp_path: Path) -> None:
     assert path.read_text() == "two"
 
 
+def test_what_cannot_be_written_is_named_itself_not_its_draft(tmp_path: Path) -> None:
+    with pytest.raises(IsADirectoryError) as refusal:
+        write_whole(tmp_path, b"")
+    assert refusal.value.filename == str(tmp_path)
+
+
 def test_files_are_readable_json(folder: Path) -> None:
     State(folder).put("identity", "student", "zoë")
     assert json.loads((folder / ".course" / "identity.json").read_text(encoding="utf-8")) == {

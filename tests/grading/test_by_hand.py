@@ -87,6 +87,7 @@ def test_rows_of_a_rubric_add_up_when_all_are_there_and_regrading_keeps_them(
     said = mark_by_hand(*args, "7.5", row="an ex", comment="<i>short</i>", course=kinds)
     assert said == "ada week05_exercise: 7.5 for week05.essay (an example); now 68, graded"
     assert line(out) == (85, 68, "graded")
+    assert "<td>needs_marking</td>" not in (out / "reports/index.html").read_text()
     assert "an example: &lt;i&gt;short&lt;/i&gt;" in (out / "reports/ada/week05_exercise.html").read_text()
     before = (out / "gradebook.csv").read_bytes()
     (out / "gradebook.csv").unlink()

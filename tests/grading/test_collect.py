@@ -83,7 +83,15 @@ def test_canvas_names_with_a_late_one_and_a_second_try(sort: Sort, tmp_path: Pat
     late = [row["file"] for row in done.rows.values() if row["late"]]
     assert late == [f"12/{NAME}"]
     assert "1 late by the platform's word" in done.summary(tmp_path)
-    assert find_submissions(tmp_path / "out")[0].received.source == "file time"  # Canvas tells no times
+    assert find_submissions(tmp_path / "out")[0].received.source == "file time"
+    assert len(done.notes) == 1
+    assert "Canvas tells no times" in min(done.notes)
+
+
+def test_of_two_tries_of_one_time_the_higher_number_counts(sort: Sort, tmp_path: Path) -> None:
+    for code in ("x = 1", "x = 2"):
+        sort({f"ada/{NAME}": notebook(code)})
+    assert [one.path.name for one in find_submissions(tmp_path / "out")] == ["week01_exercise-2.ipynb"]
 
 
 def test_a_name_that_a_spreadsheet_would_run_is_made_harmless(sort: Sort, tmp_path: Path) -> None:
@@ -94,8 +102,25 @@ def test_a_name_that_a_spreadsheet_would_run_is_made_harmless(sort: Sort, tmp_pa
 def test_the_platforms_csv_gives_numbers_their_ids(sort: Sort, tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
-    collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert kept(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
+    assert not done.notes
+
+
+def test_who_is_not_in_the_platforms_csv_is_named(sort: Sort, tmp_path: Path) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
+    (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 8,b\n")
+    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    assert done.notes == {"note: Ada L is not in the roster, and is named participant12345"}
+
+
+@pytest.mark.parametrize("rows", ["Participant 8,b\nParticipant 9,B", "Participant 8,b\nParticipant 8,c"])
+def test_a_platforms_csv_in_which_two_are_one_is_refused(sort: Sort, tmp_path: Path, rows: str) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_8_assignsubmission_file_/{NAME}": notebook()}))
+    (tmp_path / "grades.csv").write_text(f"Identifier,ID number\n{rows}\n")
+    with pytest.raises(CourseError, match=r"twice in .*name the IDs' with --id-column"):
+        collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    assert not (tmp_path / "out").exists()
 
 
 def test_nbgraders_folders_keep_their_time_stamps(tmp_path: Path) -> None:

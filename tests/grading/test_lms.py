@@ -102,6 +102,12 @@ def test_other_points_than_the_exercise_has_are_noted(fill: Fill) -> None:
     assert "note: the platform gives 20 points, gradebook.csv 100" in lines
 
 
+def test_marks_above_what_the_platform_gives_are_noted(fill: Fill) -> None:
+    _, lines = fill(MOODLE.replace("100,00", "60,50").encode(), "Grade", "ID number")
+    assert "note: the platform gives 60.5 points, gradebook.csv 100" in lines
+    assert "note: 1 mark above the platform's 60.5: it may refuse them" in lines
+
+
 def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
     filled, lines = fill(CANVAS.replace("dora4", "ADA 1").encode(), "Week 1", "SIS Login ID")
     assert b"81.45" not in filled
@@ -111,7 +117,7 @@ def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
 @pytest.mark.parametrize(
     ("data", "column", "id_column", "message"),
     [
-        (CANVAS, "Week 7", "SIS Login ID", "0 columns are named 'Week 7'; expected one of 'Student', 'ID'"),
+        (CANVAS, "Week 7", "SIS Login ID", "no columns are named 'Week 7'; expected one of 'Student', 'ID'"),
         (CANVAS, "Week 1", "Section", "no ID in column 'Section'"),
         (CANVAS, "ID", "ID", "the marks would replace the IDs"),
         ("", "a", "b", "is no CSV"),

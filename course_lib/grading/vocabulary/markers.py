@@ -64,7 +64,7 @@ def expect_marker(
     return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
 
 
-@word("{count} markers on {topic}")
+@word("the number of markers on {topic}")
 def expect_marker_count(
     evidence: Evidence,
     topic: str,
