@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros import pace, wall
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, executor_with, running_nodes, say, spin_until
+from course_lib.ros.driving import executor_with, running_nodes, say, spin_until
 from course_lib.ros.graph import Graph, current_graph
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 STEP = 0.02  # [s] of the wall clock
 CATCH_UP = 0.25  # [s] at most, after a cell that kept the kernel busy
+WITHOUT_A_PAGE = 2.0  # [s] of robot time, before the next cell drives them on
 
 
 class LiveRun:
@@ -93,8 +94,8 @@ def go_live(run: LiveRun) -> LiveRun:
     graph = current_graph()
     with executor_with(run.nodes) as executor:
         if pace.wanted() == "fast":
-            spin_until(executor, graph.now_ns + round(SECONDS_WITHOUT_A_PAGE * 1e9))
-            say(f"No page is watching: ran {SECONDS_WITHOUT_A_PAGE:g} s of robot time at full speed.")
+            spin_until(executor, graph.now_ns + round(WITHOUT_A_PAGE * 1e9))
+            say(f"No page is watching: ran {WITHOUT_A_PAGE:g} s of robot time at full speed.")
     run.started_ns = graph.now_ns
     _stop_what_is_over(graph)
     _runs_of(graph).append(run)
