@@ -13,8 +13,8 @@ from course_lib.errors import CourseError
 # In the order in which they need each other.
 _MODULES = (
     "decode", "encode", "icons", "materials", "surfaces", "billboards", "orbit", "insets", "mirror",
-    "renderer", "view", "panels/time", "panels/parts", "panels/editors", "panels/tree", "panels/gestures",
-    "panels/desk", "link", "film", "player", "page", "socket",
+    "renderer", "panels/parts", "view", "panels/time", "panels/editors", "panels/tree", "panels/gestures",
+    "panels/panels", "panels/desk", "link", "film", "player", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

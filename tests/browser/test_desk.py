@@ -86,6 +86,27 @@ def test_displays_are_renamed_duplicated_and_removed(bench: Bench) -> None:
     assert [display.name for display in bench.viewer.displays] == ["Floor", "Floor"]
 
 
+def test_the_keyboard_goes_on_below_a_removed_display_and_reaches_the_layout(bench: Bench) -> None:
+    bench.open()
+    bench.row("Grid").press("Delete")
+    bench.host.carry()
+    assert bench.page.evaluate("document.activeElement.dataset.key") == "displays/Marker"
+    bench.page.keyboard.press("Control+s")
+    assert bench.page.get_by_role("dialog", name="Save").is_visible()
+
+
+def test_lists_that_somebody_is_in_stay_while_other_things_change(bench: Bench) -> None:
+    bench.open()
+    bench.press("Add a display")
+    stays = "document.querySelector('dialog option')"
+    bench.page.evaluate(f"globalThis.before = {stays}")
+    bench.viewer.remove(bench.viewer["Marker"])
+    bench.widget.link.receive({"type": "desk", "act": "look"})
+    bench.host.carry()
+    assert bench.row("Marker").count() == 0
+    assert bench.page.evaluate(f"globalThis.before === {stays}")
+
+
 def test_a_layout_is_saved_and_opened_by_keys(bench: Bench, tmp_path: Path) -> None:
     canvas = bench.page.locator("canvas")
     canvas.press("Control+s")

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.browser.jupyterlab import Notebook, course_lab
+from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LIVE, SHOW = "live = run_live(node)", "viewer.add("
@@ -23,15 +24,11 @@ _ = viewer.on_click(clicks.append)
 
 @pytest.fixture(scope="module")
 def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student")
-    with course_lab(folder / "my_course", folder / "home") as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 860})
-        page.set_default_timeout(20_000)
-        notebook = Notebook(page, address, "week01_first_marker.ipynb")
+    folder = tmp_path_factory.mktemp("student") / "my_course"
+    with opened(browser, folder, "week01_first_marker.ipynb") as notebook:
         notebook.run_to(LIVE)
         notebook.kernel(HEAR)
         yield notebook
-        page.close()
 
 
 def test_tools_publish_to_nodes_that_run_live(lesson: Notebook) -> None:
@@ -48,7 +45,7 @@ def test_tools_publish_to_nodes_that_run_live(lesson: Notebook) -> None:
         lesson.page.screenshot(path=Path(PICTURES) / "desk_lab_goal.png")
     lesson.page.mouse.up()
     expect(cell.locator(".course-notice")).to_contain_text("Setting goal pose: Frame:map")
-    assert "geometry_msgs.msg.PoseStamped" in lesson.kernel("import time; time.sleep(0.3)\nprint(heard)")
+    wait_until(lambda: "geometry_msgs.msg.PoseStamped" in lesson.kernel("print(heard)"), lesson.page)
 
 
 def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) -> None:
@@ -65,7 +62,7 @@ def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) 
     lesson.page.wait_for_function(said % "ready, waiting")
     lesson.cell(SHOW).locator("canvas").first.click()
     lesson.page.wait_for_function(said % "picked: 0")
-    assert lesson.kernel("print(len(clicks))").strip() == "1"
+    wait_until(lambda: lesson.kernel("print(len(clicks))").strip() == "1", lesson.page)
 
 
 def test_displays_are_edited_in_both_themes(lesson: Notebook) -> None:
@@ -77,17 +74,23 @@ def test_displays_are_edited_in_both_themes(lesson: Notebook) -> None:
     cell.get_by_role("button", name="Views panel").click()
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         lesson.page.evaluate("theme => jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
-        lesson.page.wait_for_timeout(1500)
+        lesson.page.wait_for_function("theme => document.body.dataset.jpThemeName == theme", arg=theme)
         if PICTURES:
             lesson.page.screenshot(path=Path(PICTURES) / f"desk_lab_{theme[11:].lower()}.png")
-    assert lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5"
+    wait_until(lambda: lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5", lesson.page)
 
 
 def test_keys_in_the_panels_leave_the_notebook_alone(lesson: Notebook) -> None:
     cells = "() => jupyterapp.shell.currentWidget.content.widgets.length"
     before = lesson.page.evaluate(cells)
-    canvas = lesson.cell(SHOW).locator("canvas").first
-    for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):
-        canvas.press(key)
+    cell = lesson.cell(SHOW)
+    add = cell.get_by_role("button", name="Add a display")
+    for place in (cell.locator("canvas").first, add, cell.get_by_role("combobox", name="Type of view")):
+        for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):
+            place.press(key)
+    add.press("Enter")
+    lesson.page.keyboard.type("Axes")
+    lesson.page.keyboard.press("Enter")
+    expect(cell.get_by_role("row").filter(has_text="Axes")).to_be_visible()
     assert lesson.page.evaluate(cells) == before
     assert lesson.errors() == []

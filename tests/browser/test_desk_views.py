@@ -125,7 +125,7 @@ def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
 
 def test_in_full_screen_the_view_fills_what_the_panels_leave(bench: Bench) -> None:
     bench.open()
-    bench.press("Full screen")
+    bench.press("Full screen (F)")
     bench.page.wait_for_function("document.fullscreenElement?.className == 'course-viewer'")
     box = bench.page.locator("canvas").bounding_box()
     size = bench.page.viewport_size

@@ -6,10 +6,8 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +22,7 @@ from course_lib.viewer.page_server import PageServer
 from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
 from tests.browser.test_playback import READING, TIME, at_x, scrub
+from tests.browser.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -45,17 +44,10 @@ def is_free(port: int) -> bool:
     return False
 
 
-def wait_until(ready: Any, seconds: float = 10.0) -> None:
-    until = time.monotonic() + seconds
-    while not ready() and time.monotonic() < until:
-        time.sleep(0.02)
-    assert ready()
-
-
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
     page = browser.new_page(viewport={"width": 900, "height": 600})
-    page.set_default_timeout(10_000)
+    page.set_default_timeout(PATIENCE * 1000)
     yield page
     page.close()
 
@@ -67,7 +59,7 @@ def shows(page: Page, color: tuple[int, int, int]) -> bool:
 
 def answer(url: str, headers: dict[str, str]) -> int:
     host, path = url.removeprefix("http://").split("/", 1)
-    connection = http.client.HTTPConnection(host, timeout=5)
+    connection = http.client.HTTPConnection(host, timeout=PATIENCE)
     with contextlib.closing(connection):
         connection.request("GET", f"/{path}", headers=headers)
         return connection.getresponse().status
@@ -196,6 +188,11 @@ def sides(page: Page) -> tuple[bool, bool]:
     return bool(red[:, :450].sum() > 500), bool(red[:, 450:].sum() > 500)
 
 
+def begins_at_the_left(page: Page) -> bool:
+    scrub(page, 0.0)  # it plays on meanwhile
+    return sides(page) == (True, False)
+
+
 def test_course_view_plays_a_bag_that_can_be_scrubbed(page: Page, bag: Path) -> None:
     process, url = course_view(bag)
     try:
@@ -211,7 +208,7 @@ def test_course_view_plays_a_bag_that_can_be_scrubbed(page: Page, bag: Path) -> 
         wait_until(lambda: sides(page) == (False, True))
         wait_until(lambda: sides(page) == (True, False))
         process.send_signal(signal.SIGINT)
-        assert process.wait(10) == 0
+        assert process.wait(PATIENCE) == 0
         assert process.stdout is not None
         assert process.stdout.read().splitlines() == ["Ctrl+C ends it.", "", "The viewer has ended."]
         assert is_free(int(url.split(":")[2].split("/")[0]))
@@ -231,7 +228,6 @@ def test_a_killed_course_view_is_found_again_at_the_same_address(page: Page, bag
         process, same = course_view(bag, "--port", port, "--token", token)
         assert same == url
         page.get_by_text("has ended or cannot be reached").wait_for(state="detached")
-        scrub(page, 0.0)
-        wait_until(lambda: sides(page) == (True, False))
+        wait_until(lambda: begins_at_the_left(page))
     finally:
         process.kill()

@@ -6,7 +6,10 @@ const BOX_SHADES = [0.6, 0.6, 0.4, 1, 0.9, 0.5]; // of the sides +x -x +y -y +z 
 const MANY = 20_000; // points; so many are so small that nobody sees which way their squares are turned
 const square = () => new THREE.PlaneGeometry(1, 1);
 
-/** What is drawn at a point, and how bright each of its vertices is. @type {Record<string, any>} */
+/**
+ * What is drawn at a point, and how bright each of its vertices is.
+ * @type {Record<string, {define: "FACING" | "BOX", shape: () => any, shade: (i: number) => number}>}
+ */
 const SPOTS = {
   square: { define: "FACING", shape: square, shade: () => 1 },
   disc: { define: "FACING", shape: () => new THREE.CircleGeometry(0.5, 8), shade: () => 1 },
@@ -36,7 +39,7 @@ function placed(mesh, uniforms) {
     for (const [name, value] of Object.entries(uniforms)) shared.uniforms[name].value = value;
     shared.uniformsNeedUpdate = true;
   };
-  mesh.raycast = (caster, hits) => hit(mesh, uniforms, caster, hits);
+  mesh.raycast = hit.bind(null, mesh, uniforms);
   return mesh;
 }
 
@@ -68,6 +71,7 @@ export function buildLines(lines) {
   const colors = spread(lines.colors, count);
   const step = lines.strip ? 1 : 2;
   const starts = Array.from({ length: Math.max(Math.ceil((count - 1) / step), 0) }, (_, k) => k * step);
+  /** @param {any} from @param {number} size @param {(i: number) => number} of */
   const pick = (from, size, of) => {
     const out = new from.constructor(size * starts.length);
     starts.forEach((i, k) => out.set(from.subarray(size * of(i), size * of(i) + size), size * k));
@@ -83,14 +87,17 @@ export function buildLines(lines) {
   });
 }
 
-/** Draw one vertex per point: squares that stand upright in the picture, much faster than shapes. */
+/**
+ * Draw one vertex per point: squares that stand upright in the picture, much faster than shapes.
+ * @param {Float32Array} points @param {Uint8Array} tints @param {Record<string, any>} uniforms
+ */
 function dots(points, tints, uniforms) {
   const geometry = new THREE.BufferGeometry();
   const position = new THREE.BufferAttribute(points, 3);
   geometry.setAttribute("position", position);
   geometry.setAttribute("start", position); // for `hit`
   geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
-  return placed(new THREE.Points(geometry, material("dot", seesThrough(tints))), uniforms);
+  return placed(new THREE.Points(geometry, material("spot", seesThrough(tints), "DOT")), uniforms);
 }
 
 /** @param {any} points */

@@ -6,7 +6,7 @@
  */
 export function decode(bytes) {
   let value;
-  const catcher = { handle_command: (decoded) => (value = decoded) };
+  const catcher = { handle_command: (/** @type {any} */ decoded) => (value = decoded) };
   MeshCat.Viewer.prototype.handle_command_bytearray.call(catcher, bytes);
   return value;
 }

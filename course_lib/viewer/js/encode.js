@@ -1,3 +1,4 @@
+/** @type {Record<string, number>} */
 const ARRAYS = { Uint8Array: 0x12, Int32Array: 0x15, Uint32Array: 0x16, Float32Array: 0x17 };
 
 /**

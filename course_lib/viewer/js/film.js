@@ -14,6 +14,7 @@ export class Film {
     this.state = new Map();
     this.kept = [];
     const state = new Map();
+    /** @type {string[]} */
     let paths = [];
     for (const [i, batch] of this.batches.entries()) {
       if (batch.matrices) paths = batch.paths ??= paths;
@@ -22,7 +23,7 @@ export class Film {
     }
   }
 
-  /** Show the scene as it was. @param {number} time [s] since the start */
+  /** @param {number} time [s] since the start; the scene is shown as it was then */
   seek(time) {
     const index = this.at(time);
     if (index === this.index) return;
@@ -51,7 +52,7 @@ export class Film {
     return this.batches[index].time;
   }
 
-  /** Change no more than what differs from the present picture. @param {Map<string, any>} state */
+  /** @param {Map<string, any>} state shown by changing what differs from the present picture */
   show(state) {
     for (const path of new Set([...this.state.keys(), ...state.keys()])) {
       const [old, now] = [this.state.get(path) ?? AS_NEW, state.get(path) ?? AS_NEW];
@@ -80,9 +81,8 @@ function advance(state, batch) {
     else state.set(path, { ...state.get(path), [command.type]: command });
   }
   if (!batch.matrices) return;
-  batch.paths.forEach((path, i) =>
-    state.set(path, { ...state.get(path), matrix: batch.matrices.subarray(12 * i, 12 * i + 12) }),
-  );
+  for (const [i, path] of batch.paths.entries())
+    state.set(path, { ...state.get(path), matrix: batch.matrices.subarray(12 * i, 12 * i + 12) });
 }
 
 /** @param {Map<string, any>} state @param {string} path forgotten with all below it */

@@ -1,4 +1,5 @@
 // Lines in a square of 20 by 20: what fonts have of such signs differs, or is missing.
+/** @type {Record<string, string>} */
 const LINES = {
   full: "M3 7V3h4M13 3h4v4M17 13v4h-4M7 17H3v-4",
   play: "M5 3l12 7-12 7z",

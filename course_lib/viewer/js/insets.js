@@ -3,6 +3,9 @@ import { Orbit } from "./orbit.js";
 
 const [SHARE, GAP] = [0.3, 0.01]; // of the view's width: how wide a picture is, how far it is from others
 
+/** @param {any} object @returns {boolean} whether it and all above it are */
+export const isShown = (object) => !object || (object.visible && isShown(object.parent));
+
 /** @param {any} inset @returns {any} an empty group that knows its picture */
 export function buildInset(inset) {
   const { pixels, rows, columns } = inset;
@@ -42,8 +45,7 @@ function boxes(insets, width, height) {
  *   nothing, into the lower left corner of a canvas
  */
 export function drawInsets(context, mirror, render) {
-  const shown = (object) => !object || (object.visible && shown(object.parent));
-  const groups = [...mirror.insets].filter(shown);
+  const groups = [...mirror.insets].filter(isShown);
   groups.sort((a, b) => (a.parent.userData.path < b.parent.userData.path ? -1 : 1));
   const insets = groups.map((group) => group.userData.inset);
   const places = boxes(insets, context.canvas.width, context.canvas.height);
@@ -53,7 +55,7 @@ export function drawInsets(context, mirror, render) {
     context.fillStyle = `rgb(${mirror.background.join()})`;
     context.fillRect(left, top, width, height);
     if (inset.behind) context.drawImage(inset.picture, left, top, width, height);
-    const hidden = inset.hidden.map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
+    const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
     for (const node of hidden) node.visible = false;
     const orbit = new Orbit();
     orbit.look(inset.camera);

@@ -46,6 +46,7 @@ export class Link {
         this.send({ type: "picture", png: pictureOf(this.mirror, width, height) }),
       time: (time) => this.timeBars.forEach((update) => update(time)),
     };
+    /** @param {any} message @param {DataView[]} [buffers] */
     this.receive = (message, buffers) => {
       this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
       clearTimeout(this.saving);
@@ -97,7 +98,7 @@ export class Link {
     const host = document.createElement("div");
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
     const label = this.model.get("label");
-    const onClick = (click) => desk.gestures?.click(click) || this.send(click);
+    const onClick = (/** @type {any} */ click) => desk.panels?.gestures.click(click) || this.send(click);
     const view = new View(host, this.mirror, { label, onClick });
     const desk = new Desk(element, host, view, this.desk);
     const endTime = timeBelow(this, desk.frame);

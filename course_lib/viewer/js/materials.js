@@ -56,33 +56,7 @@ const SURFACE = `
     gl_Position = projectionMatrix * position4;
   }`;
 
-// Ogre's billboard chain: at each point the strip is as wide as asked, at right angles to the line that
-// joins its neighbours and to the direction of the eye.
-const STRIP = `
-  attribute vec3 before;
-  attribute vec3 start;
-  attribute vec3 end;
-  attribute vec3 after;
-  attribute vec4 startTint;
-  attribute vec4 endTint;
-  uniform float pixel;
-  uniform vec3 size;
-  varying vec4 vColor;
-  void main() {
-    bool first = position.x < 0.0;
-    vec4 here = modelViewMatrix * vec4(first ? start : end, 1.0);
-    vec3 along = mat3(modelViewMatrix) * (first ? end - before : after - start);
-    vec3 across = cross(along, isOrthographic ? vec3(0.0, 0.0, 1.0) : -here.xyz);
-    float width = size.x > 0.0 ? size.x : pixel * (isOrthographic ? 1.0 : -here.z);
-    here.xyz += across / max(length(across), 1e-9) * width * position.y;
-    vColor = first ? startTint : endTint;
-    gl_Position = projectionMatrix * here;
-  }`;
-
-// RViz's nogp/billboard.vert: what faces the eye keeps its upper side along the node's y; boxes keep the
-// node's axes, and text and pixels those of the picture.
-const SPOT = `
-  attribute float shade;
+const PLACED = `
   attribute vec3 start;
   attribute vec4 startTint;
   uniform float pixel;
@@ -90,9 +64,34 @@ const SPOT = `
   uniform bool inPixels;
   uniform bool grow;
   varying vec4 vColor;
+  float pixelAt(vec4 here) { return pixel * (isOrthographic ? 1.0 : -here.z); }`;
+
+// Ogre's billboard chain: at each point the strip is as wide as asked, at right angles to the line that
+// joins its neighbours and to the direction of the eye.
+const STRIP = `${PLACED}
+  attribute vec3 before;
+  attribute vec3 end;
+  attribute vec3 after;
+  attribute vec4 endTint;
+  void main() {
+    bool first = position.x < 0.0;
+    vec4 here = modelViewMatrix * vec4(first ? start : end, 1.0);
+    vec3 along = mat3(modelViewMatrix) * (first ? end - before : after - start);
+    vec3 across = cross(along, isOrthographic ? vec3(0.0, 0.0, 1.0) : -here.xyz);
+    float width = size.x > 0.0 ? size.x : pixelAt(here);
+    here.xyz += across / max(length(across), 1e-9) * width * position.y;
+    vColor = first ? startTint : endTint;
+    gl_Position = projectionMatrix * here;
+  }`;
+
+// RViz's nogp/billboard.vert: what faces the eye keeps its upper side along the node's y; boxes keep the
+// node's axes, and text and pixels those of the picture. Dots are the graphics library's own points.
+const SPOT = `${PLACED}
+  attribute float shade;
   varying vec2 vUv;
   void main() {
     vec4 here = modelViewMatrix * vec4(start, 1.0);
+    float unit = (inPixels ? pixelAt(here) : 1.0) * (grow ? start.z : 1.0);
     mat3 axes = mat3(1.0);
     vColor = startTint;
     #if defined(FACING)
@@ -103,39 +102,25 @@ const SPOT = `
     #elif defined(BOX)
       axes = mat3(modelViewMatrix);
     #endif
-    #ifdef TEXTURED
-      vUv = uv;
+    #if defined(DOT)
+      gl_PointSize = max(size.x * unit / pixelAt(here), 1.0);
     #else
-      vColor.rgb *= shade;
+      here.xyz += axes * (position * size * unit);
+      #ifdef TEXTURED
+        vUv = uv;
+      #else
+        vColor.rgb *= shade;
+      #endif
     #endif
-    float unit = inPixels ? pixel * (isOrthographic ? 1.0 : -here.z) : 1.0;
-    if (grow) unit *= start.z;
-    here.xyz += axes * (position * size * unit);
     gl_Position = projectionMatrix * here;
-  }`;
-
-const DOT = `
-  attribute vec3 start;
-  attribute vec4 startTint;
-  uniform float pixel;
-  uniform vec3 size;
-  uniform bool inPixels;
-  uniform bool grow;
-  varying vec4 vColor;
-  void main() {
-    vec4 here = modelViewMatrix * vec4(start, 1.0);
-    float unit = inPixels ? 1.0 : pixel * (isOrthographic ? 1.0 : -here.z);
-    vColor = startTint;
-    gl_Position = projectionMatrix * here;
-    gl_PointSize = max(size.x / unit * (grow ? start.z : 1.0), 1.0);
   }`;
 
 /** @type {Map<string, any>} They live as long as the page: a marker that is sent anew compiles nothing. */
 const made = new Map();
 
 /**
- * @param {"surface" | "strip" | "spot" | "dot"} kind @param {boolean} transparent RViz blends without writing depth
- * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | ""} [define] how it is shaded or placed
+ * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
+ * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
 export function material(kind, transparent, define = "", doubleSided = true) {
@@ -143,7 +128,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
   let found = made.get(key);
   if (!found) {
     found = new THREE.ShaderMaterial({
-      vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT, dot: DOT }[kind],
+      vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
       uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null } },

@@ -21,10 +21,13 @@ export class Mirror {
     this.mixer = null;
     this.animation = null; // as meshcat describes it
     this.clock = new THREE.Clock();
+    /** @type {any[]} */
     this.actions = [];
     /** @type {string[]} what the next matrices are for */
     this.paths = [];
+    /** @type {any[] | null} */
     this.moving = null; // the nodes at these paths
+    /** @type {Record<string, (object: any) => any>} */
     this.builders = {
       solids: buildSolids,
       mesh: buildMesh,
@@ -35,6 +38,7 @@ export class Mirror {
       inset: buildInset,
       meshcat: (object) => this.load(object.json),
     };
+    /** @type {Record<string, (command: any) => void>} */
     this.orders = {
       object: ({ path, object }) => this.put(path, object),
       visible: ({ path, value }) => (this.node(path).visible = value),
@@ -52,6 +56,7 @@ export class Mirror {
 
   /** @param {any} batch of changes, decoded */
   take(batch) {
+    /** @type {Error | null} */
     let fault = null;
     for (const command of batch.commands ?? []) {
       try {
@@ -140,7 +145,7 @@ export class Mirror {
     const group = new THREE.Group();
     const host = {
       set_dirty: () => this.changed(),
-      set_object: (_path, object) => {
+      set_object: (/** @type {string[]} */ _, /** @type {any} */ object) => {
         for (const material of [object.material ?? []].flat()) material.specular?.set(0);
         group.add(object);
       },
@@ -160,7 +165,7 @@ export class Mirror {
   /** @param {any} top taken out of the tree, with its share of the graphics memory */
   drop(top) {
     top.parent?.remove(top);
-    top.traverse((object) => {
+    top.traverse((/** @type {any} */ object) => {
       this.nodes.delete(object.userData.path);
       this.insets.delete(object);
       object.geometry?.dispose();
@@ -180,13 +185,13 @@ export class Mirror {
     for (const view of this.views) view.look(camera);
   }
 
-  /** Play clips as meshcat does. @param {any} animation */
+  /** @param {any} animation clips that are played as meshcat does */
   animate(animation) {
     this.animation = animation;
     const { animations, options = {} } = animation;
     this.mixer = new THREE.AnimationMixer(this.scene);
     this.clock.start();
-    this.actions = animations.map(({ path, clip }) => {
+    this.actions = animations.map((/** @type {any} */ { path, clip }) => {
       const node = this.node(path.split("/").filter(Boolean).join("/"));
       node.matrix.decompose(node.position, node.quaternion, node.scale);
       node.matrixAutoUpdate = true;

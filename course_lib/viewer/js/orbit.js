@@ -49,10 +49,13 @@ export class Orbit {
     return camera;
   }
 
-  /** Turn around the target. @param {number} left [rad] @param {number} over [rad] */
+  /** @param {number} left [rad] to turn around the target @param {number} over [rad] */
   rotate(left, over) {
     const up = new THREE.Vector3(0, 0, 1);
-    if (this.scale) return void this.up.applyAxisAngle(up, left);
+    if (this.scale) {
+      this.up.applyAxisAngle(up, left);
+      return;
+    }
     this.raise(-1);
     const axis = this.aligned ? this.up.clone() : new THREE.Vector3(0, 0, this.up.z < -0.5 ? -1 : 1);
     const level = new THREE.Quaternion().setFromUnitVectors(axis, up);
@@ -70,7 +73,7 @@ export class Orbit {
     this.raise(1);
   }
 
-  /** Move up in the picture by the lift of RViz's XYOrbit. @param {number} sign -1: back to the focal point */
+  /** @param {number} sign 1: move up in the picture by RViz's XYOrbit's lift, -1: back to the focal point */
   raise(sign) {
     if (!this.lift) return;
     const away = this.eye.clone().sub(this.target);
@@ -112,7 +115,7 @@ export class Orbit {
     return far > 0 && Number.isFinite(far) ? origin.clone().addScaledVector(direction, far) : null;
   }
 
-  /** Move ahead with what is looked at. @param {number} part of the distance, backward */
+  /** @param {number} part of the distance, to move backward with what is looked at */
   dolly(part) {
     this.shiftBy(this.eye.clone().sub(this.target).multiplyScalar(part));
   }

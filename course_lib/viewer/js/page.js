@@ -8,7 +8,7 @@ import { View } from "./view.js";
 /** @param {string} text base64 */
 const fromBase64 = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 
-/** @param {Uint8Array<ArrayBuffer>} zipped */
+/** @param {BlobPart} zipped */
 async function inflated(zipped) {
   const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

@@ -5,6 +5,7 @@ import { pixel } from "./materials.js";
 
 // Browsers keep 16 WebGL contexts at most: all views of a page share one and copy its picture.
 
+/** @type {any} */
 let shared = null;
 /** @type {Set<{invalidate: () => void}>} */
 export const views = new Set();
@@ -35,6 +36,7 @@ export function draw(canvas, mirror, camera) {
   const size = engine.getSize(new THREE.Vector2());
   if (size.x !== width || size.y !== height) engine.setSize(width, height, false);
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  /** @param {any} from @param {number} w @param {number} h */
   const render = (from, w, h, alpha = 0) => {
     engine.setViewport(0, 0, w, h);
     engine.setClearColor(new THREE.Color(...mirror.background.map((part) => part / 255)), alpha);

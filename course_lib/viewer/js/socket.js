@@ -6,34 +6,28 @@ const GONE = "The program that draws this has ended or cannot be reached: the pi
 /** Stands for a widget's model where a page belongs to a program: the same messages, over a WebSocket. */
 class SocketModel {
   constructor() {
+    /** @type {Record<string, any>} */
     this.state = { height: 0 };
-    this.hear = (_message, _buffers) => {};
+    this.get = (/** @type {string} */ name) => this.state[name];
+    this.set = (/** @type {string} */ name, /** @type {any} */ value) => (this.state[name] = value);
+    /** @type {(message: any, buffers: DataView[]) => void} */
+    this.hear = () => {};
     /** @type {WebSocket | null} */
     this.socket = null;
   }
 
-  get(name) {
-    return this.state[name];
-  }
-
-  set(name, value) {
-    this.state[name] = value;
-  }
-
-  on(_event, hear) {
+  /** @param {string} _ @param {(message: any, buffers: DataView[]) => void} hear */
+  on(_, hear) {
     this.hear = hear;
   }
 
-  off() {
-    this.hear = () => {};
-  }
-
+  /** @param {any} content */
   send(content) {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(content));
   }
 }
 
-/** Show the scene of the program that this page came from, and follow it. @param {HTMLElement} host */
+/** @param {HTMLElement} host shows the scene of the program that this page came from, and follows it */
 export function follow(host) {
   const model = new SocketModel();
   const status = Object.assign(document.createElement("div"), { role: "status", hidden: true });
@@ -41,6 +35,7 @@ export function follow(host) {
   host.before(status);
   /** @type {Link | null} */
   let link = null;
+  /** @param {any} message @param {DataView[]} buffers */
   const take = (message, buffers) => {
     if (link) return model.hear(message, buffers);
     model.state = { ...model.state, ...message, snapshot: buffers[0] };
@@ -69,6 +64,6 @@ function unframed(bytes) {
   const end = bytes.indexOf(10);
   const { sizes, ...message } = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
   let at = end + 1;
-  const buffers = sizes.map((size) => new DataView(bytes.buffer, (at += size) - size, size));
+  const buffers = sizes.map((/** @type {number} */ size) => new DataView(bytes.buffer, (at += size) - size, size));
   return [message, buffers];
 }

@@ -1,6 +1,8 @@
 /* global THREE */
 import { icon } from "./icons.js";
+import { isShown } from "./insets.js";
 import { Orbit } from "./orbit.js";
+import { button, part } from "./panels/parts.js";
 import { draw, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
@@ -10,6 +12,7 @@ const SAY_FOR = 10_000; // [ms]
 const CORNER =
   "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
   "color:var(--jp-ui-font-color1,CanvasText);background:var(--jp-layout-color1,Canvas)";
+/** @type {Record<string, number[]>} */
 const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], ArrowDown: [0, 16] }; // [px]
 
 /** One picture of a scene on the page, with a camera of its own. */
@@ -31,20 +34,13 @@ export class View {
     /** @type {((event: Event) => boolean) | null} takes what a tool needs */
     this.grab = null;
     this.onTurn = () => {};
-    this.canvas = document.createElement("canvas");
-    this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", options.label);
-    this.canvas.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    /** @type {HTMLCanvasElement} */
+    this.canvas = part("canvas", { tabIndex: 0, role: "img", ariaLabel: options.label });
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
-    this.words = document.createElement("output"); // what went wrong, for a while
+    this.words = part("output", { hidden: true }); // what went wrong, for a while
     this.words.style.cssText = `${CORNER};left:0;bottom:0;pointer-events:none`;
-    this.words.hidden = true;
-    this.full = document.createElement("button");
-    Object.assign(this.full, { type: "button", title: "Full screen (F)", ariaLabel: "Full screen" });
-    this.full.append(icon("full"));
+    this.full = button(icon("full"), "Full screen (F)", () => this.toggleFull());
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
-    this.full.onclick = () => this.toggleFull();
     host.style.position = "relative";
     host.append(this.canvas, this.words, this.full);
     this.host = host;
@@ -104,8 +100,9 @@ export class View {
   }
 
   listen() {
-    const hear = (act) => (event) => this.grab?.(event) || act(event);
-    const on = (name, act) => this.canvas.addEventListener(name, hear(act), { passive: false });
+    /** @param {string} name @param {(event: any) => void} act */
+    const on = (name, act) =>
+      this.canvas.addEventListener(name, (event) => this.grab?.(event) || act(event), { passive: false });
     /** @type {{x: number, y: number, far: number, button: number} | null} */
     let drag = null;
     on("pointerdown", (event) => {
@@ -180,7 +177,7 @@ export class View {
     caster.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), this.orbit.camera(box.width, box.height));
     const [origin, direction] = [caster.ray.origin.toArray(), caster.ray.direction.toArray()];
     const click = { type: "click", button: event.button, path: null, origin, direction };
-    const hit = caster.intersectObject(this.mirror.scene, true).find((found) => isShown(found.object));
+    const hit = caster.intersectObject(this.mirror.scene, true).find((/** @type {any} */ found) => isShown(found.object));
     if (!hit) return click;
     const normal = hit.face?.normal.clone().transformDirection(hit.object.matrixWorld).toArray() ?? null;
     const index = hit.instanceId ?? hit.index ?? hit.faceIndex ?? null;
@@ -191,14 +188,11 @@ export class View {
 /** @param {PointerEvent} event @returns {number} the button; with Shift, left shifts and right goes ahead (3) */
 const buttonOf = ({ button, shiftKey }) => (shiftKey ? (button === 2 ? 3 : 1) : button);
 
-/** Keep an event from the page around the view. @param {Event} event */
+/** @param {Event} event kept from the page around the view */
 function claim(event) {
   event.preventDefault();
   event.stopPropagation();
 }
-
-/** @param {any} object @returns {boolean} */
-const isShown = (object) => !object || (object.visible && isShown(object.parent));
 
 /** @param {any} object @returns {string} */
 const pathOf = (object) => object.userData.path ?? pathOf(object.parent);

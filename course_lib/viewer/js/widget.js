@@ -1,6 +1,7 @@
 // The module of every widget: it stays small, what it needs comes once per kernel in a model of its own.
 // __KEY__ is put in by Python; it names one version of the viewer's code.
 
+const page = /** @type {any} */ (globalThis);
 /** @type {Map<string, Promise<any>>} */
 const links = new Map();
 
@@ -12,23 +13,25 @@ async function load(model) {
   const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
   await import(address);
   URL.revokeObjectURL(address);
-  return globalThis["__KEY__"];
+  return page["__KEY__"];
 }
 
 export default {
-  /** Must return at once: anywidget waits two seconds and loses messages. */
+  /** @param {any} props Must return at once: anywidget waits two seconds and loses messages. */
   initialize({ model }) {
+    /** @type {any[][]} */
     const early = [];
+    /** @type {any} */
     let link = null;
-    const keep = (...message) => early.push(message);
+    const keep = (/** @type {any[]} */ ...message) => early.push(message);
     model.on("msg:custom", keep);
-    const pending = (globalThis["__KEY__loading"] ??= load(model).catch((error) => {
-      delete globalThis["__KEY__loading"]; // the next widget may have more luck
+    const pending = (page["__KEY__loading"] ??= load(model).catch((error) => {
+      delete page["__KEY__loading"]; // the next widget may have more luck
       throw error;
     }));
     links.set(
       model.get("name"),
-      pending.then((viewer) => {
+      pending.then((/** @type {any} */ viewer) => {
         model.off("msg:custom", keep);
         link = new viewer.Link(model);
         for (const message of early) link.receive(...message);
@@ -37,6 +40,7 @@ export default {
     );
     return () => link?.close();
   },
+  /** @param {{model: any, el: HTMLElement}} props */
   async render({ model, el }) {
     try {
       return (await links.get(model.get("name"))).show(el);

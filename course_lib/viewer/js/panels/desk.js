@@ -1,10 +1,6 @@
 /* global DESK_STYLE */
-import { icon } from "../icons.js";
-import { Gestures } from "./gestures.js";
-import { ask, button, choicesOf, part } from "./parts.js";
-import { Tree } from "./tree.js";
-
-const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
+import { Panels } from "./panels.js";
+import { part } from "./parts.js";
 
 /** What Python says of all panels, and the desks of a page that show it. */
 export class DeskState {
@@ -14,6 +10,7 @@ export class DeskState {
     this.values = {};
     /** @type {Set<Desk>} */
     this.desks = new Set();
+    /** @param {string} act @param {any} [order] */
     this.act = (act, order = {}) => send({ type: "desk", act, ...order });
     this.act("open");
   }
@@ -22,12 +19,12 @@ export class DeskState {
   take({ changed, gone }) {
     Object.assign(this.values, changed);
     for (const key of gone) delete this.values[key];
-    for (const desk of this.desks) desk.update();
+    for (const desk of this.desks) desk.update(changed);
   }
 
   /** @param {string} name of a list of rows */
   rows(name) {
-    return (this.values[name] ?? []).map((key) => this.values[`row ${key}`]);
+    return (this.values[name] ?? []).map((/** @type {string} */ key) => this.values[`row ${key}`]);
   }
 }
 
@@ -38,240 +35,31 @@ export class Desk {
    * @param {import("../view.js").View} view @param {DeskState} state
    */
   constructor(element, host, view, state) {
-    Object.assign(this, { host, view, state });
-    this.id = `desk${Math.random().toString(36).slice(2)}`;
-    this.tree = null; // the panels are there once Python has said what they show
+    this.view = view;
+    this.state = state;
+    /** @type {Panels | null} */
+    this.panels = null;
     const style = part("style", { textContent: DESK_STYLE });
     this.frame = part("div", { className: "course-viewer" }, style, host);
-    this.frame.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
+    this.frame.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
+      if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // they are not the notebook's
+    });
     host.classList.add("course-host");
     element.append(this.frame);
-    this.turning = 0; // a timer
     state.desks.add(this);
-    view.onTurn = () => this.turned();
-    this.update();
+    this.update(state.values);
   }
 
   dispose() {
-    clearTimeout(this.turning);
+    clearTimeout(this.panels?.turning);
     this.state.desks.delete(this);
     this.frame.remove();
   }
 
-  update() {
-    const { values } = this.state;
-    if (!values.tree) return;
-    if (!this.tree) this.build();
-    this.tree.update(this.state.rows("tree"));
-    this.properties.update(this.state.rows("view"));
-    this.updateViews(values.views);
-    this.toolTree.update(this.state.rows("toolRows"));
-    Object.assign(this.view.orbit, values.hands);
-    this.gestures.settings = values.settings;
-    const { level, mark, word, text } = values.status;
-    const notice = values.notice.text ? values.notice : null;
-    this.say(this.status, mark, word, text, level);
-    if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice?.text ?? "", notice?.level ?? "");
-    this.noticed = JSON.stringify(notice);
-    if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
-    this.selection.textContent = values.selection;
-    this.selection.hidden = !values.selection;
-    this.words.textContent = values.summary;
-    if (this.addable?.isConnected) this.fillAddable();
-    this.lists.replaceChildren(...this.suggestions(values));
+  /** @param {Record<string, any>} changed values */
+  update(changed) {
+    if (!this.state.values.tree) return;
+    this.panels ??= new Panels(this.frame, this.view, this.state);
+    this.panels.update(changed);
   }
-
-  say(element, mark, word, text, level) {
-    element.textContent = [mark, text].filter(Boolean).join(" ");
-    element.title = word ? `${word}: ${text}` : text;
-    element.dataset.level = level;
-  }
-
-  build() {
-    const act = this.state.act;
-    this.gestures = new Gestures(this.view, act, (text) => this.say(this.notice, "", "", text, ""), () => this.choose(0));
-    const listFor = ({ editor }) => ({ frame: `${this.id}frames`, topic: `${this.id}${editor?.type}` })[editor?.kind] ?? "";
-    this.tree = new Tree("Displays", act, listFor);
-    this.properties = new Tree("Current view", act, listFor);
-    this.toolTree = new Tree("Tool Properties", act, listFor);
-    const tools = part("details", {}, part("summary", { textContent: "Tool Properties" }), this.toolTree.element);
-    this.selection = part("pre", { className: "course-selection", tabIndex: 0, ariaLabel: "Selection", hidden: true });
-    this.status = part("span", { className: "course-line" });
-    this.notice = part("output", { className: "course-line course-notice" });
-    this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
-    this.lists = part("div", { hidden: true });
-    const left = this.dock("Displays", this.memberButtons(), this.tree.element);
-    this.right = this.dock("Views", this.viewControls(), this.properties.element, tools, this.selection);
-    this.tools = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" });
-    this.buttons = this.state.values.tools.map((tool, index) => this.toolButton(tool, index));
-    this.tools.append(...this.buttons);
-    const line = part("div", { className: "course-lines" }, this.opener(left, "Displays"), this.status, this.notice);
-    line.append(this.opener(this.right, "Views"));
-    const middle = part("div", { className: "course-middle" }, left, part("div", { className: "course-view" }), this.right);
-    middle.children[1].append(this.host);
-    this.frame.firstChild.after(this.tools, middle, line, this.words, this.lists);
-    Object.assign(this.frame, { role: "group", ariaLabel: "RViz" });
-    this.frame.addEventListener("keydown", (event) => this.key(event));
-    this.view.canvas.setAttribute("aria-describedby", this.words.id);
-    this.choose(0);
-  }
-
-  dock(name, ...parts) {
-    return part("section", { className: "course-dock", ariaLabel: name, hidden: true }, ...parts);
-  }
-
-  opener(dock, name) {
-    dock.opener = button(name, `${name} panel`, () => this.toggle(dock, dock.hidden));
-    dock.opener.ariaExpanded = "false";
-    return dock.opener;
-  }
-
-  /** @param {any} dock @param {boolean} open */
-  toggle(dock, open) {
-    dock.hidden = !open;
-    dock.opener.ariaExpanded = String(open);
-  }
-
-  toolButton([label, key, gesture], index) {
-    const made = button(icon(label), `${label} (${key})`, () => this.choose(index));
-    made.append(part("span", {}, label));
-    made.dataset.gesture = gesture;
-    return made;
-  }
-
-  /** @param {number} index of the tool that the mouse is for from now on */
-  choose(index) {
-    const [label, , gesture] = this.state.values.tools[index];
-    this.buttons.forEach((one, at) => (one.ariaPressed = String(at === index)));
-    this.gestures.take({ label, gesture });
-    this.tool = index;
-  }
-
-  memberButtons() {
-    const order = () => ({ row: this.tree.chosen });
-    const { act } = this.state;
-    return part(
-      "div",
-      { role: "toolbar", ariaLabel: "Displays" },
-      button("Add", "Add a display", () => this.add()),
-      button("Duplicate", "Duplicate the chosen display", () => act("duplicate", order())),
-      button("Rename", "Rename the chosen display", () => {
-        const row = this.state.values[`row ${this.tree.chosen}`];
-        ask(this.frame, "Rename", part("input", { value: row.label }), (name) => act("rename", { row: row.key, name }));
-      }),
-      button("Remove", "Remove the chosen display (Delete)", () => act("remove", order())),
-      button("Open", "Open a layout (Ctrl+O)", () => this.open()),
-      button("Save", "Save the layout (Ctrl+S)", () => this.save()),
-    );
-  }
-
-  add() {
-    this.addable = part("select", { size: 14 });
-    this.fillAddable();
-    const row = this.tree.chosen; // a group gets it
-    ask(this.frame, "Add", this.addable, (choice) => this.state.act("add", { ...JSON.parse(choice), row }));
-    this.state.act("look"); // the graph may have new topics
-  }
-
-  fillAddable() {
-    const { types, topics, undrawn } = this.state.values;
-    const note = (name) => (undrawn.includes(name) ? " (RViz2 only)" : "");
-    const byTopic = topics.map(([topic, type, name]) => [
-      JSON.stringify({ class: name, topic }),
-      `${topic} (${type}) → ${name.split("/").pop()}${note(name)}`,
-    ]);
-    const byType = types.map(([name, short]) => [JSON.stringify({ class: name }), short]);
-    const { value } = this.addable;
-    this.addable.replaceChildren(choicesOf("By topic", byTopic), choicesOf("By display type", byType));
-    this.addable.value = value;
-    if (this.addable.selectedIndex < 0) this.addable.selectedIndex = 0;
-  }
-
-  open() {
-    const files = this.state.values.layouts[1].map((name) => new Option(name, name));
-    if (!files.length) return this.say(this.notice, "", "", "No .rviz file is in the notebook's folder.", "");
-    const list = part("select", { size: 8 }, ...files);
-    list.selectedIndex = 0;
-    ask(this.frame, "Open", list, (name) => this.state.act("load", { name }));
-  }
-
-  save() {
-    const field = part("input", { value: this.state.values.layouts[0] });
-    ask(this.frame, "Save", field, (name) => this.state.act("save", { name }));
-  }
-
-  viewControls() {
-    const act = (order) => this.state.act("view", order);
-    this.types = part("select", { ariaLabel: "Type of view", onchange: () => act({ class: this.types.value }) });
-    this.saved = part("select", { ariaLabel: "Saved views", size: 3 });
-    this.saved.ondblclick = () => act({ select: this.saved.selectedIndex });
-    const name = (title, told) => ask(this.frame, title, part("input", { value: this.types.value }), told);
-    const chosen = (key, order = {}) => this.saved.selectedIndex >= 0 && act({ [key]: this.saved.selectedIndex, ...order });
-    return part(
-      "div",
-      {},
-      part("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
-        button("Save", "Save the current view", () => name("Save view", (save) => act({ save }))),
-        button("Use", "Use the chosen saved view", () => chosen("select")),
-        button("Rename", "Rename the chosen saved view", () => name("Rename view", (text) => chosen("rename", { name: text }))),
-        button("Remove", "Remove the chosen saved view", () => chosen("remove"))),
-      this.saved,
-    ); // prettier-ignore
-  }
-
-  updateViews([type, types, saved]) {
-    fill(this.types, types);
-    this.types.value = type;
-    fill(this.saved, saved);
-    this.saved.hidden = !saved.length;
-  }
-
-  suggestions({ frames, topics }) {
-    const lists = { frames };
-    for (const [topic, type] of topics) (lists[type] ??= []).push(topic);
-    return Object.entries(lists).map(([name, words]) =>
-      part("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
-    );
-  }
-
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    const target = /** @type {HTMLElement} */ (event.target);
-    const layout = { s: () => this.save(), o: () => this.open() }[event.key];
-    if (event.ctrlKey || event.metaKey) {
-      if (!layout || target.closest("dialog")) return;
-      layout();
-    } else if (event.altKey || target.matches("input, select, textarea, dialog *")) return;
-    else if (event.key === "Escape" && this.tool) this.choose(0);
-    else if (event.key === "z") this.returnHome();
-    else {
-      const index = this.state.values.tools.findIndex(([, key]) => key === event.key);
-      if (index < 0) return;
-      this.choose(index);
-    }
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
-  /** Look from where a new view does, as RViz's key Z has it. */
-  returnHome() {
-    clearTimeout(this.turning);
-    this.view.turnedAt = -Infinity; // the hands are off
-    this.state.act("view", { home: true });
-  }
-
-  /** Tell Python where the view looks from now, once it rests. */
-  turned() {
-    clearTimeout(this.turning);
-    this.turning = setTimeout(() => {
-      const { eye, target, up, scale } = this.view.orbit;
-      this.state.act("camera", { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale });
-    }, TURNED_AFTER);
-  }
-}
-
-/** @param {HTMLSelectElement} list @param {string[]} words its choices, replaced only when they are others */
-function fill(list, words) {
-  if (words.join("\n") === [...list.options].map((option) => option.value).join("\n")) return;
-  list.replaceChildren(...words.map((word) => new Option(word, word)));
 }

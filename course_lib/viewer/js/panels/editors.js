@@ -11,7 +11,9 @@ import { part } from "./parts.js";
 /** @param {number} value as short as six digits allow */
 const short = (value) => String(Number(Number(value).toPrecision(6)));
 
+/** @param {number[]} rgb */
 const hex = (rgb) => `#${rgb.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
+/** @param {string} text */
 const rgb = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
 
 /**
@@ -22,15 +24,16 @@ function typed(fields, onchange, show = String) {
   const input = part("input", { ...fields, onchange: () => onchange(input) });
   return {
     element: input,
-    update: (value) => {
+    update: (/** @type {any} */ value) => {
       if (document.activeElement !== input) input.value = show(value);
     },
   };
 }
 
-/** Makes the control for each kind of value. @type {Record<string, (row: Row, set: (value: any) => void, list: string) => Editor>} */
+/** @typedef {(row: Row, set: (value: any) => void, list: string) => Editor} Maker of a control */
+/** @type {Record<string, Maker>} by kind of value */
 const EDITORS = {
-  bool: (row, set) => {
+  bool: (_, set) => {
     const box = part("input", { type: "checkbox", onchange: () => set(box.checked) });
     return { element: box, update: (value) => (box.checked = value) };
   },

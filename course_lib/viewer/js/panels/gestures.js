@@ -1,6 +1,7 @@
 /* global THREE */
 
 const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
+/** @type {Record<string, string>} */
 const HINTS = {
   pose: "Click and drag to set position and orientation.",
   point: "Click on a point to publish it.",
@@ -16,10 +17,15 @@ export class Gestures {
    * @param {(text: string) => void} say shows a hint @param {() => void} leave goes back to the first tool
    */
   constructor(view, act, say, leave) {
-    Object.assign(this, { view, act, say, leave });
+    this.view = view;
+    this.act = act;
+    this.say = say;
+    this.leave = leave;
     this.tool = { label: "", gesture: "camera" };
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
+    /** @type {any} */
     this.start = null; // where an arrow or a line begins
+    /** @type {any} */
     this.drawn = null; // shown over the scene
     view.grab = (event) => this.hear(event);
   }
@@ -60,12 +66,14 @@ export class Gestures {
     return true;
   }
 
+  /** @param {any} click as the view tells it */
   select({ path, index }) {
     const node = path === null ? null : this.view.mirror.nodes.get(path);
     this.show(node ? new THREE.BoxHelper(node, 0xffffff) : null);
     this.act("select", { path, index });
   }
 
+  /** @param {number[]} point [m] */
   measure(point) {
     const to = new THREE.Vector3(...point);
     if (!this.start) {
@@ -78,13 +86,14 @@ export class Gestures {
     this.start = null;
   }
 
+  /** @param {PointerEvent} event */
   hover(event) {
     const { point } = this.view.pick(event);
-    const text = point ? `[${point.map((part) => part.toFixed(3)).join(", ")}]` : HINTS.point;
+    const text = point ? `[${point.map((/** @type {number} */ part) => part.toFixed(3)).join(", ")}]` : HINTS.point;
     this.say(text);
   }
 
-  /** Press for the place on the ground, drag for the direction. */
+  /** @param {PointerEvent} event a press for the place on the ground, a drag for the direction */
   pose(event) {
     const ground = this.ground(event);
     if (event.type === "pointerdown" && event.button === 0 && !event.shiftKey) {
@@ -109,6 +118,7 @@ export class Gestures {
     return new THREE.Vector3(origin[0] + far * direction[0], origin[1] + far * direction[1], 0);
   }
 
+  /** @param {any} at [m] @param {number} yaw [rad] */
   arrow(at, yaw) {
     const paint = new THREE.MeshBasicMaterial({ color: GREEN });
     const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.1, 0.1, 2, 16).translate(0, 1, 0), paint); // [m]
@@ -119,6 +129,7 @@ export class Gestures {
     this.show(arrow);
   }
 
+  /** @param {any} from [m] @param {any} to [m] */
   line(from, to) {
     const shape = new THREE.BufferGeometry().setFromPoints([from, to]);
     this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.settings.color, depthTest: false })));
@@ -128,7 +139,7 @@ export class Gestures {
   show(object) {
     if (this.drawn) this.view.mirror.drop(this.drawn);
     this.drawn = object;
-    object?.traverse((one) => (one.raycast = () => {}));
+    object?.traverse((/** @type {any} */ one) => (one.raycast = () => {}));
     if (object) this.view.mirror.scene.add(object);
     this.view.mirror.changed();
   }

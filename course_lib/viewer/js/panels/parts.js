@@ -4,7 +4,7 @@
  * @param {(Node | string)[]} children @returns {any}
  */
 export function part(tag, fields = {}, ...children) {
-  const element = document.createElement(tag);
+  const element = /** @type {any} */ (document.createElement(tag));
   for (const [name, value] of Object.entries(fields)) {
     if (name in element) element[name] = value;
     else element.setAttribute(name, value);
@@ -32,13 +32,13 @@ export function ask(host, title, field, act) {
   const form = part("form", { method: "dialog" }, part("strong", {}, title), field, part("div", {}, yes, no));
   const box = part("dialog", { ariaLabel: title }, form);
   box.onclose = () => box.remove();
-  form.onsubmit = (event) => {
+  form.onsubmit = (/** @type {Event} */ event) => {
     event.preventDefault();
     if (field.value) act(field.value);
     box.close();
   };
   if (field.size) field.ondblclick = () => form.requestSubmit();
-  field.onkeydown = (event) => {
+  field.onkeydown = (/** @type {KeyboardEvent} */ event) => {
     if (event.key !== "Enter") return;
     event.preventDefault(); // or the button that gets the focus back is pressed too
     form.requestSubmit();

@@ -1,10 +1,12 @@
 import { icon } from "../icons.js";
+import { button, part } from "./parts.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const TIME_STYLE = `
 .course-time { display: flex; flex-wrap: wrap; gap: 2px 10px; align-items: center; padding: 2px 6px;
   font: 13px/1.6 system-ui, sans-serif; color: var(--jp-ui-font-color1, CanvasText);
-  background: var(--jp-layout-color1, Canvas); color-scheme: light dark; }
+  background: var(--jp-layout-color1, Canvas); }
+.course-time:not(.course-viewer *) { color-scheme: light dark; }
 .course-time input { flex: 1 1 8em; min-width: 6em; }
 .course-time output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 .course-time button { min-width: 2.2em; }
@@ -27,20 +29,19 @@ export class TimeBar {
     this.act = act;
     /** @type {Time} */
     this.time = { elapsed: 0, paused: true, rate: 1 };
-    this.box = barPart("div", { className: "course-time", role: "group", ariaLabel: "Time" });
-    this.play = this.button("", () => act({ paused: !this.time.paused }));
-    this.back = this.button("−1", () => act({ step: -1 }), "Step back (comma)");
-    this.step = this.button("+1", () => act({ step: 1 }), "Step (period)");
-    this.scrub = barPart("input", { type: "range", step: "any", ariaLabel: "Time" });
+    this.box = part("div", { className: "course-time", role: "group", ariaLabel: "Time" });
+    this.play = button("", "", () => act({ paused: !this.time.paused }));
+    this.back = button("−1", "Step back (comma)", () => act({ step: -1 }));
+    this.step = button("+1", "Step (period)", () => act({ step: 1 }));
+    this.scrub = part("input", { type: "range", step: "any", ariaLabel: "Time" });
     this.scrub.oninput = () => act({ now: Number(this.scrub.value) });
-    this.loop = this.button(icon("loop"), () => act({ loop: !this.time.loop }), "Loop (L)");
-    this.speed = barPart("select", { ariaLabel: "Speed", title: "Speed" });
+    this.loop = button(icon("loop"), "Loop (L)", () => act({ loop: !this.time.loop }));
+    this.speed = part("select", { ariaLabel: "Speed", title: "Speed" });
     for (const rate of SPEEDS) this.speed.append(new Option(`${rate}×`, String(rate)));
     this.speed.onchange = () => act({ rate: Number(this.speed.value) });
-    this.words = barPart("output", { ariaLive: "off" });
-    const style = barPart("style", { textContent: TIME_STYLE });
+    this.words = part("output", { ariaLive: "off" });
+    const style = part("style", { textContent: TIME_STYLE });
     this.box.append(style, this.play, this.back, this.step, this.scrub, this.loop, this.speed, this.words);
-    this.box.dataset.lmSuppressShortcuts = "true"; // JupyterLab: keys pressed here are ours
     host.append(this.box);
     keys.addEventListener("keydown", (event) => this.key(event));
   }
@@ -54,7 +55,7 @@ export class TimeBar {
       this.play.replaceChildren(icon(time.paused ? "play" : "pause"));
     }
     const range = time.range ?? [0, 0];
-    for (const part of [this.back, this.scrub, this.loop]) part.hidden = !time.range;
+    for (const one of [this.back, this.scrub, this.loop]) one.hidden = !time.range;
     Object.assign(this.scrub, { min: range[0], max: range[1] });
     if (!this.scrub.matches(":active")) this.scrub.value = String(time.elapsed); // somebody may hold it
     this.scrub.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
@@ -67,6 +68,7 @@ export class TimeBar {
   key(event) {
     const { range, paused, loop } = this.time;
     const ends = range ? { Home: { now: range[0] }, End: { now: range[1] }, ",": { step: -1 } } : {};
+    /** @type {Record<string, any>} */
     const orders = { " ": { paused: !paused }, ".": { step: 1 }, l: range && { loop: !loop }, ...ends };
     const order = orders[event.key];
     const target = /** @type {HTMLElement} */ (event.target);
@@ -78,12 +80,6 @@ export class TimeBar {
     event.stopPropagation();
   }
 
-  /** @param {string | Element} sign @param {() => void} onclick @param {string} name */
-  button(sign, onclick, name = "") {
-    const made = barPart("button", { type: "button", title: name, ariaLabel: name, onclick });
-    made.append(sign);
-    return made;
-  }
 }
 
 /**
@@ -93,7 +89,7 @@ export class TimeBar {
 export function timeBelow(link, element) {
   /** @type {TimeBar | null} */
   let bar = null;
-  const update = (time) => {
+  const update = (/** @type {Time} */ time) => {
     bar ??= new TimeBar(element, (change) => link.send({ type: "time", ...change }));
     bar.update(time);
   };
@@ -112,9 +108,4 @@ function timeText({ now, elapsed, range, wall, wallElapsed, note }) {
   if (wall !== undefined) parts.push(`Wall Time: ${wall.toFixed(2)}`);
   if (wallElapsed !== undefined) parts.push(`Wall Elapsed: ${wallElapsed.toFixed(2)}`);
   return [...parts, ...(note ? [note] : [])].join("  ");
-}
-
-/** @template {keyof HTMLElementTagNameMap} T @param {T} tag @param {any} fields */
-function barPart(tag, fields) {
-  return /** @type {HTMLElementTagNameMap[T]} */ (Object.assign(document.createElement(tag), fields));
 }

@@ -11,7 +11,7 @@ export class Tree {
     this.act = act;
     this.listFor = listFor;
     this.element = part("div", { className: "course-tree", role: "treegrid", ariaLabel: label });
-    this.element.onkeydown = (event) => this.key(event);
+    this.element.onkeydown = (/** @type {KeyboardEvent} */ event) => this.key(event);
     /** @type {Map<string, any>} the rows that were drawn, by key */
     this.drawn = new Map();
     /** @type {Map<string, boolean>} which were opened or closed by hand */
@@ -28,23 +28,26 @@ export class Tree {
     const parents = new Set(rows.map((row) => row.parent));
     const shown = [];
     for (const row of rows) {
-      const above = this.drawnDepth(depths, row.parent);
+      const above = depths.get(row.parent) ?? { depth: 0, open: true };
       depths.set(row.key, { depth: above.depth + 1, open: above.open && this.isOpen(row) });
       if (above.open) shown.push(this.draw(row, above.depth + 1, parents.has(row.key)));
     }
+    const isHere = this.element.contains(document.activeElement);
+    const chosen = this.drawn.get(this.chosen)?.element;
+    const at = [...this.element.children].indexOf(chosen);
+    const stay = new Set(shown);
+    for (const old of [...this.element.children]) if (!stay.has(old)) old.remove();
     shown.forEach((element, index) => {
-      const there = this.element.children[index];
+      const there = this.element.children[index]; // those that stay are not moved: somebody may be in them
       if (there !== element) this.element.insertBefore(element, there ?? null);
     });
-    while (this.element.children.length > shown.length) this.element.lastChild?.remove();
     for (const key of this.drawn.keys()) if (!depths.has(key)) this.drawn.delete(key);
-    this.choose(this.drawn.has(this.chosen) ? this.chosen : (rows[0]?.key ?? ""), false);
+    if (stay.has(chosen)) return this.choose(this.chosen, false);
+    const next = shown[Math.min(Math.max(at, 0), shown.length - 1)]; // what comes after the one that is gone
+    this.choose(next?.dataset.key ?? "", isHere);
   }
 
-  drawnDepth(depths, parent) {
-    return depths.get(parent) ?? { depth: 0, open: true };
-  }
-
+  /** @param {import("./editors.js").Row} row */
   isOpen(row) {
     return this.opened.get(row.key) ?? row.open ?? false;
   }
@@ -60,7 +63,8 @@ export class Tree {
     if (isParent) element.ariaExpanded = String(this.isOpen(row));
     label.textContent = row.label;
     label.title = row.title ?? "";
-    mark.textContent = row.mark ? `${row.mark} ` : "";
+    mark.textContent = row.mark ?? "";
+    mark.hidden = !row.mark;
     mark.title = row.word ?? "";
     mark.ariaLabel = row.word ?? "";
     element.dataset.level = row.level ?? "";
@@ -69,8 +73,9 @@ export class Tree {
     return element;
   }
 
+  /** @param {import("./editors.js").Row} row @param {string} shape what the row is made for */
   made(row, shape) {
-    const set = (value) => this.act("set", { row: row.key, value });
+    const set = (/** @type {any} */ value) => this.act("set", { row: row.key, value });
     const editor = editorFor(row, set, this.listFor(row));
     const twisty = part("span", { className: "course-twisty", ariaHidden: "true" });
     twisty.onclick = () => this.toggle(row.key);
@@ -78,7 +83,7 @@ export class Tree {
     const tick = part("input", { type: "checkbox", ariaLabel: `Show ${row.label}` });
     tick.onchange = () => set(tick.checked);
     const mark = part("span", { role: "img", className: "course-mark" });
-    const name = part("span", { role: "gridcell", className: "course-name" }, twisty, mark, label);
+    const name = part("span", { role: "gridcell", className: "course-name" }, twisty, mark, " ", label);
     const cell = part("span", { role: "gridcell", className: "course-value" });
     cell.append(row.checked === undefined ? editor.element : tick);
     const element = part("div", { role: "row", tabIndex: -1 }, name, cell);
@@ -108,13 +113,14 @@ export class Tree {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const focused = /** @type {any} */ (event.target);
-    if (event.key === "Escape" && focused.role !== "row") this.choose(this.chosen);
-    else if (focused.role === "row") this.rowKey(event, focused);
-    else return;
+    const element = /** @type {any} */ (event.target);
+    if (element.role === "row") return this.rowKey(event, element);
+    if (event.key !== "Escape") return;
+    this.choose(this.chosen);
     event.stopPropagation();
   }
 
+  /** @param {KeyboardEvent} event @param {any} element the row */
   rowKey(event, element) {
     const key = element.dataset.key;
     const isOpen = element.ariaExpanded === "true";
@@ -130,5 +136,6 @@ export class Tree {
     else if (event.key === "Delete") this.act("remove", { row: key });
     else return;
     event.preventDefault();
+    event.stopPropagation();
   }
 }
