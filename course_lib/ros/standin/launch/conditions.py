@@ -37,30 +37,6 @@ class UnlessCondition(Condition):
         super().__init__(predicate=lambda context: not is_true(context, predicate_expression))
 
 
-class LaunchConfigurationEquals(Condition):
-    """True where an argument has a value; None: where it is not set."""
-
-    def __init__(
-        self,
-        launch_configuration_name: str,
-        expected_value: SomeSubstitutionsType | None,
-        *,
-        equal: bool = True,
-    ) -> None:
-        def decide(context: LaunchContext) -> bool:
-            expected = None if expected_value is None else text_of(context, expected_value)
-            return (context.launch_configurations.get(launch_configuration_name) == expected) is equal
-
-        super().__init__(predicate=decide)
-
-
-class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
-    """True where an argument has another value."""
-
-    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
-        super().__init__(launch_configuration_name, expected_value, equal=False)
-
-
 def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
     """Read a text as true or false, with launch's complaint about any other."""
     text = text_of(context, expression).strip().lower()

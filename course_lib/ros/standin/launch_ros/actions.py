@@ -111,20 +111,6 @@ class SetParameter(_ForAll):
         super().__init__(_PARAMETERS, {name: value}, **options)
 
 
-class SetUseSimTime(SetParameter):
-    """use_sim_time for all nodes that follow."""
-
-    def __init__(self, value: Any, **options: Any) -> None:
-        super().__init__("use_sim_time", value, **options)
-
-
-class SetParametersFromFile(_ForAll):
-    """A file of parameters for all nodes that follow."""
-
-    def __init__(self, filename: Some, **options: Any) -> None:
-        super().__init__(_PARAMETERS, filename, **options)
-
-
 class SetRemap(_ForAll):
     """Another name for a topic of all nodes that follow."""
 

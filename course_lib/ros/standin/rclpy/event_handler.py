@@ -4,12 +4,15 @@ from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
+
+if TYPE_CHECKING:
+    from course_lib.ros.clock import Alarm
 
 
 @dataclass
@@ -133,3 +136,28 @@ class EventHandler(Entity):
     def take(self) -> Callable[[], object]:
         """Take the oldest event that was not told yet."""
         return partial(self._callback, self._infos.popleft())
+
+
+class Watchdog:
+    """Barks whenever it was not fed for a while, [ns], after its first meal."""
+
+    def __init__(self, node: NodeHandle, limit_ns: int, bark: Callable[[], object]) -> None:
+        self._node, self._limit_ns, self._bark = node, limit_ns, bark
+        self._entity = node.next_entity()
+        self._alarm: Alarm | None = None
+
+    def feed(self) -> None:
+        """Begin the time anew."""
+        self.stop()
+        graph = self._node.graph
+        due_ns = graph.now_ns + self._limit_ns
+        self._alarm = graph.call_at(due_ns, self._ring, node=self._node.id, entity=self._entity)
+
+    def stop(self) -> None:
+        """Bark no more until it is fed."""
+        if self._alarm is not None:
+            self._alarm.cancel()
+
+    def _ring(self) -> None:
+        self.feed()
+        self._bark()

@@ -9,11 +9,10 @@ from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.impl.watchdog import Watchdog
 from rclpy.qos import QoSPolicyKind, QoSProfile
 
 if TYPE_CHECKING:
-    from rclpy.event_handler import Events
+    from rclpy.event_handler import Events, Watchdog
 
 MsgT = TypeVar("MsgT", bound=Message)
 

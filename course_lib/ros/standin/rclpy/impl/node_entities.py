@@ -9,13 +9,17 @@ from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup,
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
-from rclpy.event_handler import EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.event_handler import (
+    EventCallbacks,
+    PublisherEventCallbacks,
+    SubscriptionEventCallbacks,
+    Watchdog,
+)
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
 from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.qos_conversion import to_qos
-from rclpy.impl.watchdog import Watchdog
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
 from rclpy.service import Service

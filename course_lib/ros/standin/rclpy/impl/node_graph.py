@@ -33,7 +33,8 @@ class NodeGraph:
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """List all topics with their types."""
-        return _topics(self.handle.graph.endpoints())
+        infos = self.handle.graph.endpoints()
+        return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
 
     def get_service_names_and_types(self) -> NamesAndTypes:
         """List all services with their types; as in ROS also those that are only asked for."""
@@ -87,10 +88,6 @@ class NodeGraph:
             endpoint_gid=list(info.id.to_bytes(16, "big")),
             qos_profile=to_profile(info.qos),
         )
-
-
-def _topics(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
-    return sorted_types((info.topic, info.type_name) for info in endpoints if info.service is None)
 
 
 def services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:

@@ -13,7 +13,7 @@ from rclpy.exceptions import (
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
-from rclpy.impl.parameter_declaration import declaration
+from rclpy.impl.parameter_descriptor import declaration
 from rclpy.impl.parameter_setting import ParameterSetting
 from rclpy.parameter import Parameter
 

@@ -6,7 +6,7 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent, SetParameter
 
 from rclpy.clock import Clock
 from rclpy.exceptions import ParameterNotDeclaredException
-from rclpy.impl.parameter_rules import refusal
+from rclpy.impl.parameter_descriptor import refusal
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
