@@ -72,7 +72,7 @@ def test_a_program_imports_the_package_beside_it(folder: Path) -> None:
     program = folder.parent / "program.py"
     program.write_text(f"from {folder.name}.msg import Range\nprint(Range(width=2.0))")
     command = [sys.executable, "-m", "course_lib", "run", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert (done.stdout, done.stderr) == (f"{folder.name}.msg.Range(width=2.0)\n", "")
 
 

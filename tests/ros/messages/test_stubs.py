@@ -2,8 +2,8 @@ import sys
 
 import pytest
 
-from course_lib.ros.messages import stubs
 from course_lib.ros.messages.definitions import type_names
+from tests.ros.messages import stubs
 
 
 def test_the_stubs_on_disk_are_what_the_types_say() -> None:

@@ -1,4 +1,4 @@
-# Written by `python -m course_lib.ros.messages.stubs`; don't edit.
+# Written by `python -m tests.ros.messages.stubs`; don't edit.
 
 from course_lib.ros.messages.message import Message
 import builtin_interfaces.msg

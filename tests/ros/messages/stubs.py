@@ -1,6 +1,6 @@
 """Write the stand-in's message packages: the stubs that editors and mypy read.
 
-Run ``python -m course_lib.ros.messages.stubs`` after rosbags brought other types; with ``--check`` it only
+Run ``python -m tests.ros.messages.stubs`` after rosbags brought other types; with ``--check`` it only
 says whether the files on disk are what it would write.
 """
 
@@ -11,9 +11,9 @@ from typing import Any
 from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition, definition, type_names
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.standin_path import STANDIN
 
-STANDIN = Path(__file__).parent.parent / "standin"
-_HEADER = "# Written by `python -m course_lib.ros.messages.stubs`; don't edit.\n"
+_HEADER = "# Written by `python -m tests.ros.messages.stubs`; don't edit.\n"
 _BASE = "from course_lib.ros.messages.message import Message"
 _STANDARD = (  # what a stub imports if it holds the word
     ("array[", "from array import array"),
