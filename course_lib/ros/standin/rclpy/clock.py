@@ -13,20 +13,15 @@ from rclpy.utilities import get_default_context
 class Clock:
     """A clock of one kind; `Clock(clock_type=ClockType.ROS_TIME)` is a ROSClock."""
 
-    _clock_type: ClockType
+    clock_type: ClockType
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
         """Make a clock of the kind asked for."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         clock = super().__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
-        clock._clock_type = clock_type
+        clock.clock_type = clock_type
         return clock
-
-    @property
-    def clock_type(self) -> ClockType:
-        """The kind of the clock."""
-        return self._clock_type
 
     def __repr__(self) -> str:
         return f"Clock(clock_type={self.clock_type.name})"

@@ -34,7 +34,7 @@ class MultiThreadedExecutor(Executor):
         """Begin nothing any more; True when the callbacks under way have ended within the time [s]."""
         super().shutdown(timeout_sec)
         limit_ns = timeout_sec_to_nsec(timeout_sec)
-        until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
+        until_ns = None if limit_ns < 0 else self.context.graph.now_ns + limit_ns
         with baton.known():
             return baton.wait(lambda: not self._running, until_ns=until_ns, what="callbacks under way")
 

@@ -43,7 +43,7 @@ class Timer(Entity):
         self._alarm: Alarm | None = None
         self._due = False  # it has become ready and was not taken yet
         self._canceled = not autostart
-        self._destroyed = False
+        self.is_destroyed = False
         self._next_ns = self._graph.now_ns + timer_period_ns
         if autostart:
             self._arm()
@@ -98,16 +98,11 @@ class Timer(Entity):
 
     def destroy(self) -> None:
         """End for good; call `Node.destroy_timer` instead."""
-        self._destroyed = True
+        self.is_destroyed = True
         self._disarm()
 
-    @property
-    def is_destroyed(self) -> bool:
-        """Whether it has ended for good."""
-        return self._destroyed
-
     def _require(self) -> "Timer":
-        if self._destroyed:
+        if self.is_destroyed:
             raise InvalidHandle
         return self
 
@@ -151,21 +146,20 @@ class Rate:
                 "or a MultiThreadedExecutor."
             )
         ticks = self._ticks
+
+        def wakes() -> bool:
+            ended = self._destroyed or self.timer.is_destroyed or not self._context.is_valid
+            return ended or self._ticks > ticks
+
+        what = "a rate's next tick, for which another thread has to spin the node"
         with baton.known():
-            baton.wait(
-                lambda: self._ticks > ticks or self._ended() or not self._context.is_valid,
-                until_ns=None,
-                what="a rate's next tick, for which another thread has to spin the node",
-            )
+            baton.wait(wakes, until_ns=None, what=what)
         if not self._context.is_valid:
             raise ROSInterruptException
 
     def destroy(self) -> None:
         """End it; who sleeps in it wakes up."""
         self._destroyed = True
-
-    def _ended(self) -> bool:
-        return self._destroyed or self.timer.is_destroyed
 
     def _tick(self) -> None:
         self._ticks += 1

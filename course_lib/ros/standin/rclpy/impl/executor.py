@@ -35,8 +35,8 @@ class Executor(AbstractContextManager["Executor"]):
     """The base of executors: takes its nodes' callbacks in the order in which they became ready."""
 
     def __init__(self, *, context: Context | None = None) -> None:
-        self._context = context or get_default_context()
-        if not self._context.is_valid:
+        self.context = context or get_default_context()  # whose shutdown ends it
+        if not self.context.is_valid:
             raise NotInitializedException("cannot create executor")
         self._nodes: dict[Node, None] = {}  # a set that keeps its order
         self._tasks: list[Task] = []
@@ -45,14 +45,9 @@ class Executor(AbstractContextManager["Executor"]):
         self._is_shutdown = False
 
     @property
-    def context(self) -> Context:
-        """The context whose shutdown ends it."""
-        return self._context
-
-    @property
     def is_running(self) -> bool:
         """Whether neither it nor its context has been shut down."""
-        return self._context.is_valid and not self._is_shutdown
+        return self.context.is_valid and not self._is_shutdown
 
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task:
         """Have a function or a coroutine run by the executor; returns its future."""
@@ -93,11 +88,11 @@ class Executor(AbstractContextManager["Executor"]):
         """
         if self._num_threads == 1 and threading.get_ident() in self._under_way:
             raise ValueError("generator already executing")
-        if self._context.graph.notebook and threading.current_thread() is threading.main_thread():
+        if self.context.graph.notebook and threading.current_thread() is threading.main_thread():
             driving.spin_cell(self)
             return
         with baton.known():
-            while self.is_running and self._context.ok():
+            while self.is_running and self.context.ok():
                 self.spin_once()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
@@ -112,10 +107,10 @@ class Executor(AbstractContextManager["Executor"]):
 
     def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done, or the time [s] is over."""
-        graph, limit_ns = self._context.graph, timeout_sec_to_nsec(timeout_sec)
+        graph, limit_ns = self.context.graph, timeout_sec_to_nsec(timeout_sec)
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         with baton.known():
-            while self.is_running and self._context.ok() and not future.done():
+            while self.is_running and self.context.ok() and not future.done():
                 self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.done)
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
@@ -134,7 +129,7 @@ class Executor(AbstractContextManager["Executor"]):
         def stops() -> bool:
             return not self.is_running or condition()
 
-        until_ns = None if limit_ns < 0 else self._context.graph.now_ns + limit_ns
+        until_ns = None if limit_ns < 0 else self.context.graph.now_ns + limit_ns
         while not stops():
             task = self._next_task()
             if task is not None or limit_ns == 0:
@@ -143,7 +138,7 @@ class Executor(AbstractContextManager["Executor"]):
             what = f"a callback of {names or 'no node'}"
             if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=what):
                 return None
-        if not self._context.is_valid and not self._is_shutdown:
+        if not self.context.is_valid and not self._is_shutdown:
             raise ExternalShutdownException
         return None
 
@@ -178,7 +173,7 @@ class Executor(AbstractContextManager["Executor"]):
                 return self._begin(turn, call)
 
     def _begin(self, turn: Turn, call: Callable[[], object]) -> Task:
-        entity, graph = turn.entity, self._context.graph
+        entity, graph = turn.entity, self.context.graph
         group = entity.callback_group
         group.beginning_execution(entity)
 
