@@ -17,7 +17,7 @@ SOLUTION = ROOT / "solutions" / "week01_solution.ipynb"
 
 
 def run(*command: str | Path, cwd: Path) -> str:
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=300)
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -60,7 +60,7 @@ def test_course_lab_opens_the_students_folder(student: Path) -> None:
     assert process.stdout is not None
     address = next(filter(None, (re.search(r"http://\S+", line) for line in process.stdout)))
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=30)
+    process.communicate(timeout=120)
     assert "token=" in address.group()
     assert (student / "my_course" / "week01_exercise.ipynb").is_file()
 

@@ -62,7 +62,7 @@ def test_a_server_that_does_not_start_is_said_in_one_line(
 
 def get(address: str, path: str) -> Any:
     base, _, token = address.partition("lab/tree")
-    with urllib.request.urlopen(f"{base}{path}?{token.partition('?')[2]}", timeout=20) as answer:
+    with urllib.request.urlopen(f"{base}{path}?{token.partition('?')[2]}", timeout=60) as answer:
         return json.loads(answer.read())
 
 
@@ -92,6 +92,6 @@ def test_it_serves_the_students_folder_only_and_leaves_nothing_behind(tmp_path: 
     news = get(address.group(), "lab/api/settings/@jupyterlab/apputils-extension:notification")
     assert news["schema"]["properties"]["fetchNews"]["default"] == "false"
     process.send_signal(signal.SIGTERM)
-    assert process.wait(20) == 0
+    assert process.wait(60) == 0
     assert "Your files are kept." in process.stdout.read()
     assert not [p for p in server if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]

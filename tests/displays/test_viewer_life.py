@@ -107,7 +107,7 @@ def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
     assert opened == [url]
     assert url in capsys.readouterr().out
     assert viewer.open(browser=False) == url
-    with urllib.request.urlopen(url, timeout=5) as response:
+    with urllib.request.urlopen(url, timeout=60) as response:
         assert response.status == 200
     viewer.close()
     assert viewer.session.after_frame == []

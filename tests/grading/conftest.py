@@ -58,8 +58,8 @@ COURSE = """
 title = "A course"
 time_zone = "Europe/Paris"
 [limits]
-cell_seconds = 2
-scenario_seconds = 2
+cell_seconds = 30
+scenario_seconds = 30
 [weeks.week01]
 title = "First marker"
 deadline = 2026-10-11T23:59:00
@@ -131,17 +131,22 @@ check("week01.answer", answer)
 """
 
 
+def write_course(top: Path, settings: str = COURSE, hidden: str = HIDDEN) -> Course:
+    """Write a small course of one week: a node, a function and a value."""
+    for name, text in {
+        "exercises/course.toml": settings,
+        "exercises/checks/week01.py": CHECKS,
+        "solutions/checks/week01.py": hidden,
+    }.items():
+        (top / name).parent.mkdir(parents=True, exist_ok=True)
+        (top / name).write_text(text)
+    return Course(top / "exercises", top / "solutions")
+
+
 @pytest.fixture
 def course(tmp_path: Path) -> Course:
-    """A small course of one week: a node, a function and a value."""
-    for name, text in {
-        "exercises/course.toml": COURSE,
-        "exercises/checks/week01.py": CHECKS,
-        "solutions/checks/week01.py": HIDDEN,
-    }.items():
-        (tmp_path / "course" / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / "course" / name).write_text(text)
-    return Course(tmp_path / "course/exercises", tmp_path / "course/solutions")
+    """A course with limits for a machine that has much else to do."""
+    return write_course(tmp_path / "course")
 
 
 @pytest.fixture

@@ -54,7 +54,7 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
         ("exercises/course.toml", "time_zone", "title = 3 #", "can't be read"),
         ("exercises/course.toml", 'time_zone = "Europe/Paris"', "", "the key 'time_zone' is missing"),
         ("exercises/course.toml", "weeks.week01", "weeks.week1", "week1, expected a name like week01"),
-        ("exercises/course.toml", "cell_seconds = 2", "cell_seconds = 0", "0, expected a number above 0"),
+        ("exercises/course.toml", "cell_seconds = 30", "cell_seconds = 0", "0, expected a number above 0"),
         ("exercises/checks/week01.py", "TASKS", "TASK", "TASKS: expected a tuple"),
         (
             "exercises/checks/week01.py",

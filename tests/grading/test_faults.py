@@ -15,24 +15,37 @@ from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
 from course_lib.grading.out_folder import OutError, sole_use
+from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
 
 STUDENTS = 12
 SECONDS = 120  # [s] a grader may take on a busy machine
 
 
+@pytest.fixture(scope="module")
+def top(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a course, a class in `in`, and what it gets if nothing happens."""
+    made = tmp_path_factory.mktemp("faults")
+    write_class(made, STUDENTS)
+    grade(made / "in", made / "undisturbed", jobs=1, course=write_course(made / "course"))
+    return made
+
+
 @pytest.fixture
-def undisturbed(course: Course, tmp_path: Path) -> dict[str, str]:
+def course(top: Path) -> Course:
+    return Course(top / "course/exercises", top / "course/solutions")
+
+
+@pytest.fixture
+def undisturbed(top: Path) -> dict[str, str]:
     """What the class gets if nothing happens, on one job in this process."""
-    write_class(tmp_path, STUDENTS)
-    grade(tmp_path / "in", tmp_path / "undisturbed", jobs=1, course=course)
-    return fingerprint(tmp_path / "undisturbed")
+    return fingerprint(top / "undisturbed")
 
 
 def test_the_same_class_on_two_jobs_has_equal_evidence_and_marks(
-    course: Course, undisturbed: dict[str, str], tmp_path: Path
+    course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
-    grade(tmp_path / "in", tmp_path / "out", jobs=2, course=course)
+    grade(top / "in", tmp_path / "out", jobs=2, course=course)
     assert fingerprint(tmp_path / "out") == undisturbed
     assert len(undisturbed) == 2 * STUDENTS + 1
 
@@ -90,33 +103,33 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_full_disk_ends_it_in_one_line_and_it_goes_on_when_there_is_room(
-    course: Course, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
+    course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
     with pytest.raises(OutError, match=r"No space left.*--resume") as stopped:
-        grade(tmp_path / "in", small_disk / "out", jobs=1, course=course)
+        grade(top / "in", small_disk / "out", jobs=1, course=course)
     assert "\n" not in str(stopped.value)
     subprocess.run(("mount", "-o", "remount,size=9m", str(small_disk)), check=True)
-    grade(tmp_path / "in", small_disk / "out", jobs=1, resume=True, course=course)
+    grade(top / "in", small_disk / "out", jobs=1, resume=True, course=course)
     assert fingerprint(small_disk / "out") == undisturbed
 
 
 def test_a_read_only_disk_is_named_before_anything_runs(
-    course: Course, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
+    course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
     subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True)
     with pytest.raises(OutError, match="Read-only file system"):
-        grade(tmp_path / "in", small_disk / "out", jobs=1, course=course)
+        grade(top / "in", small_disk / "out", jobs=1, course=course)
     subprocess.run(("mount", "-o", "remount,rw,size=9m", str(small_disk)), check=True)
-    grade(tmp_path / "in", small_disk / "out", jobs=1, resume=True, course=course)
+    grade(top / "in", small_disk / "out", jobs=1, resume=True, course=course)
     assert fingerprint(small_disk / "out") == undisturbed
 
 
 def test_a_clock_that_jumps_changes_no_mark(
-    course: Course, undisturbed: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real, chance = time.time, random.Random(7)
     monkeypatch.setattr(time, "time", lambda: real() + chance.uniform(-1e8, 1e8))
-    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    grade(top / "in", tmp_path / "out", jobs=1, course=course)
     assert fingerprint(tmp_path / "out") == undisturbed
 
 

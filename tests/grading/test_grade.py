@@ -16,6 +16,7 @@ from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
 from course_lib.grading.result import read_result
 from course_lib.grading.scenario import run_here
+from tests.grading.conftest import COURSE, write_course
 
 WriteNotebook = Callable[..., Path]
 IN_TIME = "2026-10-11 12:00:00 UTC"
@@ -60,11 +61,17 @@ def hand_in(tmp_path: Path, write_notebook: WriteNotebook) -> Callable[..., Path
     return write
 
 
+@pytest.fixture
+def impatient(tmp_path: Path) -> Course:
+    """The course, with limits that an endless loop reaches soon."""
+    return write_course(tmp_path / "course", COURSE.replace("seconds = 30", "seconds = 2"))
+
+
 def test_each_tiny_submission_gets_its_right_mark(
-    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+    impatient: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    assert grade(hand_in(variants(right)), out, jobs=2, course=course)
+    assert grade(hand_in(variants(right)), out, jobs=2, course=impatient)
     marks = {
         student: (float(row["final"]), row["status"], row["reason"]) for student, row in rows(out).items()
     }
@@ -85,12 +92,12 @@ def test_each_tiny_submission_gets_its_right_mark(
 
 
 def test_kernel_and_worker_give_equal_digests(
-    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+    impatient: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     names = ("right", "wrong_color", "crashes", "endless_node", "flood")
     codes = {name: variants(right)[name] for name in names}
-    grade(hand_in(codes), tmp_path / "out", jobs=1, course=course)
-    task = catalog_of(course).task("week01.red_cube")
+    grade(hand_in(codes), tmp_path / "out", jobs=1, course=impatient)
+    task = catalog_of(impatient).task("week01.red_cube")
     for student, code in codes.items():
         made: dict[str, Any] = {}
         exec(code.split("# next cell")[0].replace("%load_ext course_lib", ""), made)

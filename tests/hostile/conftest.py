@@ -17,10 +17,9 @@ import pytest
 
 import course_lib
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, prctl
-from tests.grading.conftest import CHECKS, COURSE, HIDDEN, RIGHT
+from tests.grading.conftest import COURSE, HIDDEN, RIGHT, write_course
 from tests.hostile.files import FILES
 from tests.hostile.submissions import ALL
 
@@ -72,16 +71,15 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
         "GRADER": os.getpid(),
         "LIB": course_lib.__file__,
     }
-    _write_course(top)
+    settings = COURSE.replace("cell_seconds = 30\nscenario_seconds = 30", LIMITS)
+    course = write_course(top / "course", settings, f"SECRET = {SECRET!r}\n{HIDDEN}")
     _hand_in_all(top, "".join(f"{name} = {str(value)!r}\n" for name, value in places.items()))
     made = Graded(top, {}, library_before=library_hash())
     threading.Thread(target=_count, args=(listener, made.connections), daemon=True).start()
     shared_template()  # of this process: it stays
     with orphans_become_ours():
         before = descendants()
-        grade(
-            top / "in", top / "out", jobs=2, course=Course(top / "course/exercises", top / "course/solutions")
-        )
+        grade(top / "in", top / "out", jobs=2, course=course)
         ends = time.monotonic() + 20  # [s] within which a killed process has gone, on any machine
         while (left := descendants() - before) and time.monotonic() < ends:
             time.sleep(0.1)
@@ -117,16 +115,6 @@ def descendants() -> set[int]:
         more = {pid for pid, parent in parents.items() if parent in more}
         found |= more
     return found
-
-
-def _write_course(top: Path) -> None:
-    for name, text in {
-        "course/exercises/course.toml": COURSE.replace("cell_seconds = 2\nscenario_seconds = 2", LIMITS),
-        "course/exercises/checks/week01.py": CHECKS,
-        "course/solutions/checks/week01.py": f"SECRET = {SECRET!r}\n{HIDDEN}",
-    }.items():
-        (top / name).parent.mkdir(parents=True, exist_ok=True)
-        (top / name).write_text(text)
 
 
 def _hand_in_all(top: Path, prelude: str) -> None:

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import zip_longest
 from pathlib import Path
@@ -24,6 +25,7 @@ from tests.notebooks.mutations import Operator, mutants
 ANSWERS = Path(__file__).parent / "answers"
 WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))
 STUDENT = "s1"
+A_WHILE = 100.0  # [s]
 
 
 def wrong_answers() -> dict[tuple[str, str], str]:
@@ -42,7 +44,10 @@ WRONG = wrong_answers()
 
 @cache
 def catalog() -> Catalog:
-    return load_catalog(exercises_dir(), solutions_dir())
+    """The course's, with limits for a machine that has much else to do."""
+    made = load_catalog(exercises_dir(), solutions_dir())
+    limits = replace(made.course.limits, cell_seconds=A_WHILE, scenario_seconds=A_WHILE, total_seconds=600.0)
+    return replace(made, course=replace(made.course, limits=limits))
 
 
 def cells_of(path: Path) -> list[str]:
@@ -57,6 +62,12 @@ def solution(week: str) -> Path:
 
 def marked(cells: Sequence[str], week: str) -> ExerciseRun:
     return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
+
+
+@cache
+def run_of(path: Path) -> ExerciseRun:
+    """What came of a file: a solution, an exercise as it is handed out, or an answer."""
+    return marked(cells_of(path), path.name[:6])
 
 
 def judged(week: str) -> list[Task]:
@@ -76,7 +87,7 @@ def said(result: TaskResult, *, hidden: bool | None = None) -> str:
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_the_solution_gets_full_marks_and_says_nothing_of_errors(week: str) -> None:
-    run = marked(cells_of(solution(week)), week)
+    run = run_of(solution(week))
     assert run.cell_errors == []
     assert [task.task for task in judged_results(run) if task.score != task.points] == []
     assert [said(task) for task in run.results if not task.passed] == []
@@ -84,26 +95,21 @@ def test_the_solution_gets_full_marks_and_says_nothing_of_errors(week: str) -> N
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_another_right_solution_gets_full_marks(week: str) -> None:
-    run = marked(cells_of(ANSWERS / f"{week}_other_right.py"), week)
+    run = run_of(ANSWERS / f"{week}_other_right.py")
     assert {task.task: said(task) for task in judged_results(run) if task.score != task.points} == {}
 
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_the_stub_gets_0_and_says_what_is_missing(week: str) -> None:
-    run = marked(cells_of(exercise_path(solution(week))), week)
+    run = run_of(exercise_path(solution(week)))
     assert [task.score for task in run.results] == [0.0] * len(run.results)
     assert all("NotImplementedError" in "".join(task.errors) for task in judged_results(run))
 
 
-@cache
-def marks_of(name: str) -> dict[str, TaskResult]:
-    run = marked(cells_of(ANSWERS / f"{name}.py"), name[:6])
-    return {result.task: result for result in run.results}
-
-
 @pytest.mark.parametrize(("name", "task"), WRONG)
 def test_a_wrong_answer_loses_points_and_its_mistake_is_named(name: str, task: str) -> None:
-    result = marks_of(name)[f"{name[:6]}.{task}"]
+    results = run_of(ANSWERS / f"{name}.py").results
+    (result,) = (result for result in results if result.task == f"{name[:6]}.{task}")
     assert result.errors == ()
     assert result.score < result.points
     assert WRONG[name, task] in said(result)
@@ -162,17 +168,19 @@ def test_kernel_and_worker_record_the_same(
 ) -> None:
     monkeypatch.chdir(tmp_path)  # answers may write files
     paths = {"solution": solution(week), "stub": exercise_path(solution(week))}
-    cells = [re.sub(r"^%.*\n", "", cell) for cell in cells_of(paths.get(kind, ANSWERS / f"{week}_{kind}.py"))]
+    path = paths.get(kind, ANSWERS / f"{week}_{kind}.py")
+    cells = [re.sub(r"^%.*\n", "", cell) for cell in cells_of(path)]
     definitions = [c for c in cells if re.match(r"(class|def|import|from|[A-Z_]+ =|\"\"\"|#)", c)]
     tasks = [task for task in catalog().of_week(week) if task.kind in ("node", "function")]
     give_values({task.id: personal_values(task, STUDENT) for task in tasks})
     namespace: dict[str, Any] = {}
     for cell in definitions:
         exec(cell, namespace)
-    for run in marked(cells, week).runs:
+    for run in run_of(path).runs:
         task = catalog().task(run.evidence.task)
         if task not in tasks:
             continue
-        here = run_here(task, run.scenario, namespace[task.name], personal_values(task, STUDENT))
+        personal = personal_values(task, STUDENT)
+        here = run_here(task, run.scenario, namespace[task.name], personal, wall_limit=A_WHILE)
         assert here.recording.digest() == run.evidence.recording.digest(), (task.id, run.scenario.name)
         assert here.returns == run.evidence.returns, (task.id, run.scenario.name)

@@ -96,7 +96,7 @@ def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
         "for x in range(50):\n"
         "    scene.set_transform('a', np.eye(4))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
@@ -113,7 +113,7 @@ def test_a_notebook_run_without_a_page_is_saved_with_the_scene_as_it_is_at_its_e
     ]
     new: Any = nbformat.v4  # has no types
     notebook = new.new_notebook(cells=[new.new_code_cell(cell) for cell in cells])
-    NotebookClient(notebook, timeout=60, resources={"metadata": {"path": tmp_path}}).execute()
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
     states = notebook.metadata["widgets"]["application/vnd.jupyter.widget-state+json"]["state"].values()
     buffers = {tuple(b["path"]): b["data"] for state in states for b in state.get("buffers", ())}
     scene = msgpack.unpackb(base64.b64decode(buffers[("snapshot",)]))

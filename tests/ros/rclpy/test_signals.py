@@ -35,7 +35,7 @@ def outcome(name: str) -> list[str]:
     code = PROGRAM.replace("SIGNAME", name)
     root = Path(__file__).parents[3]
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=root, check=True
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=root, check=True
     )
     return done.stdout.splitlines()
 
