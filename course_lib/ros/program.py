@@ -1,5 +1,6 @@
 """Runs unmodified rclpy programs in this process, on robot time."""
 
+import json
 import os
 import signal
 import sys
@@ -14,9 +15,9 @@ from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.notebook_program import NotebookProgram
 from course_lib.ros.process import Process, Processes
 from course_lib.ros.seeding import seeded
+from course_lib.ros.shell import make_shell
 from course_lib.ros.tracebacks import print_error_of_thread
 
 if TYPE_CHECKING:
@@ -95,6 +96,28 @@ class Program(Process):
         sys.modules["__main__"] = module
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
         exec(self._code, module.__dict__)
+
+
+class NotebookProgram(Process):
+    """The code cells of a notebook of format 4, in order, up to the first that fails."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__(file)
+        try:
+            cells = json.loads(file.read_bytes())["cells"]
+            self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        except OSError as error:
+            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise CourseError(f"{file} is no notebook of format 4. Save it again in JupyterLab.") from error
+
+    def work(self) -> None:
+        """Run the cells; IPython shows what one raises."""
+        shell = make_shell()
+        for source in self._sources:
+            if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+                self.exit_code = 1
+                return
 
 
 @contextmanager
