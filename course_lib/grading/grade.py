@@ -87,7 +87,11 @@ def grade(
         if rejudge:
             batches = _with_evidence(batches)
         graded = _graded(batches, work, course, out, jobs or os.cpu_count() or 1, dask)
-        rows = list(watched(graded, len(batches)))
+        try:
+            rows = list(watched(graded, len(batches)))
+        except KeyboardInterrupt:
+            say("Interrupted. Nothing is lost: the same command with --resume goes on.")
+            raise
         _finish(rows, batches, out, course)
     return all(row["status"] in GRADED for row in rows)
 

@@ -168,10 +168,9 @@ def _judged(submission: Submission, course: Course, out: Path) -> Result:
     stored = evidence_path(out, submission.key).read_bytes()
     run = judge_exercise(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
     days = count_days_late(submission.received.time, catalog.course.deadline(week, submission.student), late)
-    message = f"{sum(task.fraction == 1 for task in run.results)} of {len(run.results)} tasks have full marks"
     reason = _limit(run)
     status: Status = "limit" if reason else "graded"
-    return Result(submission, status, reason, message, run, days, late.percent_per_day)
+    return Result(submission, status, reason, "", run, days, late.percent_per_day)
 
 
 def _limit(run: ExerciseRun) -> str:

@@ -37,11 +37,11 @@ def counts(rows: Iterable[Row]) -> str:
 
 
 def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
-    """A line per task, of all that result files say: how many, the mean, how many have full marks."""
+    """A line per task that checks mark, of all results: how many, the mean, how many have full marks."""
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:
-        for task in result.get("tasks", ()):
+        for task in (task for task in result.get("tasks", ()) if not task["rubric"]):
             scores.setdefault(task["task"], []).append(task["score"])
             points[task["task"]] = task["points"]
     return [

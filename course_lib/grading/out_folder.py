@@ -27,8 +27,8 @@ def writing(out: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise OutError(
-            f"{out} can't be written: {error.strerror or error}. Mend that, then type the same command with "
-            "--resume (nothing is lost); or name another folder with --out"
+            f"{out} can't be written: {error.strerror or error}. Mend that, then type the command again, "
+            "grade with --resume (nothing is lost); or name another folder"
         ) from error
 
 

@@ -29,7 +29,7 @@ class Result:
         submission: What was handed in.
         status: `rejected` and `grader_error` have no mark.
         reason: A word: which limit, which kind of rejection.
-        message: A sentence.
+        message: A sentence, if there is no mark.
         run: What each task got, and why.
         days_late: Started days.
         percent_per_day: What each of them costs.
@@ -65,25 +65,15 @@ class Result:
             return self
         pairs = zip(self.run.tasks, self.run.results, strict=True)
         results = [apply_marks(one, [asdict(row) for row in task.rubric], marks) for task, one in pairs]
-        status = row_of(self.content(), marks)["status"]
-        return replace(self, run=replace(self.run, results=tuple(results)), status=status)
+        row, run = row_of(self.content(), marks), replace(self.run, results=tuple(results))
+        return replace(self, run=run, status=row["status"], message=row["message"])
 
     def content(self) -> dict[str, Any]:
         """What its file holds: nothing that a person gave is in it."""
-        own = (
-            "status",
-            "reason",
-            "message",
-            "days_late",
-            "percent_per_day",
-            "isolation",
-            "attempts",
-            "rules",
-        )
         return {
             **self.submission.as_plain(),
-            **{name: getattr(self, name) for name in own},
-            "rules": self.rules,
+            **{name: value for name, value in vars(self).items() if name not in ("submission", "run")},
+            "isolation": self.isolation,
             "notes": [*self.submission.notes, *self.notes],
             **(self.run.as_plain() if self.run else {}),
         }
@@ -120,6 +110,8 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
     tasks = content.get("tasks", ())
     results = [apply_marks(_task(task), task["rubric"], marks) for task in tasks]
     if results:
+        full = sum(one.score >= one.points for one in results)
+        row["message"] = f"{full} of {len(results)} tasks have full marks"
         row |= asdict(mark(results, content["days_late"], Late(content["percent_per_day"])))
     if any(task["rubric"] and one.manual is None for task, one in zip(tasks, results, strict=True)):
         row["status"] = "needs_marking"
