@@ -5,9 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 from course_lib.ros.graph import Sample
+from course_lib.ros.graph_server import PICTURES
 from course_lib.ros.messages import serialize
 
-PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 ROOM = 4 << 20  # bytes for each topic
 
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.task import Scenario, Task
+from course_lib.grading.time_limit import time_limit
+
+CHECK_SECONDS = 60.0  # [s] of a check's processor time
 
 # Its text is the student's own and may tell a hidden input, so students don't get it; the evidence has it.
 HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
@@ -110,7 +113,8 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
 
 def _judge(check: Check, run: Run) -> CheckResult:
     try:
-        verdict = check.judge(run.evidence)
+        with time_limit(CHECK_SECONDS):
+            verdict = check.judge(run.evidence)
     except Exception as error:  # whatever a check raises is a fault of ours and must be named as such
         where = f"{run.evidence.task}, {run.scenario.name}, {check.title!r}"
         raise BrokenCheckError(f"{where} is broken: {type(error).__name__}: {error}") from error

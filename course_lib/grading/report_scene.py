@@ -10,6 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.ghost import expected, seen
 from course_lib.grading.judge import Run
 from course_lib.grading.task import Task
+from course_lib.grading.time_limit import time_limit
 from course_lib.recording import Recording
 from course_lib.robots.resources import packages_only
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))  # frames/s, None: as RViz; bytes of what may be filmed with it
+SCENE_SECONDS = 20.0  # [s] of processor time for each
 MESSAGE = 500  # [B] that a message counts as, however small it is
 
 
@@ -61,7 +63,7 @@ def _figure(caption: str, recording: Recording, room: int) -> Figure:
     if not recording.samples:
         return Figure(caption, "", "Nothing was published.")
     try:
-        with packages_only():
+        with packages_only(), time_limit(SCENE_SECONDS):
             return _fitting(caption, recording, room)
     except Exception as error:  # what students publish may be anything; the reasons matter more than the view
         return Figure(caption, "", f"This scene can't be drawn: {error}")

@@ -13,6 +13,8 @@ MAX_NAME = 255  # characters of a topic, type or node: every sample of a recordi
 MAX_WORD = 20  # characters of a policy, "manual_by_topic"
 MAX_ENTITIES = 10_000  # nodes, endpoints and events to come
 MAX_DELIVERIES = 100_000  # messages under way
+LEAST = 200  # [B]
+PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 
 
 class RecordingLimitError(ChannelError):
@@ -21,10 +23,27 @@ class RecordingLimitError(ChannelError):
 
 @dataclass
 class Room:
-    """How much may still be recorded of one submission, in messages and [B]."""
+    """How much may still be recorded of one submission, [B]: of pictures, and of all else."""
 
-    samples: int = 500_000
-    size: int = 256 * 2**20
+    pictures: int = 256 * 2**20
+    others: int = 16 * 2**20
+
+    def take(self, type_name: str, size: int) -> None:
+        """Take what a message needs, but not less than is worth counting.
+
+        Raises:
+            RecordingLimitError: There is no more room.
+        """
+        size = max(size, LEAST)
+        if type_name in PICTURES:
+            self.pictures -= size
+        else:
+            self.others -= size
+        if self.pictures < 0 or self.others < 0:
+            most = (
+                f"{Room.pictures} bytes of pictures and {Room.others} of others, each message {LEAST} or more"
+            )
+            raise RecordingLimitError(f"more was published than is recorded: at most {most}")
 
 
 class GraphServer:
@@ -35,7 +54,7 @@ class GraphServer:
         self.last_frame: list[Any] | None = None  # the frame that ended the serving: not one of the graph's
         self.nodes: set[int] = set()  # of that process
         self._channel = channel
-        self._endpoints: set[int] = set()
+        self._endpoints: dict[int, str] = {}  # their types
         self._alarms: dict[int, Alarm] = {}
         self._room = room or Room()
         self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
@@ -94,7 +113,7 @@ class GraphServer:
         self._check(node in self.nodes, "node", node)
         self._count_entity(topic, type_name)
         endpoint = self.graph.add_publisher(node, topic, type_name, _qos(qos))
-        self._endpoints.add(endpoint)
+        self._endpoints[endpoint] = type_name
         return endpoint
 
     def _sub(self, node: int, entity: int, topic: str, type_name: str, qos: list[Any]) -> int:
@@ -106,22 +125,18 @@ class GraphServer:
             self._wake(["message", received_ns, made[0], cdr, source_ns])
 
         made.append(self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message))
-        self._endpoints.add(made[0])
+        self._endpoints[made[0]] = type_name
         self._count_deliveries()
         return made[0]
 
     def _unend(self, endpoint: int) -> None:
         self._check(endpoint in self._endpoints, "endpoint", endpoint)
-        self._endpoints.remove(endpoint)
+        del self._endpoints[endpoint]
         self.graph.remove_endpoint(endpoint)
 
     def _publish(self, endpoint: int, cdr: bytes) -> None:
         self._check(endpoint in self._endpoints, "endpoint", endpoint)
-        self._room.samples -= 1
-        self._room.size -= len(cdr)
-        if self._room.samples < 0 or self._room.size < 0:
-            most = f"{Room.samples} messages of {Room.size} bytes in all"
-            raise RecordingLimitError(f"more was published than is recorded: at most {most}")
+        self._room.take(self._endpoints[endpoint], len(cdr))
         self.graph.publish(endpoint, cdr)
         self._count_deliveries()
 
