@@ -30,7 +30,6 @@ import numpy as np
 
 from course_lib.displays.display import Display
 from course_lib.displays.drawn_display import DrawnDisplay
-from course_lib.displays.frames import Matrix
 from course_lib.displays.marker.shapes import placement
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
@@ -49,16 +48,9 @@ AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
 class OwnDisplay(DrawnDisplay):
     """Shows the last message of a topic, in the frame of its header; without one, in the fixed frame."""
 
-    _shown: tuple[Any, Matrix] | None = None  # the last message, and where its frame was
-
     def drawing(self, message: Any) -> Mapping[str, Drawable]:
         """Return what is to be seen of a message, by name, in the frame of its header; lengths in [m]."""
         raise NotImplementedError
-
-    def reset(self) -> None:
-        """Forget the message."""
-        super().reset()
-        self._shown = None
 
     def take(self, message: Any) -> None:
         """Let a message with a header wait for its transform."""
@@ -66,21 +58,20 @@ class OwnDisplay(DrawnDisplay):
         taker.take(self, message)
 
     def process(self, message: Any) -> None:
-        """Show a message."""
+        """Show a message, and remember where its frame was."""
         transform = self.transform_at(message.header) if hasattr(message, "header") else np.eye(4)
         if transform is not None:
-            self._shown = message, transform
-            self.draw()
+            self.keep((message, transform))
 
     def parts(self) -> Mapping[str, Drawable]:
         """Return the drawing of the last message."""
-        return self.drawing(self._shown[0]) if self._shown else {}
+        return self.drawing(self.kept[0][0]) if self.kept else {}
 
     def draw(self) -> None:
         """Draw anew; what goes wrong there is a status, and all else goes on."""
-        if self._shown is None:
+        if not self.kept:
             return
-        self.context.scene.set_transform(f"{self.path}/drawn", self._shown[1])
+        self.context.scene.set_transform(f"{self.path}/drawn", self.kept[0][1])
         try:
             super().draw()
         except Exception as error:  # of a student's code, which may raise anything
@@ -92,7 +83,7 @@ class OwnDisplay(DrawnDisplay):
 
     def message_at(self, path: str) -> Any:
         """Return the message that is shown."""
-        return self._shown[0] if self._shown and path.startswith(f"{self.path}/") else None
+        return self.kept[0][0] if self.kept and path.startswith(f"{self.path}/") else None
 
 
 def register(display: AnyDisplay) -> AnyDisplay:

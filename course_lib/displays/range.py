@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from math import isinf, tan
 from typing import Any
 
+from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.frames import Matrix
-from course_lib.displays.history_display import HistoryDisplay
 from course_lib.displays.marker.shapes import ALONG_MINUS_X, placement
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, color, integer, number
@@ -14,24 +14,23 @@ from course_lib.viewer.drawables import Drawable, Solids
 _BACK = 0.008824  # share of the range by which RViz draws the cone nearer, to make up for its model
 
 
-class RangeDisplay(HistoryDisplay):
+class RangeDisplay(DrawnDisplay):
     """Shows the last measurements of a range finder as cones along +x, as long as what was measured."""
 
     class_name = "rviz_default_plugins/Range"
     type_name = "sensor_msgs/msg/Range"
     properties = (
-        *HistoryDisplay.properties,
+        *DrawnDisplay.properties,
         Property("Color", (255, 255, 255), color),
         Property("Alpha", 0.5, number(0.0, 1.0)),
         Property("Buffer Length", 1, integer(1)),
     )
     length_label = "Buffer Length"
 
-    def process(self, message: Any) -> None:
-        """Show a measurement."""
-        transform = self.transform_at(message.header)
-        if transform is not None:
-            self.keep(transform @ _cone(_shown_range(message), message.field_of_view))
+    def made(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix:
+        """Keep where the unit cone goes."""
+        placed: Matrix = transform_frame_to_fixed @ _cone(_shown_range(message), message.field_of_view)
+        return placed
 
     def parts(self) -> Mapping[str, Drawable]:
         """Return all cones."""

@@ -17,9 +17,7 @@ from course_lib.displays.point_stamped import PointStampedDisplay
 from course_lib.displays.polygon import PolygonDisplay
 from course_lib.displays.poses.odometry import OdometryDisplay
 from course_lib.displays.poses.path import PathDisplay
-from course_lib.displays.poses.pose import PoseDisplay
-from course_lib.displays.poses.pose_array import PoseArrayDisplay
-from course_lib.displays.poses.pose_with_covariance import PoseWithCovarianceDisplay
+from course_lib.displays.poses.pose import PoseArrayDisplay, PoseDisplay, PoseWithCovarianceDisplay
 from course_lib.displays.range import RangeDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
 from course_lib.displays.screws import AccelStampedDisplay, TwistStampedDisplay, WrenchDisplay

@@ -5,10 +5,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import Matrix
-from course_lib.displays.history_display import HistoryDisplay
 from course_lib.displays.marker.shapes import ALONG_X, placement, turned_to
-from course_lib.displays.poses.arrow import INVALID, arrows, rgba_of
+from course_lib.displays.poses.arrow import arrows, rgba_of
 from course_lib.displays.properties import Property, color, flag, integer, number
 from course_lib.viewer.drawables import Drawable, Lines, Solids
 
@@ -20,7 +20,7 @@ _NAN_STATUS = "Message might contain floating point values (nans or infs)"
 
 def _properties(straight: str, turning: str) -> tuple[Property, ...]:
     return (
-        *HistoryDisplay.properties,
+        *DrawnDisplay.properties,
         Property(f"{straight} Color", (204, 51, 51), color),
         Property(f"{turning} Color", (204, 204, 51), color),
         Property("Alpha", 1.0, number()),
@@ -31,11 +31,12 @@ def _properties(straight: str, turning: str) -> tuple[Property, ...]:
     )
 
 
-class ScrewDisplay(HistoryDisplay):
+class ScrewDisplay(DrawnDisplay):
     """Shows a straight vector as an arrow, and a turning one as an arrow with a circle around it."""
 
     path_to_vectors: ClassVar[tuple[str, str, str]]  # the message's field, and both vectors in it
     labels: ClassVar[tuple[str, str]] = ("Linear", "Angular")
+    length_label = "History Length"
     properties = (*_properties(*labels), Property("Hide Small Values", True, flag))
 
     def process(self, message: Any) -> None:

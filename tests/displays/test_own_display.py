@@ -84,7 +84,7 @@ def test_it_waits_for_its_frame() -> None:
     bench.hear("/battery", battery(0.5, "nowhere"))
     bench.look()
     assert BAR not in bench.scene.objects()
-    assert "wait for tf2" in bench.hints(display)[0]
+    assert "waiting for tf2" in bench.hints(display)[0]
 
 
 @pytest.mark.usefixtures("lesson")

@@ -22,6 +22,7 @@ class CameraInfoDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/CameraInfo"
     type_name = "sensor_msgs/msg/CameraInfo"
+    in_frame = True
     properties = (
         *DrawnDisplay.properties,
         Property("Far clip", 1.0, number()),  # [m], height of the pyramid
@@ -32,29 +33,22 @@ class CameraInfoDisplay(DrawnDisplay):
         Property("Edge color", (125, 125, 125), color),
         Property("Alpha", 0.5, number()),
     )
-    _rays: Matrix | None = None  # to the corners, one metre ahead, shape (4, 3)
 
-    def reset(self) -> None:
-        """Forget the camera."""
-        super().reset()
-        self._rays = None
-
-    def process(self, message: Any) -> None:
-        """Show a camera."""
-        if self.put_in_frame(message.header):
-            self._rays = _rays(message)
-            if self._rays is None:
-                self.statuses.set("error", "Camera Info", "Invalid intrinsic matrix")
-            else:
-                self.statuses.set("ok", "Camera Info", "OK")
-            self.draw()
+    def made(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix | None:
+        """Keep the directions of the corners, shape (4, 3), one metre ahead."""
+        rays = _rays(message)
+        if rays is None:
+            self.statuses.set("error", "Camera Info", "Invalid intrinsic matrix")
+        else:
+            self.statuses.set("ok", "Camera Info", "OK")
+        return rays
 
     def parts(self) -> Mapping[str, Drawable]:
         """Return the edges and sides that are asked for."""
         parts: dict[str, Drawable] = {}
-        if self._rays is None:
+        if not self.kept or self.kept[0] is None:
             return parts
-        points = np.vstack([np.zeros(3), self._rays * self["Far clip"]])
+        points = np.vstack([np.zeros(3), self.kept[0] * self["Far clip"]])
         if self["Show edges"]:
             rgba = rgba_of(self, "Edge color")
             parts["edges"] = Lines(points[_EDGES].reshape(-1, 3), rgba, _WIDTH, strip=False)

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from course_lib.displays.display import Subscription
-from course_lib.displays.drawn_display import DrawnDisplay
+from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import nanoseconds, placed
 from course_lib.displays.map.palette import SCHEMES, Bytes, palette
-from course_lib.displays.poses.arrow import INVALID, is_finite, numbers_of
+from course_lib.displays.poses.arrow import numbers_of
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.statuses import Level
 from course_lib.displays.topic_display import qos_of, with_qos
@@ -131,7 +131,7 @@ def _verdict(message: Any) -> tuple[Level, str]:
     info, size = message.info, len(message.data)
     if not size:
         return "error", ""
-    if not (np.isfinite(info.resolution) and is_finite([info.origin])):
+    if not np.isfinite([info.resolution, *numbers_of([info.origin])[0]]).all():
         return "error", INVALID
     if not info.width * info.height:
         return "error", f"Map is zero-sized ({info.width}x{info.height})"

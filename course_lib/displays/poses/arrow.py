@@ -10,7 +10,6 @@ from course_lib.displays.marker.shapes import ALONG_X, placement
 from course_lib.displays.properties import Property, PropertyHolder, color, number, words
 from course_lib.viewer.drawables import Drawable, Solids
 
-INVALID = "Message contained invalid floating point values (nans or infs)"
 ARROW = (1.0, 0.05, 0.3, 0.1)  # lengths and diameters of shaft and head, RViz's default, [m]
 
 
@@ -81,11 +80,6 @@ def axes_at(poses: npt.ArrayLike, length: float, diameter: float) -> dict[str, D
     at = np.asarray(poses, np.float64)
     every = (at[:, None] @ axes(length, diameter).placements).reshape(-1, 4, 4)
     return {"axes": Solids("cylinder", every, np.tile(AXIS_COLORS, (len(at), 1)))}
-
-
-def is_finite(poses: Any) -> bool:
-    """Say whether all numbers of geometry_msgs/msg/Pose messages are finite."""
-    return bool(np.isfinite(numbers_of(poses)).all())
 
 
 def numbers_of(poses: Any) -> npt.NDArray[np.float64]:

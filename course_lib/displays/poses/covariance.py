@@ -62,9 +62,9 @@ def uncertain(message: Any, transform_frame_to_fixed: Matrix) -> Uncertain:
     return Uncertain(placed(transform_frame_to_fixed, message.pose), transform_frame_to_fixed, covariance)
 
 
-def is_finite(message: Any) -> bool:
-    """Say whether all numbers of a geometry_msgs/msg/PoseWithCovariance are finite."""
-    return bool(np.isfinite(message.covariance).all() and np.isfinite(numbers_of([message.pose])).all())
+def uncertain_numbers(message: Any) -> Matrix:
+    """Return all numbers of a geometry_msgs/msg/PoseWithCovariance, in a row."""
+    return np.append(numbers_of([message.pose]), message.covariance)
 
 
 def covariances(poses: Sequence[Uncertain], holder: PropertyHolder) -> dict[str, Drawable]:

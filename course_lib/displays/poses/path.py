@@ -5,16 +5,16 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import Matrix
-from course_lib.displays.history_display import HistoryDisplay
-from course_lib.displays.poses.arrow import INVALID, arrows, axes_at, matrices, numbers_of, rgba_of
+from course_lib.displays.poses.arrow import arrows, axes_at, matrices, numbers_of, rgba_of
 from course_lib.displays.properties import Property, color, integer, number, vector, words
 from course_lib.viewer.drawables import Drawable, Lines
 
 _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
 
 
-class PathDisplay(HistoryDisplay):
+class PathDisplay(DrawnDisplay):
     """Shows the last paths as lines, and their poses as axes or arrows if asked.
 
     The frame is that of the path; RViz does not look at the headers of its poses.
@@ -24,7 +24,7 @@ class PathDisplay(HistoryDisplay):
     type_name = "nav_msgs/msg/Path"
     length_label = "Buffer Length"
     properties = (
-        *HistoryDisplay.properties,
+        *DrawnDisplay.properties,
         Property("Line Style", "Lines", words("Lines", "Billboards")),
         Property("Line Width", 0.03, number(0.001)),  # [m], of Billboards; Lines are one pixel wide
         Property("Color", (25, 255, 0), color),

@@ -6,7 +6,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
 from course_lib.displays.display import Display
-from course_lib.displays.poses.arrow import INVALID
+from course_lib.displays.drawn_display import INVALID
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import drawn, extent, pose
