@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 from course_lib.displays import rows
 from course_lib.displays.display import Display
@@ -15,7 +15,6 @@ from course_lib.displays.rows import Row
 from course_lib.displays.selection import selected
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
-from course_lib.displays.summary import told
 from course_lib.displays.tools import settings_of
 from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, view_of
@@ -132,7 +131,7 @@ class Desk:
             "frames": sorted({session.fixed_frame, *session.context.frames.buffer.frames()}),
             "tools": [(tool.label, tool.key, tool.gesture) for tool in session.tools],
             "layouts": [self._file, sorted(path.name for path in Path.cwd().glob("*.rviz"))],
-            "summary": told(session),
+            "summary": session.summary(),
             **self._extra,
             **{f"row {key}": {"key": key, **row.data} for key, row in self._rows.items()},
         }
@@ -142,7 +141,11 @@ class Desk:
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
-        wanted = [(name, display.type_name) for name, display in REGISTRY.items() if _has_topic(display)]
+        wanted = [
+            (name, display.type_name)
+            for name, display in REGISTRY.items()
+            if issubclass(display, TopicDisplay)
+        ]
         wanted += RVIZ_ONLY.items()
         shows = [
             (topic, kind, name) for topic, kind in known.items() for name, takes in wanted if takes == kind
@@ -175,7 +178,7 @@ class Desk:
         if name not in REGISTRY and name not in RVIZ_ONLY:
             raise CourseError(f"There is no display {name!r} here.")
         display = REGISTRY.get(name)
-        label = display.topic_label if display and _has_topic(display) else "Topic"
+        label = display.topic_label if display and issubclass(display, TopicDisplay) else "Topic"
         config = {label: {"Value": str(order["topic"])}} if order.get("topic") else {}
         self._session.add(name, short_name(name), config, group=group)
 
@@ -191,7 +194,7 @@ class Desk:
         self._member(order).name = str(order["name"]).strip() or self._member(order).name
 
     def _remove(self, order: Order) -> None:
-        self._session.take_out(self._member(order))
+        self._session.remove(self._member(order))
 
     def _save(self, order: Order) -> None:
         path = self._path(order)
@@ -243,10 +246,6 @@ class Desk:
             raise CourseError("This page shows a recording: nothing can be published into it.")
         said = self._node.publish(self._session, str(order["tool"]), order)
         self._extra["notice"] = {"level": "ok", "text": said}
-
-
-def _has_topic(display: type[Display]) -> TypeGuard[type[TopicDisplay]]:
-    return issubclass(display, TopicDisplay)
 
 
 def _line(worst: StatusTable | list[Any], displays: int) -> str:

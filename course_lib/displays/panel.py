@@ -52,7 +52,7 @@ class Panel:
 
         The viewer, whose panel this is, lives as long as a page shows it.
         """
-        if self._view is None:
+        if self._view is None or self._view.comm is None:  # the page may have closed it
             self._view = self._made(viewer)
         self._view.keeps = viewer
         data, metadata = self._view._repr_mimebundle_(**kwargs)

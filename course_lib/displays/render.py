@@ -13,7 +13,6 @@ from course_lib.displays.marker.store import ADD
 from course_lib.displays.playback import Playback
 from course_lib.displays.session import TF, Session
 from course_lib.recording import Recording, read_bag
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import screenshot
@@ -119,20 +118,15 @@ def _show_all(session: Session, recording: Recording) -> None:
 
 def _likely_fixed_frame(recording: Recording) -> str:
     """Return the root of most frames that markers are in, or of the transforms, or ``map``."""
-    parents: dict[str, str] = {}
-    used: Counter[str] = Counter()
+    parents, used = dict[str, str](), list[str]()
     for sample in recording.samples:
-        if sample.type_name not in (TF, *_DISPLAYS):
-            continue
-        message: Any = deserialize(sample.cdr, message_class(sample.type_name))
+        message: Any = sample.message() if sample.type_name in (TF, *_DISPLAYS) else None
         if sample.type_name == TF:
             parents |= {t.child_frame_id: t.header.frame_id for t in message.transforms}
-        else:
+        elif message is not None:
             markers = [message] if sample.type_name == MARKER else message.markers
-            used.update(marker.header.frame_id for marker in markers if marker.action == ADD)
-    roots: Counter[str] = Counter()
-    for frame in used.elements() if used else parents:
-        roots[_root(frame, parents)] += 1
+            used += [marker.header.frame_id for marker in markers if marker.action == ADD]
+    roots = Counter(_root(frame, parents) for frame in used or parents)
     return roots.most_common(1)[0][0] if roots else "map"
 
 

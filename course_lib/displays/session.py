@@ -11,14 +11,14 @@ from course_lib.displays.group import GROUP, Group
 from course_lib.displays.layout import Layout, text_at
 from course_lib.displays.options import Options
 from course_lib.displays.registry import make_display
-from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
 from course_lib.displays.tools import all_tools, load_tools
 from course_lib.displays.views import Orbit, View, view_of
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.qos import Qos
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.summary import summary
 
 TF = "tf2_msgs/msg/TFMessage"
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
@@ -173,21 +173,13 @@ class Session:
             else:
                 self.add(class_name, name, config, group=group)
 
-    def remove(self, display: Display) -> None:
-        """Remove a display with all it has drawn."""
-        self.tree.holder(display).members.remove(display)
-        display.reset()
-        self.context.scene.delete(display.path)
+    def remove(self, member: Display | Group) -> None:
+        """Remove a display with all it has drawn, or a group with all that is in it."""
+        self.tree.holder(member).members.remove(member)
+        for display in member.displays() if isinstance(member, Group) else (member,):
+            display.reset()
+            self.context.scene.delete(display.path)
         self._tell()
-
-    def take_out(self, member: Display | Group) -> None:
-        """Remove a display, or a group with all that is in it."""
-        if isinstance(member, Group):
-            for display in list(member.displays()):
-                self.remove(display)
-            self.tree.holder(member).members.remove(member)
-        else:
-            self.remove(member)
 
     def receive(self, sample: Sample) -> None:
         """Take a published message, after the frames that were due before it."""
@@ -229,11 +221,18 @@ class Session:
         """List what RViz's Global Status says, with our hints."""
         level, text = self.context.frames.global_status()
         self.statuses.set(level, "Fixed Frame", text)
+        self.statuses.hint("Target Frame", *self.view.lost(self.context.frames))
         return self.statuses.rows("Global Status")
 
     def rows_of(self, display: Display) -> list[StatusRow]:
         """List a display's statuses, with our hints."""
         return [*display.rows(), *silence(display, self.types)]
+
+    def summary(self) -> str:
+        """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
+        names = [f"{display.name}{'' if display.enabled else ' (off)'}" for display in self.displays]
+        head = f"Fixed frame {self.fixed_frame}. Displays: {', '.join(names) or 'none'}. Positions in metres."
+        return "\n".join([head, *summary(self.context.scene), str(StatusTable(self.rows()))])
 
     def catch_up(self, subscriptions: Iterable[Subscription]) -> None:
         """Take what publishers hold for latecomers that ask for it, and tell those that do not of it."""
@@ -255,7 +254,7 @@ class Session:
         reached = [s for s in listening if reaches(sample, s, self._match_qos)]
         if not reached:
             return
-        message = deserialize(sample.cdr, message_class(sample.type_name))
+        message = sample.message()
         for subscription in reached:
             subscription.take(message)
         if self._due_ns is None:

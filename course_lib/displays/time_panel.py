@@ -1,8 +1,9 @@
 """RViz's Time panel: what time it is, and orders to the running graph or to the recording that is played."""
 
-from typing import Any, Protocol
+from typing import Any
 
 from course_lib.displays.frames import NS
+from course_lib.displays.playback import Playback
 from course_lib.displays.session import Session
 from course_lib.ros import pace, wall
 from course_lib.ros.graph import Graph
@@ -11,16 +12,6 @@ from course_lib.viewer.page_link import PageLink
 PERIOD = 0.1  # [s] of the wall clock between two readings
 _STEP_NS = NS // 10  # robot time of a step
 RATES = (0.01, 100.0)
-
-
-class TimeSource(Protocol):
-    """What a time bar shows and drives."""
-
-    def time(self) -> dict[str, Any]:
-        """Say what a time bar shows."""
-
-    def act(self, change: dict[str, Any]) -> None:
-        """Do what somebody did with a time bar."""
 
 
 class LiveTime:
@@ -57,7 +48,7 @@ class LiveTime:
 class TimePanel:
     """Keeps the time bars of pages up to date with every frame of a session; hears what is done with them."""
 
-    def __init__(self, session: Session, link: PageLink, source: TimeSource) -> None:
+    def __init__(self, session: Session, link: PageLink, source: LiveTime | Playback) -> None:
         self._session = session
         self._link = link
         self._source = source

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from course_lib.displays.frames import FIXED_FRAME, Frames, Matrix
 from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number
+from course_lib.errors import did_you_mean
 from course_lib.viewer.camera import Camera
 
 PITCH_LIMIT = pi / 2 - 0.001  # [rad] RViz keeps the camera off the poles
@@ -60,6 +61,14 @@ class View(PropertyHolder):
                 self._keep_place(before[:3, 3] - target[:3, 3])
         self._followed = name
         return self._camera(self._target)
+
+    def lost(self, frames: Frames) -> tuple[str, ...]:
+        """Say that the target frame is not known, if that is so; RViz is silent there."""
+        name, known = self["Target Frame"], frames.buffer.frames()
+        if name == FIXED_FRAME or frames.transform(name) is not None:
+            return ()
+        meant = did_you_mean(name, known) or f"; there is {', '.join(sorted(known)) or 'none'}."
+        return (f"tf2 knows no way to the view's Target Frame {name!r}, so the view stays{meant}",)
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
         """Take the properties of a layout, and keep it."""

@@ -19,7 +19,6 @@ from course_lib.displays.panel import Panel
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
 from course_lib.displays.session import Session
 from course_lib.displays.statuses import StatusTable
-from course_lib.displays.summary import told
 from course_lib.displays.tools import Tool
 from course_lib.displays.views import View
 from course_lib.displays.writer import save_rviz
@@ -238,7 +237,7 @@ class Viewer:
     def summary(self) -> str:
         """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
         self.look()
-        return told(self.session)
+        return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
         """Have a function called with every click into the view: ``@viewer.on_click`` above it."""

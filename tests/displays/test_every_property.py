@@ -24,18 +24,18 @@ PROPERTIES = {
 
 # Not seen in RViz either: label -> why.
 SILENT = {
-    "Topic/Filter size": "counts while messages wait for tf2 only; see test_topic_display and test_pose",
+    "Topic/Filter size": "counts while messages wait for tf2 only; see marker/test_display",
     "Position Transformer": "RViz has one, XYZ",
     "Links/Expand Joint Details": "opens rows of the panel",
     "Links/Expand Link Details": "opens rows of the panel",
     "Links/Expand Tree": "opens rows of the panel",
     "Links/Link Tree Style": "sorts rows of the panel",
-    "Selectable": "is for the Select tool; see test_a_cloud_that_is_not_selectable_is_not_selected",
+    "Selectable": "is for the Select tool; see test_desk",
     "Visibility": "names other displays; see test_camera",
     "LaserScan: Use Fixed Frame": "scans are projected into the fixed frame, so both are one",
     "Accept NaN Values": "is for messages with NaN; see test_screws",
     "Topic Filter": "offers fewer topics in RViz's panel",
-    "Use Timestamp": "counts while the map's frame moves; see test_display of the map",
+    "Use Timestamp": "counts while the map's frame moves; see map/test_display",
 }
 # What a property needs to be seen by: the properties that it depends on, by label of those it is for.
 _OF_AXES = ("Axes Length", "Axes Radius", "Shape/Axes Length", "Shape/Axes Radius")

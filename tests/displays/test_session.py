@@ -45,7 +45,7 @@ def test_a_message_is_deserialised_once_for_all_displays(monkeypatch: pytest.Mon
         count += 1
         return deserialize(cdr, cls)
 
-    monkeypatch.setattr("course_lib.displays.session.deserialize", counted)
+    monkeypatch.setattr("course_lib.ros.messages.deserialize", counted)
     bench.hear(TOPIC, marker())
     bench.hear("/nobody_listens", marker())
     assert count == 1
@@ -132,6 +132,17 @@ def test_the_view_follows_its_target_frame() -> None:
     bench.transform("map", "base", (10.0, 0.0, 0.0), static=False)
     bench.look(0.1)
     np.testing.assert_allclose(bench.scene.camera.target, [10, 0, 0])
+
+
+def test_an_unknown_target_frame_is_a_hint_until_it_is_known() -> None:
+    bench = Bench()
+    bench.transform("map", "base", (10.0, 0.0, 0.0), static=False)
+    bench.session.view["Target Frame"] = "bas"
+    (row,) = (row for row in bench.session.rows() if row.name == "Target Frame")
+    assert row.level == "hint"
+    assert row.text.endswith("Target Frame 'bas', so the view stays. Did you mean base?")
+    bench.session.view["Target Frame"] = "base"
+    assert not any(row.name == "Target Frame" for row in bench.session.rows())
 
 
 def test_a_view_that_stands_still_leaves_the_camera_alone() -> None:
