@@ -2,6 +2,11 @@
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from io import StringIO
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STYLE = """<style>
 .rqt { --rqt-text: var(--jp-ui-font-color1, CanvasText); --rqt-dim: var(--jp-ui-font-color2, GrayText);
@@ -71,6 +76,17 @@ def drawing(shapes: str, width: float, height: float, said: str) -> str:
     """Write a picture, with words for those who cannot see it."""
     box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": said}
     return tag("svg", shapes, role="img", width=width, **box)
+
+
+def chart(figure: "Figure", said: str) -> str:
+    """Write a figure of matplotlib as such a picture; its black words get the page's colour."""
+    from matplotlib import rc_context
+
+    file = StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "rqt"}):
+        figure.savefig(file, format="svg", transparent=True, metadata={"Date": None})
+    picture = file.getvalue()
+    return tag("div", picture[picture.index("<svg") :], role="img", aria_label=said)
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:

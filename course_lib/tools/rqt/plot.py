@@ -1,25 +1,26 @@
 """`%rqt plot /topic/field …`: numbers over time."""
 
 from collections import deque
-from collections.abc import Sequence
-from itertools import takewhile
-from math import isfinite
+from itertools import cycle, takewhile
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from course_lib.ros.graph import Sample
 from course_lib.tools.rqt.field_path import FieldPath, parse
-from course_lib.tools.rqt.markup import drawing, tag, text
+from course_lib.tools.rqt.markup import chart
 from course_lib.tools.rqt.view import View
 
 _SAMPLES = 100_000  # that a curve keeps
-_PLOT = (60.0, 10.0, 640.0, 250.0)  # [px] x, y, width, height
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9")
-_DASHES = ("", "8 3", "2 3", "10 3 2 3", "5 5", "1 4")
-
-Curve = npt.NDArray[np.float64]  # shape (n, 2), time [s] and value
+_LONG = 5000  # samples of a curve that is drawn as pixels: as lines it would be heavy for the page
+_LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve, the second one …
+    ("#0072b2", "-"),
+    ("#d55e00", (0, (6, 2))),
+    ("#009e73", (0, (2, 2))),
+    ("#cc79a7", (0, (8, 2, 2, 2))),
+    ("#8a6d00", (0, (4, 4))),
+    ("#56b4e9", (0, (1, 4))),
+)
 
 
 class PlotView(View):
@@ -60,18 +61,24 @@ class PlotView(View):
             super().refresh()
 
     def picture(self) -> str:
-        """Draw the curves as SVG, with a legend that says the last values."""
+        """Draw the curves, with a legend that says the last values."""
+        from matplotlib.figure import Figure
+
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
-        curves = [
-            np.array([*takewhile(lambda point: point[0] >= since, reversed(points))][::-1]).reshape(-1, 2)
-            for _, points in self._curves.values()
-        ]
-        legend = [
-            f"{text} = {points[-1][1]:.4g}" if points else f"{text}: nothing came yet"
-            for text, (_, points) in self._curves.items()
-        ]
-        return curves_svg(curves, legend, (since, max(now, since + 1.0)))
+        figure = Figure(figsize=(7.2, 3 + 0.24 * len(self._curves)), layout="constrained")
+        axes = figure.subplots()
+        for (name, (_, points)), (colour, dash) in zip(self._curves.items(), cycle(_LOOKS)):
+            shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
+            said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: nothing came yet"
+            look = {"label": said, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
+            axes.plot(*np.reshape(shown, (-1, 2)).T, **look)
+        axes.set(xlim=(since, max(now, since + 1.0)), xlabel="time [s]")
+        axes.grid(alpha=0.4)
+        legend = axes.get_legend_handles_labels()
+        figure.legend(*legend, loc="outside lower left", frameon=False, handlelength=4)
+        words = "; ".join(map(str, legend[1])) or "no curve"
+        return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
 
     def _choose(self) -> None:
         """Let there be the curves that are named."""
@@ -86,60 +93,3 @@ class PlotView(View):
     def _clear(self) -> None:
         for _, points in self._curves.values():
             points.clear()
-
-
-def curves_svg(curves: Sequence[Curve], legend: Sequence[str], span: tuple[float, float]) -> str:
-    """Draw curves over a span of time [s]."""
-    x0, y0, width, height = _PLOT
-    low, high = _limits(curves)
-
-    def to_x(time: float) -> float:
-        return x0 + (time - span[0]) / (span[1] - span[0]) * width
-
-    def to_y(value: float) -> float:
-        return y0 + (high - value) / (high - low) * height
-
-    thin = {"stroke": "var(--rqt-line)", "stroke_width": 0.6, "fill": "none"}
-    shapes = tag("rect", x=x0, y=y0, width=width, height=height, **thin)
-    for time in _ticks(*span, 8):
-        shapes += tag("path", d=f"M{to_x(time):.1f} {y0}v{height}", **thin)
-        shapes += text(f"{time:g}", to_x(time), y0 + height + 15, "middle")
-    for value in _ticks(low, high, 6):
-        shapes += tag("path", d=f"M{x0} {to_y(value):.1f}h{width}", **thin)
-        shapes += text(f"{value:.6g}", x0 - 5, to_y(value) + 4, "end")
-    y = y0 + height + 32
-    shapes += text("time [s]", x0 + width, y, "end")
-    for number, (curve, words) in enumerate(zip(curves, legend, strict=True)):
-        line = {"stroke": _COLOURS[number % 6], "stroke_dasharray": _DASHES[number % 6], "fill": "none"}
-        points = " ".join(f"{to_x(t):.1f},{to_y(v):.1f}" for t, v in _thinned(curve) if isfinite(v))
-        shapes += tag("polyline", points=points, stroke_width=1.8, **line)
-        shapes += tag("path", d=f"M{x0} {y - 4}h34", stroke_width=1.8, **line) + text(words, x0 + 42, y)
-        y += 18
-    said = f"Values from {span[0]:.1f} s to {span[1]:.1f} s: {'; '.join(legend) or 'no curve'}"
-    return drawing(shapes, x0 + width + 12, y + 4, said)
-
-
-def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
-    """Give the least and the greatest value, with a little room."""
-    values = np.concatenate([curve[:, 1] for curve in curves]) if curves else np.empty(0)
-    values = values[np.isfinite(values)]
-    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    room = (high - low) * 0.05 or max(abs(high) * 0.05, 0.5)
-    return low - room, high + room
-
-
-def _thinned(curve: Curve) -> Curve:
-    """Keep the least and the greatest value of each pixel's width, in their order."""
-    step = len(curve) // int(_PLOT[2]) * 2
-    if step < 4:
-        return curve
-    blocks = curve[: len(curve) // step * step].reshape(-1, step, 2)
-    picks = np.sort(np.stack([blocks[:, :, 1].argmin(1), blocks[:, :, 1].argmax(1)], 1), 1)
-    return np.concatenate([np.take_along_axis(blocks, picks[:, :, None], 1).reshape(-1, 2), curve[-1:]])
-
-
-def _ticks(low: float, high: float, count: int) -> list[float]:
-    from matplotlib.ticker import MaxNLocator
-
-    ticks = map(float, MaxNLocator(count).tick_values(low, high))
-    return [tick for tick in ticks if low <= tick <= high]

@@ -8,7 +8,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
 from course_lib.tools.rqt.field_path import parse
-from course_lib.tools.rqt.plot import PlotView, _thinned
+from course_lib.tools.rqt.plot import PlotView
 
 TOPICS = {
     "/arm/joint_states": ["sensor_msgs/msg/JointState"],
@@ -91,11 +91,16 @@ def test_a_pause_keeps_the_picture_and_goes_on_listening(graph: Graph, arm: Node
     assert view.screen.value != before
 
 
-def test_thinning_keeps_every_peak() -> None:
-    time = np.linspace(0, 10, 100_000)
-    values = np.sin(time)
-    values[54_321], values[77_777] = 9.0, -9.0
-    thin = _thinned(np.stack([time, values], 1))
-    assert len(thin) < 2000
-    assert (thin[:, 1].max(), thin[:, 1].min()) == (9.0, -9.0)
-    assert (np.diff(thin[:, 0]) >= 0).all()
+def test_a_long_curve_is_a_small_picture_and_keeps_its_peaks(graph: Graph, arm: Node) -> None:
+    view = PlotView(graph, ["/arm/joint_states/position[0]"])
+    view.controls["Autoscroll"].value = False
+    ((_, points),) = view._curves.values()
+    noise = np.random.default_rng(0).normal(0, 0.1, 100_000)
+    flat = [(number * 1e-5, value) for number, value in enumerate(noise.tolist())]
+    points.extend(flat)
+    spread = view.picture()
+    points[54_321] = (0.54321, 9.0)
+    assert len(spread) < 200_000
+    assert "nan" not in spread
+    assert ">8<" in view.picture()  # the axis goes up to the peak
+    assert ">8<" not in spread
