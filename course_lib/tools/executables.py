@@ -1,12 +1,15 @@
 """The executables of ROS packages that the kit provides itself, for launch files."""
 
 import sys
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
+from course_lib.ros import pace
+from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE
 from course_lib.ros.graph import current_graph
 
 _NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
@@ -23,7 +26,11 @@ def _rviz2() -> None:
 
         from course_lib.displays.viewer import Viewer
 
-        display(Viewer.from_rviz(layout) if layout else Viewer())  # type: ignore[no-untyped-call]  # untyped there
+        viewer = Viewer.from_rviz(layout) if layout else Viewer()
+        shown = display(viewer, display_id=True)  # type: ignore[no-untyped-call]  # untyped there
+        if shown is not None and pace.wanted() == "fast":  # nobody watches: what stays is not the beginning
+            time.sleep(SECONDS_WITHOUT_A_PAGE)  # of robot time
+            shown.update(viewer)
     else:
         _tell_how_to_look(layout)
     _spin()

@@ -28,24 +28,16 @@ from course_lib.tools.tf2.echo import TF2_ECHO
 from course_lib.tools.tf2.monitor import TF2_MONITOR
 from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
 from course_lib.tools.tf2.view_frames import VIEW_FRAMES
-from course_lib.tools.topic.bw import TOPIC_BW
-from course_lib.tools.topic.delay import TOPIC_DELAY
 from course_lib.tools.topic.echo import TOPIC_ECHO
-from course_lib.tools.topic.hz import TOPIC_HZ
-from course_lib.tools.topic.info import TOPIC_INFO
-from course_lib.tools.topic.list import TOPIC_FIND, TOPIC_LIST, TOPIC_TYPE
+from course_lib.tools.topic.list import TOPIC_LISTS
+from course_lib.tools.topic.measure import TOPIC_MEASURES
 from course_lib.tools.topic.pub import TOPIC_PUB
 from course_lib.tools.verb import Verb, Write
 
 VERBS = (
     TOPIC_ECHO,
-    TOPIC_LIST,
-    TOPIC_INFO,
-    TOPIC_TYPE,
-    TOPIC_FIND,
-    TOPIC_HZ,
-    TOPIC_BW,
-    TOPIC_DELAY,
+    *TOPIC_LISTS,
+    *TOPIC_MEASURES,
     TOPIC_PUB,
     TF2_ECHO,
     TF2_MONITOR,

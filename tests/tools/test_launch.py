@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 import rclpy
 
+from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph, use_graph
@@ -53,6 +54,30 @@ def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch
     spin_for(2.0)
     assert heard.count("/chatter") == 4
     assert live_runs(graph) == ()
+
+
+def test_a_view_that_nobody_watches_shows_in_the_end_what_has_come(
+    graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[str] = []
+
+    class Shown:
+        def update(self, viewer: Viewer) -> None:
+            seen.append(str(viewer.statuses()))
+
+    def display(viewer: Viewer, display_id: bool) -> Shown:
+        Shown().update(viewer)
+        return Shown()
+
+    monkeypatch.setattr("IPython.display.display", display)
+    frames = ["--frame-id", "map", "--child-frame-id", "base_link"]
+    launch_file(
+        "Node(package='rviz2', executable='rviz2')",
+        f"Node(package='tf2_ros', executable='static_transform_publisher', arguments={frames})",
+    )
+    run(graph, "launch my_robot robot.launch.py")
+    spin_for(6.0)
+    assert ["does not exist" in statuses for statuses in seen] == [True, False]
 
 
 def test_the_same_launch_again_takes_the_place_of_the_first(graph: Graph, launch_file: Run) -> None:

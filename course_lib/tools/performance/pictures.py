@@ -1,18 +1,45 @@
-"""The pictures of a performance report."""
+"""The pictures of a performance report, with words for those who do not see them."""
 
+from base64 import b64encode
 from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
-from course_lib.tools.performance.chart import Chart
 from course_lib.tools.performance.measure import Call, CallbackRow, TopicRow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _SHORTEST = 0.004  # of the picture's width: what a callback that takes no robot time is drawn with
 _RAN, _WAITED = "tab:blue", "lightgrey"
 _ROW = 0.35  # [inch]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture and its alternative text; a cell shows both to those who need them."""
+
+    figure: "Figure"
+    alt: str
+
+    def png(self) -> bytes:
+        """Give the picture as PNG."""
+        file = BytesIO()
+        self.figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
+        return file.getvalue()
+
+    def save(self, path: str | Path) -> None:
+        """Write the picture as a PNG file."""
+        Path(path).write_bytes(self.png())
+
+    def _repr_html_(self) -> str:
+        data = b64encode(self.png()).decode()
+        return f'<img alt="{escape(self.alt)}" src="data:image/png;base64,{data}"/>'
 
 
 def overview(topics: Sequence[TopicRow], callbacks: Sequence[CallbackRow]) -> Chart:

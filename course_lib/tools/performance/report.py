@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from course_lib.recording import Recording, read_bag, record
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import current_graph
-from course_lib.tools.performance.chart import Chart
 from course_lib.tools.performance.measure import (
     Call,
     CallbackRow,
@@ -18,6 +17,7 @@ from course_lib.tools.performance.measure import (
     called,
     topic_rows,
 )
+from course_lib.tools.performance.pictures import Chart, overview, timeline
 from course_lib.tools.sources import ALWAYS_THERE
 
 if TYPE_CHECKING:
@@ -74,8 +74,6 @@ class PerformanceReport:
 
     def figure(self) -> Chart:
         """Draw rates, latencies and how busy the callbacks are."""
-        from course_lib.tools.performance.pictures import overview
-
         return overview(self.topics, self.callbacks)
 
     def timeline(self, begin: float = 0.0, end: float | None = None) -> Chart:
@@ -84,8 +82,6 @@ class PerformanceReport:
         Raises:
             CourseError: There are no callbacks in that time.
         """
-        from course_lib.tools.performance.pictures import timeline
-
         until = min(self.seconds, begin + 1.0) if end is None else end
         return timeline(self.calls, self.start_ns, begin, until)
 

@@ -6,7 +6,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, message_class, type_name
-from course_lib.tools.asking import kind_of
+from course_lib.tools.asking import check_type, kind_of
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.topic.lookup import full_name, passes, silence, type_of
@@ -20,11 +20,12 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the messages of a topic.
 
     Raises:
-        CourseError: There is no such topic or field, or no message comes in time.
+        CourseError: There is no such topic or field, it is of another type, or no message comes in time.
     """
     topic = full_name(arguments.topic_name)
     if arguments.message_type:
         kind = type_name(kind_of(message_class, arguments.message_type, "msg"))
+        check_type(topic, kind, source.topics())
     else:
         kind = type_of(source, topic, write, blocking=False)
     matches = passes(arguments.filter_expr)
@@ -32,36 +33,20 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     listening = Listening(patience=PATIENCE, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for now_ns, arrival in source.stream({topic: qos}, kind, listening):
+        for _, arrival in source.stream({topic: qos}, kind, listening):
             came = True
             assert arrival is not None  # no ticks were asked for
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):
                 continue
-            write(_info(arrival.stamp_ns, now_ns, arguments) + _text(selected, arguments))
+            write(_text(selected, arguments))
             if arguments.once:
                 return
         if not came:
             raise CourseError(silence(source, topic, qos, start_ns))
         if source.live and not arguments.timeout and not source.graph.ended:
-            _say_why_it_ends(limit, write)
-
-
-def _say_why_it_ends(limit: float | None, write: Write) -> None:
-    why = "No page is watching" if limit else "No further message came"
-    write(f"{why}: ros2 topic echo stopped after {limit or PATIENCE:g} s of robot time.\n")
-
-
-def _info(sent: int, received: int, arguments: Namespace) -> str:
-    """Write when a message was sent and received, [ns], if asked for; nobody counts messages here."""
-    if not arguments.include_message_info:
-        return ""
-    if arguments.csv:
-        return f"{sent},{received},None,None,"
-    return (
-        f"publication_sequence_number: null\nreceived_timestamp: {received}\n"
-        f"reception_sequence_number: null\nsource_timestamp: {sent}\n---\n"
-    )
+            why = "No page is watching" if limit else "No further message came"
+            write(f"{why}: ros2 topic echo stopped after {limit or PATIENCE:g} s of robot time.\n")
 
 
 def _text(selected: Any, arguments: Namespace) -> str:
@@ -105,7 +90,6 @@ _OPTIONS = (
     flag("--no-lost-messages", help="Don't report when a message is lost"),
     flag("--raw", help="Echo the raw binary representation"),
     value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
-    flag("-i", "--include-message-info", help="Shows the associated message info."),
     *qos_options("subscribe", "sensor_data"),
 )
 TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _OPTIONS, run, from_start=True)

@@ -1,7 +1,6 @@
 """What the verbs of `ros2 topic` do alike: find a topic's type, listen, filter messages."""
 
-from collections.abc import Callable, Iterator, Sequence
-from statistics import pstdev
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
@@ -10,7 +9,7 @@ from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
 from course_lib.tools.sources import Heard, Listening, Source
 from course_lib.tools.topic.qos import PRESETS
-from course_lib.tools.verb import NODE_OPTIONS, Option, Write, positive, value
+from course_lib.tools.verb import Write
 
 SENSOR_DATA = PRESETS["sensor_data"]
 
@@ -71,23 +70,6 @@ def listen(
             raise CourseError(silence(source, topic, SENSOR_DATA, start_ns))
         if limit:
             write(f"No page is watching: ros2 topic {verb} stopped after {limit:g} s of robot time.\n")
-
-
-def spread(values_ns: Sequence[int]) -> str:
-    """Write the least, the greatest and the population's standard deviation of durations [ns]."""
-    deviation = pstdev(values_ns) * 1e-9
-    least, most = min(values_ns) * 1e-9, max(values_ns) * 1e-9
-    window = len(values_ns)
-    return f"\tmin: {least:.3f}s max: {most:.3f}s std dev: {deviation:.5f}s window: {window}\n"
-
-
-def window_options(default: int) -> tuple[Option, ...]:
-    """Give the options of verbs that look at a topic's last messages."""
-    return (
-        value("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')"),
-        value("-w", "--window", type=positive(int), default=default, help="window size, in # of messages"),
-        *NODE_OPTIONS[:2],
-    )
 
 
 def passes(expression: str | None) -> Callable[[Any], bool]:

@@ -23,7 +23,6 @@ _CHOICES: Mapping[str, tuple[str, ...]] = {
     "durability": ("transient_local", "volatile"),
     "liveliness": ("automatic", "manual_by_topic"),
 }
-_LEASE = "qos_liveliness_lease_duration_seconds"
 
 
 def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
@@ -40,11 +39,6 @@ def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
             value(f"--qos-{name}", choices=names, help=f"Quality of service {name} setting to {verb} with")
             for name, names in _CHOICES.items()
         ),
-        value(
-            f"--{_LEASE.replace('_', '-')}",
-            type=float,
-            help=f"Quality of service liveliness lease duration setting to {verb} with",
-        ),
     )
 
 
@@ -52,8 +46,6 @@ def asked_qos(arguments: Namespace) -> Qos | None:
     """Give the preset with what was asked for instead of its settings; None if nothing was."""
     names = (*_CHOICES, "depth")
     given: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in names}
-    lease = getattr(arguments, _LEASE)
-    given["lease_ns"] = None if lease is None else round(lease * 1e9)
     changes = {name: setting for name, setting in given.items() if setting is not None}
     return replace(PRESETS[arguments.qos_profile], **changes) if changes else None
 
