@@ -16,7 +16,7 @@ EXPECTED = """
 Files:             recording.mcap
 Bag size:          {size}
 Storage id:        mcap
-ROS Distro:        rosbags
+ROS Distro:        jazzy
 Duration:          1.500000000s
 Start:             Nov 14 2023 22:13:20.000000000 (1700000000.000000000)
 End:               Nov 14 2023 22:13:21.500000000 (1700000001.500000000)
@@ -44,7 +44,7 @@ def test_info_has_the_format_of_ros2_bag_info(tmp_path: Path, monkeypatch: pytes
     assert bag_info(tmp_path / "bag", digest=False) == plain.format(space=" ", size=size)
     (tmp_path / "bag" / "metadata.yaml").unlink()  # as after a crash
     without = bag_info(tmp_path / "bag", digest=False)
-    assert without == plain.format(space=" ", size=size).replace("rosbags", "unknown")
+    assert without == plain.format(space=" ", size=size).replace("jazzy", "unknown")
     monkeypatch.undo()
     time.tzset()
 
