@@ -109,15 +109,11 @@ class Baton:
     def wait(
         self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
     ) -> bool:
-        """Block the calling program thread; other threads and events run meanwhile.
+        """Block the calling program thread until `ready()` or `until_ns` [ns]; others go on meanwhile.
 
-        Args:
-            ready: Says whether the wait is over.
-            until_ns: [ns], if there is a limit.
-            what: What is waited for, as it is named in a deadlock.
-            events_help: Whether events alone can end the wait (they never release a lock).
-
-        Returns what `ready` says in the end; raises a DeadlockError in the main thread if nothing can happen.
+        `what` is named in a deadlock; `events_help` says whether events alone can end the wait (they never
+        release a lock). Returns what `ready` says in the end; raises a DeadlockError in the main thread if
+        nothing can happen.
         """
         if ready():
             return True

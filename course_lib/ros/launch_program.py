@@ -38,12 +38,9 @@ _imported: set[str] = set()  # packages of processes; another launch reads their
 
 
 class LaunchProgram(Process):
-    """A launch file.
+    """A launch file: Python with `generate_launch_description`.
 
-    Args:
-        file: A Python file with `generate_launch_description`.
-        args: `name:=value` for its arguments; what else there is goes to all nodes.
-        own: Executables that the kit provides.
+    `args` hold `name:=value` for its arguments, and what goes to all nodes; `own` are executables of the kit.
     """
 
     def __init__(self, file: Path, args: Sequence[str], own: Executables) -> None:

@@ -19,9 +19,8 @@ _RealSimpleQueue = queue.SimpleQueue
 class ProgramLock:
     """A lock made by a program thread.
 
-    Args:
-        returns_at_end: Whether `acquire` gives up at the end of the run (what Event and Condition wait on),
-            or goes on until the thread that holds the lock has come to its end (a mutex).
+    What Event and Condition wait on `returns_at_end`: `acquire` gives up at the end of the run. A mutex goes
+    on until the thread that holds it has come to its end.
     """
 
     def __init__(self, *, returns_at_end: bool = False) -> None:

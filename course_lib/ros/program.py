@@ -34,13 +34,8 @@ def run_files(
 ) -> int:
     """Run Python, launch files and notebooks as if each were started alone; they share the current graph.
 
-    Args:
-        files: The programs in their start order; a CourseError says which cannot be run.
-        seed: Seeds every source of chance.
-        args: What each finds in `sys.argv` behind its name.
-        beside: What else runs beside them, started last.
-        own: Executables that launch files may start beside those of packages.
-
+    `args` is what each finds in `sys.argv` behind its name; `beside` is started last; `own` are executables
+    that launch files may start beside those of packages. A CourseError says which file cannot be run.
     Returns the first exit code that is not 0.
     """
     standin_path.install()

@@ -17,13 +17,9 @@ from course_lib.ros.messages.primitives import PRIMITIVES
 class Message:
     """A ROS message; its class knows the kind of each field, its slots hold the values.
 
-    Args:
-        check_fields: Whether assignments are checked; False is Jazzy's own default and aborts on publishing.
-        values: Field values by name.
-
-    Raises:
-        TypeError: A value without a name, with Python's text.
-        AssertionError: Unknown field or a value that does not fit, with ROS's text.
+    Without `check_fields` assignments are not checked: Jazzy's own default, which aborts on publishing. A
+    value without a name is a TypeError as in Python; an unknown field, or a value that does not fit, is an
+    AssertionError with ROS's text.
     """
 
     __slots__ = ()

@@ -19,9 +19,9 @@ class SingleThreadedExecutor(Executor):
 
 
 class MultiThreadedExecutor(Executor):
-    """Runs each callback in a thread of its own: one that waits does not hold up the others.
+    """Runs each callback in a thread of its own, at most `num_threads` (default: processors) at a time.
 
-    At most `num_threads` are under way at the same time; default: the number of processors.
+    One that waits does not hold up the others.
     """
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:

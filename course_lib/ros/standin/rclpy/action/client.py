@@ -74,13 +74,8 @@ class ClientGoalHandle:
 class ActionClient:
     """Sends goals to an action server.
 
-    Args:
-        node: The node that it is in.
-        action_type: The action, like `example_interfaces.action.Fibonacci`.
-        action_name: The action's name.
-        callback_group: Says what may run beside its callbacks.
-
-    The five profiles are those of the services and the topics that it uses.
+    `action_type` is like `example_interfaces.action.Fibonacci`; `callback_group` says what may run beside
+    its callbacks. The five profiles are those of the services and the topics that it uses.
     """
 
     def __init__(
