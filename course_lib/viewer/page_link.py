@@ -95,11 +95,6 @@ class PageLink:
         """Send what has changed now, not with the next batch."""
         self._stream.flush()
 
-    def lost(self) -> None:
-        """Note that nothing can reach the pages any more, until one of them says something."""
-        self._flow.pages.clear()
-        self._note_views()
-
     def close(self) -> None:
         """Stop following the scene."""
         self._flow.pages.clear()

@@ -52,7 +52,7 @@ class SceneWidget(anywidget.AnyWidget):
         self.link.on_views = lambda count: self.on_views(count)
         super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
-        self.comm.on_close(lambda _: self.link.lost())
+        self.comm.on_close(lambda _: self.close())
         if hasattr(self.comm, "_reply_subshell_for"):
             # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or not.
             self.comm._reply_subshell_for = lambda data, default: default

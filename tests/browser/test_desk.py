@@ -150,3 +150,16 @@ def test_everything_is_reached_by_the_tab_key_and_has_a_name(bench: Bench) -> No
         "Type of view",
         "Displays panel",
     } <= seen
+
+
+def test_a_view_whose_connection_the_page_closed_is_made_anew(bench: Bench) -> None:
+    assert bench.widget.comm is not None
+    bench.widget.comm.handle_close({})
+    bench.viewer.scene.set_visible("displays", False)  # nobody listens, and nothing fails
+    bench.viewer._repr_mimebundle_()
+    anew = bench.viewer._panel._view
+    assert anew is not bench.widget
+    assert anew is not None
+    bench.host.open(anew)
+    bench.host.show(anew)
+    assert bench.page.locator("canvas").count() == 2
