@@ -54,7 +54,7 @@ class GraphServer:
         self.last_frame: list[Any] | None = None  # the frame that ended the serving: not one of the graph's
         self.nodes: set[int] = set()  # of that process
         self._channel = channel
-        self._endpoints: dict[int, str] = {}  # their types
+        self._endpoints: dict[int, str] = {}  # the type of what they publish
         self._alarms: dict[int, Alarm] = {}
         self._room = room or Room()
         self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
@@ -125,7 +125,7 @@ class GraphServer:
             self._wake(["message", received_ns, made[0], cdr, source_ns])
 
         made.append(self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message))
-        self._endpoints[made[0]] = type_name
+        self._endpoints[made[0]] = ""
         self._count_deliveries()
         return made[0]
 
@@ -135,7 +135,7 @@ class GraphServer:
         self.graph.remove_endpoint(endpoint)
 
     def _publish(self, endpoint: int, cdr: bytes) -> None:
-        self._check(endpoint in self._endpoints, "endpoint", endpoint)
+        self._check(bool(self._endpoints.get(endpoint)), "publisher", endpoint)
         self._room.take(self._endpoints[endpoint], len(cdr))
         self.graph.publish(endpoint, cdr)
         self._count_deliveries()

@@ -2,6 +2,7 @@
 
 import socket
 import struct
+from dataclasses import astuple
 from typing import Any
 
 import msgpack
@@ -21,6 +22,8 @@ from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_val
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.graph_server import Room
+from course_lib.ros.messages import serialize
+from course_lib.ros.qos import Qos
 
 TOPIC, MARKER = "/visualization_marker", "visualization_msgs/msg/Marker"
 CHECKS = (
@@ -30,19 +33,21 @@ CHECKS = (
 )
 SCENARIO = Scenario("public", seconds=2.0, calls=(Call(1.0),), checks=CHECKS)
 TASK = Task("week01.any", "Anything", "function", "any", ("a", "b", "c"), (SCENARIO,))
-QOS = ["reliable", "volatile", "keep_last", 10]
+QOS = list(astuple(Qos()))
+PUBLISHER = [["node", "n", "/"], ["pub", 2, TOPIC, MARKER, QOS]]  # they get the numbers 2 and 3
 
 numbers = st.integers(-(2**63), 2**64 - 1) | st.integers(0, 5) | st.floats()
 texts = st.text(max_size=20) | st.sampled_from([TOPIC, MARKER, "/", "std_msgs/msg/String", "no/type"])
 leaves = st.none() | st.booleans() | numbers | texts | st.binary(max_size=300)
 values = st.recursive(leaves, lambda v: st.lists(v, max_size=4) | st.dictionaries(texts, v, max_size=4))
+cdrs = st.binary(max_size=300) | st.floats().map(lambda z: _cube(z))
 NAMES = "node unnode pub sub unend publish alarm cancel nodes endpoints idle result exit cell"
 names = st.sampled_from(NAMES.split())
 frames = st.one_of(
     st.tuples(names, st.lists(values, max_size=5)).map(lambda pair: [pair[0], *pair[1]]),
     st.just(["node", "n", "/"]),
     st.just(["pub", 2, TOPIC, MARKER, QOS]) | st.just(["sub", 2, 0, TOPIC, MARKER, QOS]),
-    st.tuples(st.just("publish"), st.integers(2, 4), st.binary(max_size=300)).map(list),
+    st.tuples(st.just("publish"), st.integers(2, 4), cdrs).map(list),
     st.tuples(st.just("alarm"), st.integers(0, 3), numbers, st.just(2), st.just(0)).map(list),
     st.tuples(st.just("result"), st.lists(values, max_size=2), st.lists(texts, max_size=2)).map(list),
     st.just(["idle"]) | st.just(["exit", 0]),
@@ -55,8 +60,20 @@ def packed(frame: Any) -> bytes:
 
 
 streams = st.tuples(
-    st.lists(frames.map(packed), max_size=12).map(b"".join), st.binary(max_size=50), st.integers(0, 10**6)
+    st.tuples(st.sampled_from([[], PUBLISHER]), st.lists(frames, max_size=12)).map(
+        lambda pair: b"".join(map(packed, [*pair[0], *pair[1]]))
+    ),
+    st.binary(max_size=50),
+    st.integers(0, 10**6),
 ).map(lambda parts: _spoilt(*parts))
+
+
+def _cube(z: float) -> bytes:
+    from visualization_msgs.msg import Marker
+
+    marker = Marker(type=Marker.CUBE)
+    marker.pose.position.z = z
+    return serialize(marker)
 
 
 def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
@@ -65,7 +82,7 @@ def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
     return stream if at > len(stream) else stream[:at] + garbage + stream[at + len(garbage) :]
 
 
-def swallow(stream: bytes) -> None:
+def swallow(stream: bytes) -> Evidence:
     """Take a stream as what a submission sent, keep the evidence, judge it."""
     stage = Stage(TASK, SCENARIO, {})
     ours, theirs = socket.socketpair()
@@ -80,7 +97,9 @@ def swallow(stream: bytes) -> None:
     finally:
         channel.close()
         theirs.close()
-    judged(stage.evidence(outcome))
+    evidence = stage.evidence(outcome)
+    judged(evidence)
+    return evidence
 
 
 def judged(evidence: Evidence) -> None:

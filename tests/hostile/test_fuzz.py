@@ -3,13 +3,18 @@ import struct
 import pytest
 from hypothesis import given, settings
 
-from tests.hostile.fuzzing import packed, streams, swallow
+from tests.hostile.fuzzing import PUBLISHER, packed, streams, swallow
 
 
 @settings(max_examples=300, deadline=None)
 @given(streams)
 def test_whatever_a_submission_sends_ends_in_a_mark(stream: bytes) -> None:
     swallow(stream)
+
+
+def test_the_streams_can_publish() -> None:
+    published = packed(["publish", 3, b"x"]) + packed(["result", [], []]) + packed(["exit", 0])
+    assert swallow(b"".join(map(packed, PUBLISHER)) + published).samples
 
 
 @pytest.mark.parametrize(
