@@ -25,9 +25,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             "call super().__init__('a_name') first in {1}.__init__().",
         ),
         Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", "updater.py:_run"),
-        Hint(
-            "'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "functions.py:tick"
-        ),
+        Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "tick"),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
         Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
     ),
@@ -36,9 +34,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("'NoneType' object is not callable", "give the function itself, without ().", "timer.py:take"),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'str'>", "put it into a message: {1}(data=...)."),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
-        Hint(
-            r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make the publisher for the other type."
-        ),
+        Hint(r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make a publisher for the other type."),
         Hint("missing .* 'qos_profile'", "say how many messages are kept, like 10, as the last argument."),
         Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
         Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
@@ -46,11 +42,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", "client.py:call_async"),
         Hint("^$", "end the service's callback with: return response.", "service.py:_answer"),
         Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", "client.py:_request"),
-        Hint(
-            "takes 1 positional argument but 2",
-            "write def answer(self, request, response).",
-            "executor.py:await_or_execute",
-        ),
+        Hint("takes 1 positional .* but 2", "write def answer(self, request, response).", "await_or_execute"),
         Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
         Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
         Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
@@ -58,16 +50,8 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("instances of 'Time' and", "compare with a Time or a Duration: Duration(seconds=5.0)."),
         Hint("-: 'Time' and 'Time'", "messages cannot be subtracted: Time.from_msg(stamp) can."),
         Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
-        Hint(
-            "missing 1 required positional argument",
-            "a timer gives no argument.",
-            "executor.py:await_or_execute",
-        ),
-        Hint(
-            r"(\w+).__init__\(\) takes 1 positional",
-            "name what you give: {1}(data=...).",
-            "message.py:__init__",
-        ),
+        Hint("missing 1 required positional argument", "a timer gives no argument.", "await_or_execute"),
+        Hint(r"(\w+).__init__.* takes 1 pos", "name what you give: {1}(data=...).", "message.py:__init__"),
         Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
     ),
     "RuntimeError": (
@@ -87,27 +71,9 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     "ValueError": (
         Hint("statically typed parameter", "give a default value, or a type: Parameter.Type.DOUBLE."),
         Hint("generator already executing", "a callback must not spin: use await, or add_done_callback."),
-        Hint(
-            "could not convert string to float",
-            "give the period in seconds, as a number.",
-            "node_entities.py:create_timer",
-        ),
+        Hint("could not convert string to float", "give the period in seconds, as a number.", "create_timer"),
         Hint("severity cannot be changed between calls", "write one line for each severity."),
     ),
-    "InvalidTopicNameException": (
-        Hint("", "use letters, digits and underscores, and begin with a letter, like robot/front_camera."),
-    ),
-    "InvalidServiceNameException": (
-        Hint("", "use letters, digits and underscores, and begin with a letter, like robot/reset."),
-    ),
-    "InvalidNodeNameException": (
-        Hint("", "use letters, digits and underscores, like front_camera; the rest is for namespace=."),
-    ),
-    "InvalidNamespaceException": (
-        Hint("", "use letters, digits and underscores, and begin with a letter, like /robot_1."),
-    ),
-    "InvalidHandle": (Hint("", "it was destroyed before; make a new one, or destroy it later."),),
-    "NotInitializedException": (Hint("", "call rclpy.init() first."),),
     "AssertionError": (
         Hint("'([rgba])' field must be of type 'float'", "colours go from 0.0 to 1.0."),
         Hint("field must be of type 'float'", "write the number with a point: 1.0, or float(x)."),
@@ -122,19 +88,10 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("Invalid arguments passed to constructor: dict_keys", "it takes depth, reliability, ..."),
         Hint("Invalid arguments passed to constructor", "%ros2 interface show lists them."),
     ),
-    "ParameterAlreadyDeclaredException": (
-        Hint("", "declare it once, in __init__; set_parameters changes it."),
-    ),
-    "ParameterNotDeclaredException": (Hint("", "declare it first: self.declare_parameter('a_name', 1.0)."),),
-    "ParameterUninitializedException": (Hint("", "declare it with a default value, or set it before."),),
     "NotImplementedError": (Hint("Service classes can not", "make its request: AddTwoInts.Request(a=1)."),),
-    "LookupException": (Hint("", "is the frame published, spelt so? %ros2 run tf2_tools view_frames."),),
     "InvalidArgumentException": (
         Hint("cannot start with a '/'", "write the frame's name without the slash."),
         Hint("cannot be empty", "fill in header.frame_id."),
-    ),
-    "ConnectivityException": (
-        Hint("", "a transform between two trees is missing: %ros2 run tf2_tools view_frames."),
     ),
     "ExtrapolationException": (
         Hint("into the future", "ask for the latest one, Time(), or give a timeout."),
@@ -155,7 +112,21 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     "ModuleNotFoundError": (
         Hint(r"No module named '(\w+)_msgs'", "put the folder {1}_msgs with its msg beside the program."),
     ),
-    "InvalidQoSProfileException": (Hint("", "say how many messages are kept: depth=10."),),
+}
+_WORDS = "use letters, digits and underscores"
+_OF_TYPE: Mapping[str, str] = {  # whatever such an error says
+    "InvalidTopicNameException": f"{_WORDS}, and begin with a letter, like robot/front_camera.",
+    "InvalidServiceNameException": f"{_WORDS}, and begin with a letter, like robot/reset.",
+    "InvalidNodeNameException": f"{_WORDS}, like front_camera; the rest is for namespace=.",
+    "InvalidNamespaceException": f"{_WORDS}, and begin with a letter, like /robot_1.",
+    "InvalidHandle": "it was destroyed before; make a new one, or destroy it later.",
+    "NotInitializedException": "call rclpy.init() first.",
+    "ParameterAlreadyDeclaredException": "declare it once, in __init__; set_parameters changes it.",
+    "ParameterNotDeclaredException": "declare it first: self.declare_parameter('a_name', 1.0).",
+    "ParameterUninitializedException": "declare it with a default value, or set it before.",
+    "LookupException": "is the frame published, spelt so? %ros2 run tf2_tools view_frames.",
+    "ConnectivityException": "a transform between two trees is missing: %ros2 run tf2_tools view_frames.",
+    "InvalidQoSProfileException": "say how many messages are kept: depth=10.",
 }
 
 
@@ -175,6 +146,8 @@ def hint(error: BaseException) -> str:
         match = re.search(one.text, str(error))
         if match and one.where in where:
             return one.hint.format(match[0], *match.groups())
+    if type(error).__name__ in _OF_TYPE:
+        return _OF_TYPE[type(error).__name__]
     unknown = re.match(r"'(\w+)' object has no attribute", str(error))
     types = [name for name in type_names() if unknown and name.endswith(f"/{unknown[1]}")]
     if types:

@@ -38,7 +38,7 @@ TOPICS = [
         "node.create_publisher(String, 'chatter', 10).publish(Twist())",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class "
         "'geometry_msgs.msg._twist.Twist'>",
-        "publish a String, or make the publisher for the other type.",
+        "publish a String, or make a publisher for the other type.",
     ),
     (
         "node.create_publisher(String, 'chatter')",
