@@ -168,6 +168,22 @@ def test_a_page_answers_so_that_changes_go_on_for_ever(host: Host) -> None:
     assert count(host.pixels()[:, :210], RED) == 0  # the box is at the last place, 0.78 m to the right
 
 
+KEPT = "() => Object.values(models).at(-1).get('snapshot') !== before"
+
+
+def test_the_page_keeps_a_scene_that_never_rests(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    host.page.evaluate("() => { globalThis.before = Object.values(models).at(-1).get('snapshot') }")
+    for step in range(1000):
+        scene.set_transform("a", np.eye(4) + step * np.eye(4, k=3))
+        widget.flush()
+        host.carry()
+        if host.page.evaluate(KEPT):
+            break
+    assert host.page.evaluate(KEPT)
+
+
 def test_the_page_keeps_the_scene_for_whoever_saves_the_notebook(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
@@ -178,7 +194,7 @@ def test_the_page_keeps_the_scene_for_whoever_saves_the_notebook(host: Host) -> 
     scene.set_transform("a", np.eye(4) + 0.5 * np.eye(4, k=3))
     widget.flush()
     host.carry()
-    host.page.wait_for_function("Object.values(models).at(-1).get('snapshot') !== before")
+    host.page.wait_for_function(KEPT)
     saved = host.page.evaluate("""() => {
         const { buffer } = Object.values(models).at(-1).get("snapshot");
         return btoa(String.fromCharCode(...new Uint8Array(buffer))); }""")

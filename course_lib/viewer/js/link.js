@@ -6,7 +6,7 @@ import { timeBelow } from "./panels/time.js";
 import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
-const SAVE_AFTER = 1000; // [ms] without a change
+const SAVE_AFTER = 3000; // [ms] after a change; others may come meanwhile
 
 /**
  * Keeps a mirror equal to the scene in the kernel.
@@ -49,8 +49,7 @@ export class Link {
     /** @param {any} message @param {DataView[]} [buffers] */
     this.receive = (message, buffers) => {
       this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
-      clearTimeout(this.saving);
-      this.saving = setTimeout(() => this.save(), SAVE_AFTER);
+      this.saving ||= setTimeout(() => this.save(), SAVE_AFTER);
     };
     this.attempt(() => this.mirror.apply(bytesOf(model.get("snapshot"))));
     this.wake = () => document.hidden || this.send({ type: "ready" }); // much may be lost while a laptop sleeps
@@ -76,6 +75,7 @@ export class Link {
 
   /** Have the notebook saved with the scene as it is now, if the page saves the state of widgets. */
   save() {
+    this.saving = 0;
     this.model.set("number", this.number);
     this.model.set("snapshot", new DataView(encode(this.mirror.whole()).buffer));
   }
