@@ -54,10 +54,10 @@ def with_layers(
     ("off", "options", "code", "says"),
     [
         (LAYERS, (), 2, "your rights, no sandbox (lacks namespaces"),
-        (LAYERS, ("--require-sandbox",), 2, "--require-sandbox: what works here is a no sandbox"),
+        (LAYERS, ("--require-sandbox",), 2, "--require-sandbox: what works here is: no sandbox"),
         (LAYERS, ("--i-trust-these-submissions",), 0, "Isolation of 1: no sandbox (lacks"),
         (LAYERS, ("--require-sandbox", "--i-trust-these-submissions"), 2, "--require-sandbox"),
-        (WITHOUT_NAMESPACES, ("--require-sandbox",), 2, "--require-sandbox: what works here is a partial"),
+        (WITHOUT_NAMESPACES, ("--require-sandbox",), 2, "--require-sandbox: what works here is: partial"),
         (WITHOUT_NAMESPACES, (), 0, "Isolation of 1: partial sandbox (has Landlock, seccomp, limits"),
     ],
 )

@@ -44,7 +44,7 @@ class Isolation:
         """
         if need == "full" and not self.is_full:
             raise CourseError(
-                f"--require-sandbox: what works here is a {self}. "
+                f"--require-sandbox: what works here is: {self}. "
                 "Grade on another Linux machine, or leave out --require-sandbox."
             )
         if need == "partial" and not self.protects:

@@ -21,11 +21,17 @@ ATTACKS = {
     "a connection": "socket.create_connection(('127.0.0.1', {port}), 1)",
     "another program": "os.execv('/bin/true', ['true'])",
     "a signal": "os.kill({pid}, 0)",
+    "a datagram": "socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)",
+    "a signal by a file": "fcntl.fcntl(0, fcntl.F_SETOWN, {pid})",
+    "the mode of a file": "[os.chmod('own', 0o700), os.stat('own').st_mode & 0o100 or 1 / 0]",
+    "memory in files": "libc.memfd_create(b'x', 0) >= 0 or 1 / 0",
     "much memory": "mmap.mmap(-1, 3 * 10**9)",
     "a large file": "open('f', 'wb').write(b'x' * 10**8)",
 }
 PROGRAM = """
-import mmap, os, socket
+import ctypes, fcntl, mmap, os, socket
+libc = ctypes.CDLL(None)
+open('own', 'w').close()
 def works(line):
     pid = os.fork()
     if pid == 0:
@@ -39,18 +45,19 @@ answer = [name for name, line in {attacks!r}.items() if works(line)]
 """
 FILES = {"a file of the user", "the listing of a folder"}
 NETWORK = {"a socket", "a connection"}
+CALLS = {"another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files"}
 BUBBLEWRAP = "bubblewrap"
 OPEN = {  # layers that are off: what works then
     (): set[str](),
     (BUBBLEWRAP,): set[str](),
     (BUBBLEWRAP, "namespaces"): set[str](),
     (BUBBLEWRAP, "Landlock"): FILES,
-    (BUBBLEWRAP, "seccomp"): {"a socket", "another program"},
+    (BUBBLEWRAP, "seccomp"): {"a socket", *CALLS},
     (BUBBLEWRAP, "namespaces", "Landlock"): FILES,
     ("Landlock",): set[str](),
-    ("namespaces", "seccomp"): {"a socket", "another program"},
-    LAYERS[:4]: {*FILES, *NETWORK, "another program", "a signal"},
-    LAYERS: {*FILES, *NETWORK, "another program", "a signal", "much memory", "a large file"},
+    ("namespaces", "seccomp"): {"a socket", *CALLS},
+    LAYERS[:4]: {*FILES, *NETWORK, *CALLS, "a signal"},
+    LAYERS: {*FILES, *NETWORK, *CALLS, "a signal", "much memory", "a large file"},
 }
 
 
@@ -78,6 +85,14 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
         assert session.log.errors == []
         assert set(came.returns[0]) <= OPEN[off]
         assert template.isolation.protects == (not FILES & OPEN[off])
+
+
+def test_folders_in_folders_are_cleared_away() -> None:
+    cells = ["import os\nfor _ in range(1200): os.mkdir('d'); os.chdir('d')\nanswer = 1"]
+    with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
+        with closing(Session(cells, {ANSWER.id: {}}, Limits(), template)) as session:
+            assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+        assert template.is_sound
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,156 @@
+"""Holes that a review found, each as the claim that it is closed."""
+
+import os
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading import judge
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.ghost import seen
+from course_lib.grading.judge import BrokenCheckError, Run, judge_task
+from course_lib.grading.plain import MAX_TEXT, is_plain
+from course_lib.grading.report_scene import figures
+from course_lib.grading.submission import find_submissions
+from course_lib.grading.task import Message, Scenario, Task
+from course_lib.grading.vocabulary import expect_marker, expect_parameters
+from course_lib.grading.vocabulary.wording import LONGEST
+from course_lib.grading.working_files import MAX_BYTES, working_files
+from course_lib.robots.resources import packages_only, resolve
+from course_lib.ros.channel import ChannelError
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Sample
+from course_lib.ros.graph_server import RecordingLimitError, Room, _qos
+from course_lib.ros.messages import definitions, serialize
+from course_lib.ros.qos import Qos
+from tests.hostile.files import RECEIPT, book
+
+TOPIC = "/visualization_marker"
+
+
+def task_with(*checks: Check) -> Task:
+    scenario = Scenario("public", checks=checks)
+    return Task("week01.demo", "A demo", "node", "Demo", ("a", "b", "c"), (scenario,))
+
+
+def test_the_judge_does_not_look_for_types_that_students_made_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(definitions, "find_package", lambda _: pytest.fail("looked for"))
+    samples = (Sample(0, TOPIC, "made/msg/Up", b"x", Qos(), 2),)
+    assert Evidence("a", "b", 1.0, samples).messages(TOPIC) == []
+
+
+def test_a_check_that_takes_too_long_is_a_fault_of_the_grader(monkeypatch: pytest.MonkeyPatch) -> None:
+    def loop(_: Evidence) -> Any:
+        while True:
+            pass
+
+    monkeypatch.setattr(judge, "CHECK_SECONDS", 0.1)
+    task = task_with(Check("endless", loop))
+    run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0))
+    with pytest.raises(BrokenCheckError, match=r"more than 0\.1 s"):
+        judge_task(task, 10.0, False, [run])
+
+
+@pytest.mark.parametrize("word", ["x" * 10**6, 7])
+def test_a_policy_is_a_word(word: object) -> None:
+    with pytest.raises(ChannelError, match="Not a QoS"):
+        _qos([word, 10, "reliable", "volatile", None, None, "automatic", None])
+
+
+def test_what_is_recorded_beside_pictures_is_judged_in_seconds() -> None:
+    room = Room()
+    room.take("sensor_msgs/msg/Image", 10**8)
+    room.take("visualization_msgs/msg/Marker", room.others - 100)
+    with pytest.raises(RecordingLimitError):
+        room.take("visualization_msgs/msg/Marker", 0)  # costs more than it has bytes
+
+
+def test_a_verdict_is_short_whatever_was_published() -> None:
+    samples = tuple(Sample(0, f"/{n}", "std_msgs/msg/String", b"", Qos(), 2) for n in range(5000))
+    verdict = expect_marker(TOPIC).judge(Evidence("a", "b", 1.0, samples))
+    assert len(verdict.message) < LONGEST + 10
+
+
+def test_a_text_that_comes_raw_is_not_longer_than_one_that_was_made_plain() -> None:
+    assert is_plain("x" * MAX_TEXT)
+    assert not is_plain(["x" * (MAX_TEXT + 1)])
+
+
+@pytest.mark.parametrize("text", ["[" * 9000, "{a: " * 1600 + "1" + "}" * 1600, "? [a]\n: 1"])
+def test_a_parameters_file_that_is_none_is_a_mistake_of_the_student(text: str) -> None:
+    verdict = expect_parameters("/node", {"a": 1}).judge(Evidence("a", "b", 1.0, returns=(text,)))
+    assert (verdict.score, verdict.mistake) == (0.0, "the parameters file cannot be read")
+
+
+@pytest.mark.parametrize(
+    "uri", ["file://{}", "package:///../../../../../../../../{}", "package://a/..%2f..%2f..%2f..%2f..%2f..{}"]
+)
+def test_a_report_shows_no_file_of_the_grader(
+    uri: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from visualization_msgs.msg import Marker
+
+    from course_lib.displays.marker import mesh
+
+    secret = tmp_path / "secret.stl"
+    secret.write_text("solid")
+    named = uri.format(secret)
+    monkeypatch.setattr(mesh, "load_mesh", lambda path: pytest.fail(f"read {path}"))
+    task = task_with()
+    cdr = serialize(Marker(type=Marker.MESH_RESOURCE, mesh_resource=named))
+    sample = Sample(START_NS, TOPIC, "visualization_msgs/msg/Marker", cdr, Qos(), 2)
+    run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0, (sample,)))
+    assert figures(task, [run], 100_000)[0].view
+    with packages_only(), pytest.raises(CourseError, match="no address of a file"):
+        resolve(named)
+
+
+def test_services_that_are_called_in_a_scenario_are_not_drawn() -> None:
+    called = Message("/camera/set_parameters", "rcl_interfaces/srv/SetParameters", {}, at=1.0)
+    assert seen(Evidence("a", "b", 1.0), [called]).samples == []
+
+
+@pytest.mark.parametrize("student", ["index.html", "viewer-0123456789ab.js"])
+def test_no_student_has_the_name_of_a_file_of_the_reports(student: str, tmp_path: Path) -> None:
+    hand_in(tmp_path / student / "week01_exercise.ipynb")
+    hand_in(tmp_path / "flat.ipynb", metadata={"course": {"student": student}})
+    assert {found.student for found in find_submissions(tmp_path)} == {f"{student}_"}
+
+
+@pytest.mark.parametrize("time", ["9999-12-31T23:59:59+00:00", "0001-01-01T00:00:00+00:00"])
+def test_a_receipt_from_the_end_of_time_is_not_believed(time: str, tmp_path: Path) -> None:
+    receipt = RECEIPT.replace(b"{", f'{{"time": "{time}", '.encode(), 1)
+    (tmp_path / "ada").mkdir()
+    with zipfile.ZipFile(tmp_path / "ada/week01.zip", "w") as archive:
+        archive.writestr("receipt.json", receipt)
+        archive.writestr("week01_exercise.ipynb", book())
+    (found,) = find_submissions(tmp_path)
+    assert (found.problem, found.received.source) == ("", "file time")
+
+
+def test_a_file_in_capitals_is_not_lost(tmp_path: Path) -> None:
+    hand_in(tmp_path / "ada/WEEK01.IPYNB")
+    assert find_submissions(tmp_path)[0].student == "ada"
+
+
+def test_who_takes_the_id_of_another_is_noted(tmp_path: Path) -> None:
+    for name in ("a.ipynb", "b.ipynb"):
+        hand_in(tmp_path / name, metadata={"course": {"student": "ada", "exercise": "week01_exercise"}})
+    (found,) = find_submissions(tmp_path)
+    assert found.notes == ["this counts, of what says to be ada's in a.ipynb, b.ipynb"]
+
+
+def test_files_beside_a_notebook_are_not_more_than_a_worker_takes(tmp_path: Path) -> None:
+    names = [f"{n}.py" for n in range(20)]
+    for name in names:
+        (tmp_path / name).write_bytes(b"\xff" * (MAX_BYTES - 1))
+    assert working_files(tmp_path / "x.ipynb", [repr(names)]) == {}
+
+
+def hand_in(path: Path, **more: Any) -> None:
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(book(**more))
+    os.utime(path, (1.7e9, 1.7e9))
