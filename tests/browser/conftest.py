@@ -3,7 +3,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.viewer.browser import find_browser
@@ -12,6 +12,7 @@ from tests.browser.fake_host import Host, chromium
 from tests.browser.waiting import PATIENCE
 
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+expect.set_options(timeout=PATIENCE * 1000)
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Drives the real JupyterLab in a real Chromium, as a student would."""
 
+import base64
 import json
 import os
 import re
@@ -14,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Browser, Locator, Page
 
-PATIENCE = 60_000  # [ms]
+from tests.browser.waiting import PATIENCE
+
 KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
 
 
@@ -55,14 +57,13 @@ class Notebook:
     """One notebook, open in JupyterLab.
 
     Args:
-        page: The browser's page.
+        page: The browser's page, with a time out for busy machines.
         address: What `course lab` printed.
         name: The notebook's path in the student's folder.
     """
 
     def __init__(self, page: Page, address: str, name: str) -> None:
-        self.page = page
-        self.week = Path(name).name[:6]
+        self.page, self.name = page, name
         base, _, query = address.partition("?")
         self._url = f"{base.split('/lab')[0]}/lab/tree/{name}?{query}"
         self.open()
@@ -70,14 +71,24 @@ class Notebook:
     def open(self) -> None:
         """Open the notebook, or reload the page, and wait for its kernel."""
         self.page.goto(self._url)
-        self.page.wait_for_selector(".jp-Notebook .jp-Cell", timeout=PATIENCE)
+        self.page.wait_for_selector(".jp-Notebook .jp-Cell")
+        self.wait_idle()
+
+    def leave_for(self, name: str) -> None:
+        """End the kernel, and open another notebook in its place: a second load of the page costs seconds."""
+        script = """async path => {
+            await jupyterapp.serviceManager.sessions.shutdownAll();
+            jupyterapp.shell.currentWidget.dispose();
+            const opened = await jupyterapp.commands.execute('docmanager:open', { path });
+            await opened.context.ready; }"""
+        self.page.evaluate(script, name)
+        self.name = name
+        self.page.wait_for_selector(".jp-Notebook .jp-Cell")
         self.wait_idle()
 
     def wait_idle(self) -> None:
         """Wait until the kernel has nothing to do."""
-        self.page.wait_for_function(
-            f"() => window.jupyterapp && {KERNEL}?.status == 'idle'", timeout=PATIENCE
-        )
+        self.page.wait_for_function(f"() => window.jupyterapp && {KERNEL}?.status == 'idle'")
 
     def run_all(self) -> None:
         """Run all cells as the Run menu does."""
@@ -85,7 +96,7 @@ class Notebook:
         self.wait_idle()
         all_ran = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
-        self.page.wait_for_function(all_ran, timeout=PATIENCE)
+        self.page.wait_for_function(all_ran)
 
     def run_one_by_one(self) -> Iterator[tuple[str, Locator]]:
         """Run the code cells in their order, each after the one before has ended; gives source and cell."""
@@ -147,9 +158,27 @@ class Notebook:
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
 
+@contextmanager
+def opened(browser: Browser, folder: Path, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]:
+    """Open a notebook of the folder that `course lab` makes for a student; it may be one of other cells."""
+    if cells:
+        folder.mkdir()
+        write_notebook(folder / name, cells)
+    with course_lab(folder, folder.parent / "home") as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.set_default_timeout(PATIENCE * 1000)
+        yield Notebook(page, address, name)
+        page.close()
+
+
 def pixels_of(view: Locator) -> NDArray[np.int64]:
-    """Take a picture of an element; shape (height, width, 3), values 0..255."""
-    return np.array(Image.open(BytesIO(view.screenshot())).convert("RGB")).astype(np.int64)
+    """Return what a view has drawn; shape (height, width, 3), values 0..255.
+
+    A screenshot would cost seconds while nodes run live.
+    """
+    url = view.evaluate("canvas => canvas.toDataURL()")
+    png = base64.b64decode(url.partition(",")[2])
+    return np.array(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
 
 
 def red_pixels(view: Locator) -> int:

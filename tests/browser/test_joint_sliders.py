@@ -6,7 +6,8 @@ from math import pi
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
+from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 CELLS = (
@@ -24,19 +25,19 @@ CELLS = (
 @pytest.fixture(scope="module")
 def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
     folder = tmp_path_factory.mktemp("student") / "my_course"
-    folder.mkdir()
-    write_notebook(folder / "sliders.ipynb", CELLS)
-    with course_lab(folder, folder.parent / "home") as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
-        notebook = Notebook(page, address, "sliders.ipynb")
+    with opened(browser, folder, "sliders.ipynb", CELLS) as notebook:
         notebook.run_all()
         yield notebook
-        page.close()
 
 
-def elbow(notebook: Notebook) -> float:
-    notebook.wait_idle()
-    return float(notebook.kernel("print(publisher.joints['elbow_joint'].position)"))
+def elbow_comes_to(notebook: Notebook, position: float, within: float) -> None:
+    """Wait until the elbow is at a position [rad]."""
+
+    def is_there() -> bool:
+        elbow = float(notebook.kernel("print(publisher.joints['elbow_joint'].position)"))
+        return abs(elbow - position) <= within
+
+    wait_until(is_there, notebook.page)
 
 
 def test_a_slider_moves_by_arrow_keys_in_steps_of_a_thousandth(notebook: Notebook) -> None:
@@ -45,8 +46,7 @@ def test_a_slider_moves_by_arrow_keys_in_steps_of_a_thousandth(notebook: Noteboo
     cell.locator(".widget-slider", has_text="elbow_joint").locator(".noUi-handle").focus()
     for _ in range(5):
         notebook.page.keyboard.press("ArrowRight")
-    notebook.page.wait_for_timeout(500)
-    assert elbow(notebook) == pytest.approx(5 * 2 * pi / 1000, abs=1e-3)
+    elbow_comes_to(notebook, 5 * 2 * pi / 1000, within=1e-3)
 
 
 def test_a_position_may_be_typed_and_taken_back(notebook: Notebook) -> None:
@@ -54,8 +54,6 @@ def test_a_position_may_be_typed_and_taken_back(notebook: Notebook) -> None:
     number = cell.locator(".widget-slider", has_text="elbow_joint").locator(".widget-readout")
     number.fill("-1.25")
     number.press("Enter")
-    notebook.page.wait_for_timeout(500)
-    assert elbow(notebook) == pytest.approx(-1.25, abs=2 * pi / 1000)
+    elbow_comes_to(notebook, -1.25, within=2 * pi / 1000)
     cell.get_by_role("button", name="Center").click()
-    notebook.page.wait_for_timeout(500)
-    assert elbow(notebook) == 0.0
+    elbow_comes_to(notebook, 0.0, within=0.0)

@@ -8,7 +8,8 @@ import psutil
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from tests.browser.jupyterlab import Notebook, course_lab, red_pixels
+from tests.browser.jupyterlab import Notebook, opened, red_pixels
+from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOW, LIVE = "viewer.add(", "live = run_live(node)"
@@ -20,11 +21,9 @@ PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the READM
 
 @pytest.fixture(scope="module")
 def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student")
-    with course_lab(folder / "my_course", folder / "home") as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 860})
-        yield Notebook(page, address, "week01_first_marker.ipynb")
-        page.close()
+    folder = tmp_path_factory.mktemp("student") / "my_course"
+    with opened(browser, folder, "week01_first_marker.ipynb") as notebook:
+        yield notebook
 
 
 @pytest.fixture
@@ -43,18 +42,15 @@ def view_in(cell: Locator) -> Locator:
 def wait_for_red(cell: Locator) -> None:
     """The first cube comes one second after the start."""
     view = view_in(cell)
-    for _ in range(40):
-        if red_pixels(view) > ENOUGH:
-            return
-        cell.page.wait_for_timeout(250)
-    pytest.fail("no red cube was drawn")
+    wait_until(lambda: red_pixels(view) > ENOUGH, cell.page)
 
 
 def test_the_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_is_free(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     if PICTURES:
         running.page.screenshot(path=Path(PICTURES) / "week01_jupyterlab.png")
-    assert int(running.kernel(NOW)) < int(running.kernel(f"import time; time.sleep(0.3)\n{NOW}"))
+    now = int(running.kernel(NOW))
+    wait_until(lambda: int(running.kernel(NOW)) > now, running.page)
     running.run_to("%ros2 topic list")
     assert "/visualization_marker\n" in "".join(str(output.get("text")) for output in running.outputs())
 
@@ -67,7 +63,6 @@ def test_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
 def test_the_scene_survives_a_page_reload(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    running.page.wait_for_timeout(1000)
     running.open()
     wait_for_red(running.cell(SHOW))
 
@@ -78,8 +73,7 @@ def test_a_viewer_whose_cell_is_run_again_listens_no_more(running: Notebook) -> 
     for _ in range(2):
         running.run_to(SHOW)
         view_in(running.cell(SHOW))
-        running.page.wait_for_timeout(1000)
-    assert running.kernel(LISTENERS) == before
+        wait_until(lambda: running.kernel(LISTENERS) == before, running.page)
 
 
 def test_the_button_stops_the_live_node(running: Notebook) -> None:

@@ -1,11 +1,12 @@
 """Many views in real JupyterLab: twenty on a page, two tabs, a restart, hands while a node runs live."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
+from tests.browser.waiting import PATIENCE, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
@@ -70,7 +71,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 def new_page(browser: Browser) -> Page:
     # JupyterLab draws what is in sight only
     page = browser.new_page(viewport={"width": 1000, "height": 3000})
-    page.set_default_timeout(20_000)
+    page.set_default_timeout(PATIENCE * 1000)
     page.add_init_script(_CONTEXTS)
     return page
 
@@ -82,14 +83,6 @@ def notebook(browser: Browser, address: str) -> Iterator[Notebook]:
     notebook.run_all()
     yield notebook
     page.close()
-
-
-def wait_until(page: Page, ready: Callable[[], bool], seconds: float = 20.0) -> None:
-    for _ in range(int(seconds * 5)):
-        if ready():
-            return
-        page.wait_for_timeout(200)
-    pytest.fail("it did not become so")
 
 
 def are_all(notebook: Notebook, color: int) -> bool:
@@ -104,7 +97,7 @@ def heard(notebook: Notebook) -> int:
 
 
 def test_twenty_views_are_drawn_and_no_context_is_lost(notebook: Notebook) -> None:
-    wait_until(notebook.page, lambda: are_all(notebook, 0))
+    wait_until(lambda: are_all(notebook, 0), notebook.page)
     assert notebook.page.evaluate("lost") == 0
     assert notebook.errors() == []
 
@@ -112,12 +105,12 @@ def test_twenty_views_are_drawn_and_no_context_is_lost(notebook: Notebook) -> No
 def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook) -> None:
     cell = notebook.cell("slider =")
     canvas = cell.locator("canvas")
-    wait_until(notebook.page, lambda: min(canvas.evaluate_all(_COUNT, 0), default=0) > ENOUGH)
+    wait_until(lambda: min(canvas.evaluate_all(_COUNT, 0), default=0) > ENOUGH, notebook.page)
     canvas.first.click()
     handle = cell.locator(".noUi-handle")
     # One by one: ipywidgets merges the changes that a busy kernel has not yet taken.
     for count in range(1, 5):
-        wait_until(notebook.page, lambda count=count: heard(notebook) == count)  # type: ignore[misc]  # mypy knows no default there
+        wait_until(lambda count=count: heard(notebook) == count, notebook.page)  # type: ignore[misc]  # mypy knows no default there
         if count < 4:
             handle.press("ArrowRight")
     kinds = notebook.kernel("print([what for what, _ in node.heard])")
@@ -129,16 +122,15 @@ def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(
     notebook: Notebook, browser: Browser, address: str
 ) -> None:
     notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    notebook.page.wait_for_timeout(1000)
     page = new_page(browser)
     second = Notebook(page, address, "many.ipynb")
-    wait_until(page, lambda: are_all(second, 0))
+    wait_until(lambda: are_all(second, 0), page)
     paint = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
     notebook.kernel(paint)
     for one in (notebook, second):
-        wait_until(page, lambda one=one: are_all(one, 2))  # type: ignore[misc]  # mypy knows no default there
+        wait_until(lambda one=one: are_all(one, 2), page)  # type: ignore[misc]  # mypy knows no default there
     notebook.open()
-    wait_until(page, lambda: are_all(notebook, 2))
+    wait_until(lambda: are_all(notebook, 2), page)
     assert page.evaluate("lost") == notebook.page.evaluate("lost") == 0
     page.close()
 
@@ -148,5 +140,5 @@ def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(note
     notebook.wait_idle()
     assert are_all(notebook, 2)
     notebook.run_all()
-    wait_until(notebook.page, lambda: are_all(notebook, 0))
+    wait_until(lambda: are_all(notebook, 0), notebook.page)
     assert notebook.errors() == []

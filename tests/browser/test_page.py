@@ -13,6 +13,7 @@ from course_lib.viewer.html import bundle_script, save_html, scene_fragment
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import Pixels, count
+from tests.browser.waiting import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -70,10 +71,8 @@ def test_a_page_from_a_file_shows_the_scene_and_asks_for_nothing(browser: Browse
     page.on("request", lambda request: requests.append(request.url))
     page.goto(file.as_uri())
     page.wait_for_selector("canvas")
-    page.evaluate("() => new Promise((done) => setTimeout(done, 200))")
-    pixels = pixels_of(page.screenshot())
+    wait_until(lambda: count(pixels_of(page.screenshot()), RED) > 4000, page)
     assert (page.title(), page.get_by_role("img").get_attribute("aria-label")) == ("The <red> box",) * 2
-    assert count(pixels, RED) > 4000
     assert errors == []
     assert [url for url in requests if not url.startswith("blob:")] == [file.as_uri()]
     page.close()
@@ -87,8 +86,12 @@ def test_two_scenes_stand_side_by_side_with_one_script(browser: Browser) -> None
         f"{left}{right}</div>{bundle_script()}"
     )
     page.wait_for_function("document.querySelectorAll('canvas').length === 2")
-    page.evaluate("() => new Promise((done) => setTimeout(done, 200))")
+
+    def is_drawn() -> bool:
+        pixels = pixels_of(page.screenshot())
+        return min(count(pixels[:, :200], RED), count(pixels[:, 200:], BLUE)) > 2000
+
+    wait_until(is_drawn, page)
     pixels = pixels_of(page.screenshot())
-    assert min(count(pixels[:, :200], RED), count(pixels[:, 200:], BLUE)) > 2000
     assert max(count(pixels[:, :200], BLUE), count(pixels[:, 200:], RED)) == 0
     page.close()

@@ -11,7 +11,7 @@ from course_lib.ros.pace import speed_of
 from tests.browser.bench import Bench
 from tests.browser.fake_host import count
 from tests.browser.test_playback import READING
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -54,7 +54,8 @@ def test_the_panel_follows_robot_time(bench: Bench) -> None:
     wait_until(is_read, bench.page)
 
 
-def test_an_open_page_draws_the_screenshot(bench: Bench) -> None:
+def test_an_open_page_draws_the_screenshot(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.displays.panel._ANSWER", PATIENCE)
     pictures = []
     asking = threading.Thread(target=lambda: pictures.append(bench.viewer.screenshot(size=(300, 200))))
     asking.start()

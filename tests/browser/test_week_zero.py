@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, Locator, expect
 
 from course_lib.course.exercise_file import read_notebook
 from course_lib.course.state import State
-from tests.browser.jupyterlab import Notebook, course_lab, pixels_of
+from tests.browser.jupyterlab import Notebook, opened, pixels_of
+from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 ENOUGH = 300  # [px] of the yellow path
@@ -22,24 +23,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lesson(browser: Browser, folder: Path) -> Iterator[Notebook]:
-    with course_lab(folder, folder.parent / "home") as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
-        notebook = Notebook(page, address, "week00_welcome.ipynb")
+    with opened(browser, folder, "week00_welcome.ipynb") as notebook:
         notebook.run_all()
         yield notebook
-        page.close()
+
+
+def yellow_pixels(view: Locator) -> int:
+    pixels = pixels_of(view)
+    return int(((pixels[..., 0] > 180) & (pixels[..., 1] > 180) & (pixels[..., 2] < 80)).sum())
 
 
 def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) -> None:
     view = lesson.cell('compare("week00.shape"').locator("canvas").first
     expect(view).to_be_visible()
-    for _ in range(40):
-        pixels = pixels_of(view)
-        if ((pixels[..., 0] > 180) & (pixels[..., 1] > 180) & (pixels[..., 2] < 80)).sum() > ENOUGH:
-            break
-        lesson.page.wait_for_timeout(250)
-    else:
-        pytest.fail("no yellow path was drawn")
+    wait_until(lambda: yellow_pixels(view) > ENOUGH, lesson.page)
     assert lesson.errors() == []
 
 
