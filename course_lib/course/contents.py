@@ -13,6 +13,18 @@ from course_lib.course.state import State
 from course_lib.course.whole_file import write_whole
 
 CONTENTS_FILE = "contents.md"
+PAGE = """\
+# Contents and progress
+
+*Made anew by every `course lab`. Your own notes are safe in any other file.*
+
+| lesson | minutes | exercise | hand in by | public checks passed |
+|---|---|---|---|---|
+{rows}
+
+Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`. \
+How far you are now: `course status`.
+"""
 
 
 @dataclass(frozen=True)
@@ -24,8 +36,7 @@ class Week:
     minutes: int  # [min] of the lesson
     lesson: str  # file name
     exercise: str | None  # file name
-    deadline: datetime | None  # local time of the course
-    points: Mapping[str, float]  # of the tasks that count towards 100
+    settings: Settings  # of course.toml
 
 
 def load_weeks() -> tuple[Week, ...]:
@@ -37,15 +48,13 @@ def load_weeks() -> tuple[Week, ...]:
 def _week(lesson: Path, settings: Mapping[str, Settings]) -> Week:
     notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
     exercise = exercises_dir() / f"{name}_exercise.ipynb"
-    known = settings.get(name)
     return Week(
         name=name,
         title=source(notebook["cells"][0]).splitlines()[0].lstrip("# "),
         minutes=notebook["metadata"]["course"]["minutes"],
         lesson=lesson.name,
         exercise=exercise.name if exercise.exists() else None,
-        deadline=known.deadline if known else None,
-        points=known.points if known else {},
+        settings=settings.get(name, Settings("")),
     )
 
 
@@ -68,7 +77,8 @@ class Progress:
 def progress(week: Week, state: State) -> Progress:
     """What the student's folder remembers of a week."""
     kept, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
-    results = {task: kept.get(f"{week.name}.{task}", {"score": 0.0, "of": 1.0}) for task in week.points}
+    none = {"score": 0.0, "of": 1.0}
+    results = {task: kept.get(f"{week.name}.{task}", none) for task in week.settings.points}
     done = tuple(task for task, result in results.items() if result["score"] >= result["of"])
     return Progress(
         done=done,
@@ -80,32 +90,19 @@ def progress(week: Week, state: State) -> Progress:
 
 def contents_page(state: State) -> str:
     """The page as Markdown; links open inside JupyterLab."""
-    lines = [
-        "# Contents and progress",
-        "",
-        "*Made anew by every `course lab`. Your own notes are safe in any other file.*",
-        "",
-        "| lesson | minutes | exercise | hand in by | public checks passed |",
-        "|---|---|---|---|---|",
-    ]
-    for week in load_weeks():
-        exercise = f"[{week.exercise}]({week.exercise})" if week.exercise else ""
-        deadline = f"{week.deadline:%d %B %Y, %H:%M}" if week.deadline else ""
-        cells = (
-            f"[{week.title}]({week.lesson})",
-            f"{week.minutes}",
-            exercise,
-            deadline,
-            progress(week, state).tasks,
-        )
-        lines.append(f"| {' | '.join(cells)} |")
-    lines += [
-        "",
-        "Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`. "
-        "How far you are now: `course status`.",
-        "",
-    ]
-    return "\n".join(lines)
+    return PAGE.format(rows="\n".join(_row(week, state) for week in load_weeks()))
+
+
+def _row(week: Week, state: State) -> str:
+    deadline = week.settings.deadline
+    cells = (
+        f"[{week.title}]({week.lesson})",
+        f"{week.minutes}",
+        f"[{week.exercise}]({week.exercise})" if week.exercise else "",
+        f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
+        progress(week, state).tasks,
+    )
+    return f"| {' | '.join(cells)} |"
 
 
 def write_contents(folder: Path) -> Path:

@@ -41,9 +41,9 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
 def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
     if week.exercise is None:
         return (week.title, "", "", "", "")
-    points = f"{so_far.points:g} of {sum(week.points.values()):g}"
+    points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
     packed = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
-    return (week.title, so_far.tasks, points, packed, _due(week.deadline, now, zone))
+    return (week.title, so_far.tasks, points, packed, _due(week.settings.deadline, now, zone))
 
 
 def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:

@@ -5,15 +5,9 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import ProcessPoolExecutor as Pool
+from concurrent.futures import ThreadPoolExecutor as Threads
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeVar
@@ -38,17 +32,17 @@ class Here(Executor):
         return future
 
 
-class Processes(ThreadPoolExecutor):
+class Processes(Threads):
     """Some processes, each looked after by a thread: one that dies is replaced, and its call tried again.
 
-    A ProcessPoolExecutor of several would lose all that is under way when one of them dies.
+    A pool of several would lose all that is under way when one of them dies.
     """
 
     def __init__(self, count: int) -> None:
         # What they start has Ctrl+C blocked, too, until it is ready to die of it without a word.
         super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
         self._own = threading.local()
-        self._all: list[ProcessPoolExecutor] = []
+        self._all: list[Pool] = []
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
         """Call in one of the processes."""
@@ -68,12 +62,12 @@ class Processes(ThreadPoolExecutor):
                 self._own.process = None
         raise CourseError(f"the process that graded it died, {TRIES} times: killed, or out of memory")
 
-    def _process(self) -> ProcessPoolExecutor:
+    def _process(self) -> Pool:
         if getattr(self._own, "process", None) is None:
             context = multiprocessing.get_context("spawn")  # no threads and no locks of this process in it
-            self._own.process = ProcessPoolExecutor(1, mp_context=context, initializer=_end_with_parent)
+            self._own.process = Pool(1, mp_context=context, initializer=_end_with_parent)
             self._all.append(self._own.process)
-        process: ProcessPoolExecutor = self._own.process
+        process: Pool = self._own.process
         return process
 
 

@@ -21,6 +21,7 @@ from course_lib.grading.working_files import working_files
 RECEIPT = "receipt.json"
 SUFFIXES = (".ipynb", ".zip")
 RESERVED = (".html", ".js")  # files that lie beside the students' folders of reports
+PLAIN = ("student", "exercise", "claimed", "sha256", "problem", "key", "twins")  # fields of plain data
 NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
 
 
@@ -70,9 +71,8 @@ class Submission:
 
     def as_plain(self) -> dict[str, Any]:
         """What a result file says of it."""
-        same = ("student", "exercise", "claimed", "sha256", "problem", "key", "twins")
         return {
-            **{name: getattr(self, name) for name in same},
+            **{name: getattr(self, name) for name in PLAIN},
             "file": str(self.path),
             "received": self.received.time.isoformat(),
             "received_from": self.received.source,
@@ -82,10 +82,8 @@ class Submission:
     def from_plain(cls, content: Mapping[str, Any]) -> "Submission":
         """The one of a result file, without its notebook; its evidence is stored."""
         when = Received(datetime.fromisoformat(content["received"]), content["received_from"])
-        same = {
-            name: content[name] for name in ("student", "exercise", "claimed", "sha256", "problem", "key")
-        }
-        return cls(path=Path(content["file"]), received=when, twins=tuple(content["twins"]), **same)
+        same = {name: content[name] for name in PLAIN}
+        return cls(path=Path(content["file"]), received=when, **{**same, "twins": tuple(content["twins"])})
 
 
 def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:

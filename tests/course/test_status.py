@@ -28,7 +28,7 @@ def printed(folder: Path) -> str:
 
 def finish(state: State, name: str) -> None:
     week = next(week for week in load_weeks() if week.name == name)
-    for task, points in week.points.items():
+    for task, points in week.settings.points.items():
         state.put("progress", f"{name}.{task}", {"score": points, "of": points})
 
 

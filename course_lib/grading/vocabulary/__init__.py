@@ -13,25 +13,9 @@ from course_lib.grading.vocabulary.transforms import expect_circling_frame, expe
 from course_lib.grading.vocabulary.values import expect_text, expect_value
 
 __all__ = [
-    "expect_circle",
-    "expect_circling_frame",
-    "expect_display",
-    "expect_drawn",
-    "expect_fact",
-    "expect_joint_states",
-    "expect_joint_swing",
-    "expect_layout",
-    "expect_level",
-    "expect_marker",
-    "expect_marker_count",
-    "expect_message",
-    "expect_parameters",
-    "expect_path",
-    "expect_rate",
-    "expect_stamps",
-    "expect_text",
-    "expect_topic",
-    "expect_trajectory",
-    "expect_transform",
+    "expect_circle", "expect_circling_frame", "expect_display", "expect_drawn", "expect_fact",
+    "expect_joint_states", "expect_joint_swing", "expect_layout", "expect_level", "expect_marker",
+    "expect_marker_count", "expect_message", "expect_parameters", "expect_path", "expect_rate",
+    "expect_stamps", "expect_text", "expect_topic", "expect_trajectory", "expect_transform",
     "expect_value",
-]
+]  # fmt: skip
