@@ -178,8 +178,8 @@ class Baton:
                 self._hand_over(me, other)
             elif graph.ended:
                 return
-            elif not self._driven():
-                self._hand_over(me, None)
+            elif not any(t.main for t in list(self._threads.values())):  # others may come in meanwhile
+                self._hand_over(me, None)  # time moves only while the main thread is in a call of the kit
             elif not self._events_can_help(graph) or not (graph.advance() or graph.ended):
                 self._name_deadlock(me, graph)
 
@@ -187,10 +187,6 @@ class Baton:
         """Find the next thread, in the order after `me`, whose wait is over."""
         able = [t for t in self._waiting if t is not me and t.can_run(graph)]
         return min(able, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
-
-    def _driven(self) -> bool:
-        """Time moves only while the main thread is in a call of the kit."""
-        return any(thread.main for thread in list(self._threads.values()))  # others may come in meanwhile
 
     def _events_can_help(self, graph: Graph) -> bool:
         return any(t.events_help or t.has_deadline for t in self._waiting if t.graph is graph)

@@ -18,7 +18,7 @@ def install() -> None:
     """Put the stand-in's packages first on sys.path; raises a CourseError if others of a name are in use."""
     for name in provided():
         module = sys.modules.get(name)
-        if module is not None and not _is_ours(module):
+        if module is not None and STANDIN not in Path(_origin(module)).parents:
             raise CourseError(
                 f"{name} has already been imported from {_origin(module)}, so the course's own ROS can't "
                 "take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
@@ -62,10 +62,6 @@ class _Types(Loader):
 def provided() -> list[str]:
     """List the packages that the stand-in provides."""
     return sorted(path.parent.name for path in STANDIN.glob("*/__init__.py"))
-
-
-def _is_ours(module: ModuleType) -> bool:
-    return STANDIN in Path(_origin(module)).parents
 
 
 def _origin(module: ModuleType) -> str:

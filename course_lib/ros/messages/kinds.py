@@ -41,7 +41,9 @@ def kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kin
 def _kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kind:
     if field.is_message:
         item = message_class(field.base)
-        return _message(field, item) if field.container == "scalar" else _list(field, item, None)
+        if field.container == "scalar":
+            return Kind(item, checks.message_check(field, item))
+        return _list(field, item, None)
     primitive = PRIMITIVES[field.base]
     if field.container == "scalar":
         return _scalar(field, primitive)
@@ -58,10 +60,6 @@ def _scalar(field: FieldDefinition, primitive: Primitive) -> Kind:
 
 def _one(primitive: Primitive) -> Callable[[], Any]:
     return (lambda: b"\x00") if primitive.python is bytes else primitive.python
-
-
-def _message(field: FieldDefinition, item: type) -> Kind:
-    return Kind(item, checks.message_check(field, item))
 
 
 def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:

@@ -25,25 +25,18 @@ def type_name(message: Message | type[Message]) -> str:
     return name
 
 
-class _ServiceType(type):
-    """The type of services' classes."""
-
-    word = "Service"
+class _WholeType(type):
+    """The type of services' and actions' classes."""
 
     def __call__(cls) -> None:
-        raise NotImplementedError(f"{cls.word} classes can not be instantiated")
-
-
-class _ActionType(_ServiceType):
-    """The type of actions' classes."""
-
-    word = "Action"
+        kind = "Action" if hasattr(cls, "Goal") else "Service"
+        raise NotImplementedError(f"{kind} classes can not be instantiated")
 
 
 @cache
 def service_class(type_name: str) -> type:
     """Give the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`."""
-    return _ServiceType(*_of_parts(type_name, SERVICE_PARTS))
+    return _WholeType(*_of_parts(type_name, SERVICE_PARTS))
 
 
 @cache
@@ -60,7 +53,7 @@ def action_class(type_name: str) -> type:
         "CancelGoalService": service_class("action_msgs/srv/CancelGoal"),
         "GoalStatusMessage": message_class("action_msgs/msg/GoalStatusArray"),
     }
-    return _ActionType(name, bases, {**parts, "Impl": type("Impl", (), transport)})
+    return _WholeType(name, bases, {**parts, "Impl": type("Impl", (), transport)})
 
 
 def _of_parts(type_name: str, parts: tuple[str, ...]) -> tuple[str, tuple[type, ...], dict[str, Any]]:
