@@ -207,10 +207,12 @@ class View:
 
     def _tick(self) -> None:
         """Draw what is new, not too often; the last news, too, if nothing comes after it."""
+        if self._loop is None:
+            return  # without a page, `static` draws once
         left = self._drawn + PERIOD - wall.monotonic()
         if left <= 0:
             self._draw()
-        elif self._loop is not None and self._late is None:
+        elif self._late is None:
             self._late = self._loop.call_later(left, self._draw)
 
     def _draw(self) -> None:
