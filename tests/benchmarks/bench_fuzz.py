@@ -14,7 +14,10 @@ from hypothesis import HealthCheck, given, settings
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from course_lib.ros.standin_path import install
 from tests.hostile.fuzzing import streams, swallow
+
+install()  # here and in the process that swallows
 
 EXAMPLES = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
 BATCH = 500
