@@ -36,7 +36,7 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
 
     model = robot.tree.model  # has all links, also those of which robot.model is rid
     data = model.createData()
-    pin.framesForwardKinematics(model, data, _configuration(robot, model, positions or {}))
+    pin.framesForwardKinematics(model, data, configuration(robot, positions or {}, model))
     return {
         frame.name: transform_link_to_root.homogeneous
         for frame, transform_link_to_root in zip(model.frames, data.oMf, strict=True)
@@ -44,15 +44,11 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
     }
 
 
-def configuration(robot: Robot, positions: Mapping[str, float]) -> Floats:
-    """Return named joint positions as a configuration of robot.model, shape (nq,): see `link_poses`."""
-    return _configuration(robot, robot.model, positions)
-
-
-def _configuration(robot: Robot, model: "pin.Model", positions: Mapping[str, float]) -> Floats:
+def configuration(robot: Robot, positions: Mapping[str, float], model: "pin.Model | None" = None) -> Floats:
+    """Return joint positions, see `link_poses`, as a configuration of a model, shape (nq,)."""
     import pinocchio as pin
 
-    tree = robot.tree
+    tree, model = robot.tree, model or robot.model
     movable = {j.name: j for j in tree.joints.values() if j.kind in MOVING and model.existJointName(j.name)}
     for name, position in positions.items():
         _check(robot, list(movable), name, position)

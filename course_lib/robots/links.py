@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from transforms3d.euler import euler2mat
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 Vector: TypeAlias = tuple[float, ...]
@@ -110,12 +111,8 @@ def _origin(element: ET.Element) -> Matrix:
     """Return where an element is in its link, shape (4, 4)."""
     origin = element.find("origin")
     given = {} if origin is None else origin.attrib
-    (sr, sp, sy), (cr, cp, cy) = (f(_numbers(given.get("rpy", "0 0 0"))) for f in (np.sin, np.cos))
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
     transform = np.eye(4)
-    transform[:3, :3] = about_z @ about_y @ about_x
+    transform[:3, :3] = euler2mat(*_numbers(given.get("rpy", "0 0 0")))
     transform[:3, 3] = _numbers(given.get("xyz", "0 0 0"))
     return transform
 

@@ -1,9 +1,9 @@
 """Publishes what a detector finds."""
 
-import numpy as np
 from geometry_msgs.msg import Point, Vector3
 from rclpy.node import Node
 from std_msgs.msg import Header
+from transforms3d.quaternions import mat2quat
 from vision_msgs.msg import Detection3D, Detection3DArray, ObjectHypothesisWithPose
 
 from course_lib.ros.clock import START_NS
@@ -60,18 +60,8 @@ def detection_message(detection: Detection, header: Header) -> Detection3D:
 
 def quaternion(rotation: Floats) -> tuple[float, ...]:
     """Turn a rotation, shape (3, 3), into a quaternion in the order x, y, z, w."""
-    r = rotation
-    square = np.array(  # 4 q q^T of which the largest column is taken, so that nothing cancels
-        [
-            [1 + r[0, 0] - r[1, 1] - r[2, 2], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[2, 1] - r[1, 2]],
-            [r[0, 1] + r[1, 0], 1 - r[0, 0] + r[1, 1] - r[2, 2], r[1, 2] + r[2, 1], r[0, 2] - r[2, 0]],
-            [r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], 1 - r[0, 0] - r[1, 1] + r[2, 2], r[1, 0] - r[0, 1]],
-            [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], 1 + np.trace(r)],
-        ]
-    )
-    column = square[:, np.diag(square).argmax()]
-    x, y, z, w = column / np.linalg.norm(column)
-    return float(x), float(y), float(z), float(w)
+    w, x, y, z = map(float, mat2quat(rotation))
+    return x, y, z, w
 
 
 def _write(vector: Vector3 | Point, values: Floats) -> None:
