@@ -58,7 +58,7 @@ class Desk:
             "add": self._add,
             "duplicate": self._duplicate,
             "rename": self._rename,
-            "remove": self._remove,
+            "remove": lambda order: session.remove(self._member(order)),
             "save": self._save,
             "load": self._load,
             "view": self._take_view,
@@ -192,9 +192,6 @@ class Desk:
 
     def _rename(self, order: Order) -> None:
         self._member(order).name = str(order["name"]).strip() or self._member(order).name
-
-    def _remove(self, order: Order) -> None:
-        self._session.remove(self._member(order))
 
     def _save(self, order: Order) -> None:
         path = self._path(order)

@@ -24,12 +24,8 @@ def view(
 ) -> None:
     """Show a layout, and play a bag through it, until Ctrl+C.
 
-    Args:
-        bag: The recording's folder; it plays as soon as a page is open.
-        rviz: The layout; None shows a grid, and all topics of markers of the bag.
-        port: Where to listen; 0 lets the system choose a free one.
-        token: The secret part of the address; None makes one up.
-        browser: Whether to open the address.
+    The bag plays as soon as a page is open; without a layout a grid is shown, and all its topics of markers.
+    `port` and `token` make the address: 0 lets the system choose a free port, None makes a secret part up.
 
     Raises:
         CourseError: If the bag or the layout cannot be read, or the port is taken.

@@ -67,7 +67,7 @@ class View(PropertyHolder):
         name, known = self["Target Frame"], frames.buffer.frames()
         if name == FIXED_FRAME or frames.transform(name) is not None:
             return ()
-        meant = did_you_mean(name, known) or f"; there is {', '.join(sorted(known)) or 'none'}."
+        meant = did_you_mean(name, known) or f"; it knows {', '.join(sorted(known)) or 'no frame'}."
         return (f"tf2 knows no way to the view's Target Frame {name!r}, so the view stays{meant}",)
 
     def load(self, config: Mapping[str, Any]) -> list[str]:

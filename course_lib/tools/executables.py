@@ -9,9 +9,9 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE
 from course_lib.ros.graph import current_graph
 
+SETTLED = 1.0  # [s] after which the first messages of all nodes have come
 _NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 _VIEWS = ("bag", "console", "graph", "plot", "reconfigure", "robot_monitor", "service_caller", "topic")
@@ -29,7 +29,7 @@ def _rviz2() -> None:
         viewer = Viewer.from_rviz(layout) if layout else Viewer()
         shown = display(viewer, display_id=True)  # type: ignore[no-untyped-call]  # untyped there
         if shown is not None and pace.wanted() == "fast":  # nobody watches: what stays is not the beginning
-            time.sleep(SECONDS_WITHOUT_A_PAGE)  # of robot time
+            time.sleep(SETTLED)  # of robot time
             shown.update(viewer)
     else:
         _tell_how_to_look(layout)

@@ -44,12 +44,7 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
 
 
 def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
-    """Run a command line.
-
-    Args:
-        line: What follows `ros2`.
-        ros2: Does what its words say, and writes.
-        write: Takes what comes out of the last command.
+    """Run a command line without its `ros2`; `write` takes what comes out of the last command.
 
     Raises:
         CourseError: One of the tools is not there, or the line cannot be read.

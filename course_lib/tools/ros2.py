@@ -75,12 +75,7 @@ HELP = {"-h", "--help"}
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
-    """Do what `ros2 <words>` does.
-
-    Args:
-        words: The command line after `ros2`.
-        source: Where to look.
-        write: Takes what ROS prints.
+    """Do what `ros2 <words>` does; `write` takes what ROS prints.
 
     Raises:
         CourseError: No such command or argument, or what the command itself finds wrong.

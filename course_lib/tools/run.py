@@ -27,18 +27,15 @@ def run(
     args: Sequence[str],
     real_time: bool,
 ) -> int:
-    """Run programs that share one graph.
+    """Run programs that share one graph, in their start order; returns their exit code.
 
     Args:
-        files: Python files, in their start order.
+        files: Python files, launch files, notebooks.
         seconds: Robot time to run, [s]; None runs until the programs end.
         seed: Seeds every source of chance.
         bag: Folder of the recording, which must not be there yet.
         args: What each program finds in `sys.argv`.
         real_time: Keep the wall clock's pace instead of running at full speed.
-
-    Returns:
-        The exit code of the programs.
 
     Raises:
         CourseError: If a file cannot be run or the recording cannot be written.
@@ -65,10 +62,7 @@ def show_arguments(files: Sequence[Path]) -> str:
 
 
 def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
-    """Run programs, and, once each of them waits, a tool beside them; they end with it.
-
-    Returns:
-        The exit code of the programs.
+    """Run programs, and, once each waits, a tool beside them; they end with it. Returns their exit code.
 
     Raises:
         CourseError: If a file cannot be run, or what the tool finds wrong.

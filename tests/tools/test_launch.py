@@ -76,7 +76,7 @@ def test_a_view_that_nobody_watches_shows_in_the_end_what_has_come(
         f"Node(package='tf2_ros', executable='static_transform_publisher', arguments={frames})",
     )
     run(graph, "launch my_robot robot.launch.py")
-    spin_for(6.0)
+    spin_for(2.0)
     assert ["does not exist" in statuses for statuses in seen] == [True, False]
 
 

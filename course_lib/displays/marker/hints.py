@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 from course_lib.displays.frames import is_unit
 from course_lib.displays.marker.lists import LINE_LIST, LINE_STRIP, POINTS, has_colors
 from course_lib.displays.marker.triangles import has_face_colors
-from course_lib.displays.marker.types import TYPES
 
-_TEXT, _MESH, _TRIANGLES = 9, 10, 11
+_TEXT, _MESH, _TRIANGLES = 9, 10, 11  # the last one that RViz draws; 12 is in the message only
 _LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)
 
 
@@ -49,7 +48,7 @@ def _long(marker: Any) -> bool:
 
 _RULES = (
     Rule(
-        lambda m: m.type not in TYPES,
+        lambda m: not 0 <= m.type <= _TRIANGLES,
         "type {m.type} is none that RViz2 draws: it logs 'Unknown marker type: {m.type}' and shows nothing.",
     ),
     Rule(

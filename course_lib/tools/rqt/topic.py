@@ -8,6 +8,7 @@ from course_lib.ros.graph import Sample
 from course_lib.tools.message_text import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import table, tag
 from course_lib.tools.rqt.view import View
+from course_lib.tools.topic.measure import in_bytes
 
 _WINDOW_NS = 5 * 10**9  # of robot time
 _COLUMNS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
@@ -78,8 +79,8 @@ class TopicView(View):
         seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
         rates = ["", ""]
         if seconds:
-            bandwidth = _amount(sum(size for _, size in window[1:]) / seconds)
-            rates = [bandwidth, f"{(len(window) - 1) / seconds:.2f}"]
+            (bandwidth,) = in_bytes(sum(size for _, size in window[1:]) / seconds)
+            rates = [f"{bandwidth}/s", f"{(len(window) - 1) / seconds:.2f}"]
         last = self._last.get(topic)
         value = to_csv(last.message(), Style(truncate=8))[:200] if last else "not heard yet"
         return [", ".join(types), *rates, value]
@@ -92,12 +93,3 @@ class TopicView(View):
 def _cells(texts: tuple[str, ...] | list[str]) -> str:
     cells = "".join(tag("span", escape(words), title=words) for words in texts)
     return tag("div", cells, **{"class": "rqt-cells"})
-
-
-def _amount(rate: float) -> str:
-    """Write bytes per second as `ros2 topic bw` does."""
-    for unit in ("B/s", "KB/s"):
-        if rate < 1000:
-            return f"{rate:.2f} {unit}"
-        rate /= 1000
-    return f"{rate:.2f} MB/s"

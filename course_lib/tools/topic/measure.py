@@ -82,10 +82,14 @@ def delay(source: Source, arguments: Namespace, write: Write) -> None:
 def bandwidth(sizes: list[int], seconds: float) -> str:
     """Write the bandwidth of messages that came in so many seconds, all in the unit that fits the rate."""
     rate = sum(sizes) / seconds
-    divisor, unit, digits = next((by, name, n) for below, by, name, n in _UNITS if rate < below)
-    numbers = (rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
-    total, mean, least, most = (f"{number / divisor:.{digits}f} {unit}" for number in numbers)
+    total, mean, least, most = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
     return f"{total}/s from {len(sizes)} messages\n\tMessage size mean: {mean} min: {least} max: {most}\n"
+
+
+def in_bytes(*numbers: float) -> list[str]:
+    """Write numbers of bytes, all in the unit that fits the first one."""
+    divisor, unit, digits = next((by, name, n) for below, by, name, n in _UNITS if numbers[0] < below)
+    return [f"{number / divisor:.{digits}f} {unit}" for number in numbers]
 
 
 def _rate(gaps: Sequence[int]) -> str:
