@@ -93,7 +93,10 @@ def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:
         CourseError: `top` is no folder, or holds no submission.
     """
     if not top.is_dir():
-        raise CourseError(f"{top} is no folder. Name the one with a folder per student: course grade FOLDER")
+        raise CourseError(
+            f"{top} is no folder. Name the one with a folder per student; what a platform gave first goes "
+            "through course collect"
+        )
     found = [read_submission(path, top) for path in _files(top)]
     if not found:
         raise CourseError(f"{top} holds no submission: expected STUDENT/week01_exercise.ipynb in it")

@@ -31,7 +31,7 @@ def closed_square(evidence: Evidence) -> Verdict:
     """The line goes round the square: every piece is one side, and the last point is the first."""
     markers = shown(evidence, TOPIC)
     if not markers:
-        problem = no_markers(evidence, TOPIC)[0]
+        problem = no_markers(evidence, TOPIC)
         return failed(problem.message, problem.mistake)
     for marker in markers:
         corners = [(point.x, point.y, point.z) for point in marker.points]

@@ -5,7 +5,7 @@ from typing import Any
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.values import compare
-from course_lib.grading.vocabulary.wording import Problem, nothing_on, word
+from course_lib.grading.vocabulary.wording import Problem, heard, word
 from course_lib.robots.unknown_make import Make
 
 TOPIC = "/diagnostics"
@@ -23,11 +23,9 @@ FACTS = {  # about an unknown robot, and the tool that tells
 @word("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
     """Each status about a second between two times [s] has this level, and its message this word in it."""
-    arrays = [m for at, m in evidence.messages(TOPIC) if begin + SETTLED <= at <= end + SETTLED - 1]
+    arrays = [m for at, m in heard(evidence, TOPIC) if begin + SETTLED <= at <= end + SETTLED - 1]
     statuses = [status for array in arrays for status in getattr(array, "status", ())]
     when = f"from {begin:g} to {end:g} s"
-    if not evidence.messages(TOPIC):
-        return [nothing_on(evidence, TOPIC)]
     if not statuses:
         return [Problem(f"no status came {when}", "a status is missing")]
     for status in statuses:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, listed, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, listed, nothing_on, number, word
 from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
@@ -18,10 +18,7 @@ PHASE_TOLERANCE = 0.2  # [rad]: time may be counted from the node's start or fro
 @word("every joint has a name and a position")
 def expect_joint_states(evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC) -> Iterable[Problem]:
     """Every message names exactly these joints, in any order, each with a finite position."""
-    came = evidence.messages(topic)
-    if not came:
-        return [nothing_on(evidence, topic)]
-    for seconds, state in came:
+    for seconds, state in heard(evidence, topic):
         if problems := list(_broken(state, names)):
             when = f"after {number(seconds, 's')} "
             return [Problem(when + problem.message, problem.mistake) for problem in problems]

@@ -35,19 +35,14 @@ def expect_display(
     call: int = 0,
 ) -> Iterable[Problem]:
     """An enabled display of a class, on a topic, with values by RViz's labels, like "Topic/Depth"."""
-    found, problems = _layout(evidence, call)
-    displays = [config for config in _displays(found.displays) if _class_of(config) == class_name]
-    if not problems and not displays:
-        there = listed([_class_of(config) for config in _displays(found.displays)]) or "no display"
-        message = f"no enabled display {class_name} is in the layout, it has {there}"
-        return [Problem(message, "a display is missing, or not enabled")]
-    if topic is not None and displays:
+    displays = _of_class(_layout(evidence, call), class_name)
+    if topic is not None:
         on_topic = [config for config in displays if _topic_of(config) == topic]
         if not on_topic:
             came = listed([repr(_topic_of(config)) for config in displays])
             return [Problem(f"{class_name} listens to {came}, expected {topic!r}", "a topic is wrong")]
         displays = on_topic
-    return [*problems, *(_values(displays[0], properties or {}, class_name) if displays else ())]
+    return _values(displays[0], properties or {}, class_name)
 
 
 @word("the layout's options and view")
@@ -60,10 +55,7 @@ def expect_layout(
     call: int = 0,
 ) -> Iterable[Problem]:
     """The Fixed Frame, the class of the current view, and values of it by RViz's labels."""
-    found, problems = _layout(evidence, call)
-    yield from problems
-    if problems:
-        return
+    found = _layout(evidence, call)
     frame, view_class = text_at(found.options, "Fixed Frame"), _class_of(found.view)
     if fixed_frame not in (None, frame):
         yield Problem(f"the Fixed Frame is {frame!r}, expected {fixed_frame!r}", "the Fixed Frame is wrong")
@@ -91,15 +83,12 @@ def expect_drawn(
         best_effort: Topics whose publisher does not resend.
         call: Which call returned the layout.
     """
-    found, problems = _layout(evidence, call)
-    configs = [config for config in _displays(found.displays) if _class_of(config) == class_name]
-    if problems or not configs:
-        message = f"no enabled display {class_name} is in the layout"
-        return problems or [Problem(message, "a display is missing, or not enabled")]
+    found = _layout(evidence, call)
+    config, *_ = _of_class(found, class_name)
     # Only this display is made: a layout may ask for a grid of a billion lines.
     options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
     session = Session(Scene())
-    session.apply(Layout(options=options, displays=(configs[0],)))
+    session.apply(Layout(options=options, displays=(config,)))
     for sample in _samples(messages, best_effort, evidence.personal):
         session.receive(sample)
     session.update(START_NS + round(messages[-1].at * 1e9) + 10**8)
@@ -131,18 +120,31 @@ def _samples(
         yield Sample(START_NS + round(message.at * 1e9), message.topic, message.type_name, cdr, qos, 0)
 
 
-def _layout(evidence: Evidence, call: int) -> tuple[Layout, list[Problem]]:
-    """The layout that was handed in, and why it is none."""
+def _layout(evidence: Evidence, call: int) -> Layout:
+    """The layout that was handed in; raises the problem if it is none."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip():
-        return Layout(), [Problem("no text of a layout came back", "there is no layout")]
+        raise Problem("no text of a layout came back", "there is no layout")
     if len(text) > MAX_TEXT:
-        return Layout(), [Problem(f"the layout has {len(text)} characters", "the layout is too long")]
+        raise Problem(f"the layout has {len(text)} characters", "the layout is too long")
     try:
         found = layout_of(text, "the layout")
     except CourseError as error:
-        return Layout(), [Problem(str(error), "the layout is no YAML")]
-    return found, [Problem(problem, "the layout has another structure") for problem in found.problems[:1]]
+        raise Problem(str(error), "the layout is no YAML") from error
+    if found.problems:
+        raise Problem(found.problems[0], "the layout has another structure")
+    return found
+
+
+def _of_class(layout: Layout, class_name: str) -> list[Config]:
+    """The enabled displays of a class; raises the problem if there is none."""
+    classes = [(_class_of(config), config) for config in _displays(layout.displays)]
+    found = [config for name, config in classes if name == class_name]
+    if not found:
+        there = listed([name for name, _ in classes]) or "no display"
+        message = f"no enabled display {class_name} is in the layout, it has {there}"
+        raise Problem(message, "a display is missing, or not enabled")
+    return found
 
 
 def _displays(configs: Iterable[Config]) -> Iterator[Config]:

@@ -54,16 +54,12 @@ def lifetime(marker: Any) -> float:
     return float(marker.lifetime.sec + marker.lifetime.nanosec / 1e9)
 
 
-def no_markers(evidence: Evidence, topic: str) -> list[Problem]:
+def no_markers(evidence: Evidence, topic: str) -> Problem:
     """Why a topic shows no marker at all."""
     if topic not in evidence.topics:
-        return [nothing_on(evidence, topic)]
+        return nothing_on(evidence, topic)
     if evidence.topics[topic] not in MARKER_MESSAGES:
         message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
-        return [Problem(message, "a topic has the wrong message type")]
-    return [
-        Problem(
-            f"{topic} shows no marker at the end: all were deleted, or their lifetime is over",
-            "no marker is left at the end",
-        )
-    ]
+        return Problem(message, "a topic has the wrong message type")
+    message = f"{topic} shows no marker at the end: all were deleted, or their lifetime is over"
+    return Problem(message, "no marker is left at the end")

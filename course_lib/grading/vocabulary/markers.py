@@ -51,7 +51,7 @@ def expect_marker(
     """
     markers = shown(evidence, topic)
     if not markers:
-        return no_markers(evidence, topic)
+        raise no_markers(evidence, topic)
     selected = [marker for marker in markers if fits(marker, None, ns, id)]
     if not selected:
         there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])

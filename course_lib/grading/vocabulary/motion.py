@@ -38,7 +38,7 @@ def expect_circle(
     """
     added = [(s, m) for s, m in each(evidence, topic) if m.action == ADD]
     if not added:
-        return no_markers(evidence, topic)
+        raise no_markers(evidence, topic)
     path = [(s, _place(marker)) for s, marker in added if fits(marker, type, ns, id)]
     if not path:
         which = {"type": type, "ns": ns, "id": id}

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, numbers, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, numbers, word
 
 
 @word("the last path on {topic}")
@@ -22,10 +22,7 @@ def expect_path(
 
     Ends of shape (2, 3) and tolerance in [m]; yaw of the last pose about z in [rad].
     """
-    came = evidence.messages(topic)
-    if not came:
-        return [nothing_on(evidence, topic)]
-    path = came[-1][1]
+    _, path = heard(evidence, topic)[-1]
     if path.header.frame_id != frame:
         message = f"the path on {topic} is in frame {path.header.frame_id!r}, expected {frame!r}"
         return [Problem(message, "the frame of a path is wrong")]

@@ -9,7 +9,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.plain import plain
 from course_lib.grading.vocabulary.marker_state import ADD
 from course_lib.grading.vocabulary.values import compare
-from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, nothing_on, number, word
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
@@ -25,9 +25,7 @@ def expect_topic(
     at_least: int = 1,
 ) -> Iterable[Problem]:
     """At least so many messages of this type were published on the topic."""
-    came = evidence.messages(topic)
-    if not came:
-        return [nothing_on(evidence, topic)]
+    came = heard(evidence, topic)
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
         return [Problem(f"{topic} carries {strange[0]}, expected {type}", "a topic has the wrong type")]
@@ -52,12 +50,10 @@ def expect_rate(
     Messages of equal time count once.
     """
     end = evidence.seconds if end is None else end
-    times = sorted({seconds for seconds, _ in evidence.messages(topic) if begin <= seconds <= end})  # [s]
-    if not times and evidence.messages(topic):
+    times = sorted({seconds for seconds, _ in heard(evidence, topic) if begin <= seconds <= end})  # [s]
+    if not times:
         message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
         return [Problem(message, "a topic falls silent for a while")]
-    if not times:
-        return [nothing_on(evidence, topic)]
     if len(times) == 1:
         message = f"{topic} was published once in {end - begin:g} s, expected {number(hz, 'Hz')}"
         return [Problem(message, "a topic is published only once")]
@@ -105,11 +101,7 @@ def expect_message(
 
     A number is a place in a list, counted from 0: `"status.0.name"`.
     """
-    came = evidence.messages(topic)
-    if not came:
-        yield nothing_on(evidence, topic)
-        return
-    last = to_plain(came[-1][1])
+    last = to_plain(heard(evidence, topic)[-1][1])
     for dotted, expected in fields.items():
         value = last
         for part in dotted.split("."):

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import wraps
-from typing import Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, passed
 from course_lib.grading.task import resolve
@@ -15,8 +15,8 @@ LONGEST = 1000  # characters of it: it may name what a student's code made up
 Given = ParamSpec("Given")
 
 
-@dataclass(frozen=True)
-class Problem:
+@dataclass
+class Problem(Exception):  # noqa: N818  raised only where nothing more can be looked at
     """One thing that is wrong: with values for public checks, and the kind of mistake for hidden ones."""
 
     message: str
@@ -30,7 +30,7 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
     """Make a word for check files of a function that finds problems in evidence.
 
     The word takes the function's arguments without the evidence, and gives a check that passes where no
-    problem is found. `my(...)` among the arguments becomes the student's own value.
+    problem is listed or raised. `my(...)` among the arguments becomes the student's own value.
 
     Args:
         title: Of the check; arguments' names in braces, {given} for those that were given by keyword.
@@ -41,7 +41,10 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
         def expect(*args: Given.args, **kwargs: Given.kwargs) -> Check:
             def judge(evidence: Evidence) -> Verdict:
                 own_args, own_kwargs = resolve((args, kwargs), evidence.personal)
-                return _verdict(list(find(evidence, *own_args, **own_kwargs)))
+                try:
+                    return _verdict(list(find(evidence, *own_args, **own_kwargs)))
+                except Problem as problem:
+                    return _verdict([problem])
 
             values = inspect.signature(find).bind(None, *args, **kwargs)
             values.apply_defaults()
@@ -83,6 +86,13 @@ def off_by(value: float, expected: float, more: str, less: str, unit: str = "m")
     if not math.isfinite(value):
         return "not at a place" if math.isnan(value) else "infinitely far off"
     return f"{number(abs(value - expected), unit)} {more if value > expected else less}"
+
+
+def heard(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
+    """([s] since the start, message) of a topic; raises the problem if there is none."""
+    if not evidence.messages(topic):
+        raise nothing_on(evidence, topic)
+    return evidence.messages(topic)
 
 
 def nothing_on(evidence: Evidence, topic: str) -> Problem:
