@@ -66,8 +66,12 @@ class PlotView(View):
 
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
-        figure = Figure(figsize=(7.2, 3 + 0.24 * len(self._curves)), layout="constrained")
-        axes = figure.subplots()
+        below = 0.5 + 0.24 * len(
+            self._curves
+        )  # [inch] for the legend; layouts by themselves take twice as long
+        figure = Figure(figsize=(7.2, 2.7 + below))
+        place = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
+        axes = figure.subplots(gridspec_kw=place)
         for (name, (_, points)), (colour, dash) in zip(self._curves.items(), cycle(_LOOKS)):
             shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
             said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: nothing came yet"
@@ -75,9 +79,9 @@ class PlotView(View):
             axes.plot(*np.reshape(shown, (-1, 2)).T, **look)
         axes.set(xlim=(since, max(now, since + 1.0)), xlabel="time [s]")
         axes.grid(alpha=0.4)
-        legend = axes.get_legend_handles_labels()
-        figure.legend(*legend, loc="outside lower left", frameon=False, handlelength=4)
-        words = "; ".join(map(str, legend[1])) or "no curve"
+        names = axes.get_legend_handles_labels()
+        figure.legend(*names, loc="lower left", frameon=False, handlelength=4)
+        words = "; ".join(map(str, names[1])) or "no curve"
         return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
 
     def _choose(self) -> None:
