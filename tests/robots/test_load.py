@@ -3,7 +3,6 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.kinematics import link_poses
 from course_lib.robots.load import load_robot
 from tests.robots.urdfs import ALL_KINDS, ARM_2R, with_mesh
 
@@ -91,13 +90,3 @@ def test_a_mesh_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     path.write_text("no mesh")
     with pytest.raises(CourseError, match=r"shapes of 'small' cannot be loaded: (.|\n)*leg\.stl"):
         load_robot(with_mesh(path.as_uri()))
-
-
-@pytest.mark.slow
-def test_every_model_of_example_robot_data_is_loaded_and_all_its_links_are_placed() -> None:
-    example_robot_data = pytest.importorskip("example_robot_data")
-    for name in sorted(set(example_robot_data.ROBOTS) - {"cassie"}):
-        robot = load_robot(name)
-        assert set(robot.tree.joints) >= set(robot.model.names) - {"universe", "root_joint"}, name
-        below = {joint.child for joint in robot.tree.joints.values()}
-        assert link_poses(robot).keys() == {robot.tree.root, *below}, name

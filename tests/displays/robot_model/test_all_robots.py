@@ -12,32 +12,38 @@ from course_lib.robots.robot import Robot
 from tests.displays.bench import Bench
 from tests.displays.robot_model.robots import LATCHED, ROBOT, drawn
 
+BLANK = {"simple_humanoid", "simple_humanoid_classical"}  # have no visuals
 
-def known_robots() -> Iterator[tuple[str, Robot]]:
-    """Load all robots, but leave out those that only use meshes of others before them."""
+
+def known_robots() -> Iterator[tuple[str, Robot, bool]]:
+    """Load all robots, each once as it takes a second; and say which have meshes of none before them."""
     example_robot_data = pytest.importorskip("example_robot_data")
     seen: set[str] = set()
     for name in sorted(example_robot_data.ROBOTS.keys() - {"cassie"}):  # which is no URDF
         loaded = load_robot(name)
         meshes = {visual.uri for link in links_of(loaded.urdf) for visual in link.visuals}
-        if not meshes or meshes - seen:
-            yield name, loaded
+        yield name, loaded, not meshes or bool(meshes - seen)
         seen |= meshes
 
 
 @pytest.mark.slow
-def test_all_robots_that_can_be_loaded_are_drawn_without_an_error() -> None:
-    blank = {"simple_humanoid", "simple_humanoid_classical"}  # have no visuals
-    for name, loaded in known_robots():
-        bench = Bench(loaded.tree.root)
-        for link in link_poses(loaded):
-            if link != loaded.tree.root:
-                bench.transform(loaded.tree.root, link)
-        topic = {"Description Topic": {"Value": "/robot_description"}}
-        display = bench.session.add(ROBOT, "Robot", topic)
-        bench.hear("/robot_description", String(data=loaded.urdf), qos=LATCHED)
-        bench.look()
-        assert {row.level for row in display.rows()} == {"ok"}, name
-        visuals = [part for part in drawn(bench) if "/visual/" in part]
-        assert len(visuals) == sum(len(link.visuals) for link in links_of(loaded.urdf)), name
-        assert bool(visuals) == (name not in blank), name
+def test_every_robot_is_loaded_all_its_links_are_placed_and_it_is_drawn_without_an_error() -> None:
+    for name, robot, is_new in known_robots():
+        assert set(robot.tree.joints) >= set(robot.model.names) - {"universe", "root_joint"}, name
+        below = {joint.child for joint in robot.tree.joints.values()}
+        assert link_poses(robot).keys() == {robot.tree.root, *below}, name
+        if is_new:
+            assert_drawn(name, robot)
+
+
+def assert_drawn(name: str, robot: Robot) -> None:
+    bench = Bench(robot.tree.root)
+    for joint in robot.tree.joints.values():
+        bench.transform(robot.tree.root, joint.child)
+    display = bench.session.add(ROBOT, "Robot", {"Description Topic": {"Value": "/robot_description"}})
+    bench.hear("/robot_description", String(data=robot.urdf), qos=LATCHED)
+    bench.look()
+    assert {row.level for row in display.rows()} == {"ok"}, name
+    visuals = [part for part in drawn(bench) if "/visual/" in part]
+    assert len(visuals) == sum(len(link.visuals) for link in links_of(robot.urdf)), name
+    assert bool(visuals) == (name not in BLANK), name
