@@ -110,24 +110,19 @@ def shipped_course_file() -> CourseFile:
     return read_course_file(exercises_dir() / "course.toml")
 
 
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and 0 <= value < math.inf
-
-
 def _is_local(value: Any) -> bool:
     return isinstance(value, datetime) and value.tzinfo is None
 
 
-LOCAL = (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v)
 # By the annotation of a field: whether a value is right, what would be, and what is made of it.
 KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     str: (lambda v: isinstance(v, str) and v != "", "a text", str),
-    float: (_is_number, "a number of at least 0", float),
+    float: (lambda v: type(v) in (int, float) and 0 <= v < math.inf, "a number of at least 0", float),
     ZoneInfo: (lambda v: str(v) in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
     Counts: (lambda v: v in get_args(Counts), '"last" or "best"', str),
-    datetime: LOCAL,
-    datetime | None: LOCAL,
+    datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
 }
+KINDS[datetime | None] = KINDS[datetime]
 
 
 def _read(kind: Any, value: Any, where: str) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 
 from course_lib.course.whole_file import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
-from course_lib.grading.exercise_run import ExerciseRun, judge_exercise, run_scenarios
+from course_lib.grading.exercise_run import judge_exercise, run_scenarios
 from course_lib.grading.hand_marks import marks_path, read_marks
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.jail.launch import WorkerError, shared_template
@@ -168,14 +168,9 @@ def _judged(submission: Submission, course: Course, out: Path) -> Result:
     stored = evidence_path(out, submission.key).read_bytes()
     run = judge_exercise(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
     days = count_days_late(submission.received.time, catalog.course.deadline(week, submission.student), late)
-    reason = _limit(run)
+    reason = next((task.stopped for task in run.results if task.stopped), run.log.limit)  # which limit
     status: Status = "limit" if reason else "graded"
     return Result(submission, status, reason, "", run, days, late.percent_per_day)
-
-
-def _limit(run: ExerciseRun) -> str:
-    """Which limit was met, if one was."""
-    return next((task.stopped for task in run.results if task.stopped), run.log.limit)
 
 
 def _stored(result: Result, course: Course, out: Path) -> dict[str, Any]:

@@ -42,7 +42,8 @@ def fill_lms(
     if place == id_place:
         raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
-    ids = {row: _key(file.text(row, id_place)) for row in students if _is_someone(file, row, id_place)}
+    given = ((row, file.text(row, id_place)) for row in students)
+    ids = {row: _key(text) for row, text in given if text or file.text(row, 0)}
     what = "score" if raw else "final"
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
@@ -75,10 +76,6 @@ def _fill(
         else:
             file.put(row, place, f"{float(marks[key][what]):.10g}")
     return left
-
-
-def _is_someone(file: LmsFile, row: int, id_place: int) -> bool:
-    return bool(file.text(row, 0) or file.text(row, id_place))
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
