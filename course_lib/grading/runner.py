@@ -80,7 +80,7 @@ class Session:
         self._files = dict(files or {})
         self._deadline = wall.monotonic() + limits.total_seconds
         self._worker: WorkerProcess | None = None
-        self._room = Room()  # for all scenarios
+        self._room = Room()
         self._hung: set[str] = set()  # tasks
 
     def run(self, task: Task, scenario: Scenario) -> Evidence:
@@ -169,6 +169,7 @@ class Session:
         seconds, part = min(self._limits.scenario_seconds, self._left()), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
         worker.allow(seconds)
+        self._room.others = Room.others  # too much of one task is not taken from the others
         try:
             worker.channel.send(["scenario", *order])
             outcome = _drive(worker.channel, stage, self._room)

@@ -23,10 +23,10 @@ class RecordingLimitError(ChannelError):
 
 @dataclass
 class Room:
-    """How much may still be recorded of one submission, [B]: of pictures, and of all else."""
+    """How much may still be recorded, [B]: of pictures in all scenarios, of all else in one of them."""
 
     pictures: int = 256 * 2**20
-    others: int = 16 * 2**20
+    others: int = 8 * 2**20
 
     def take(self, type_name: str, size: int) -> None:
         """Take what a message needs, but not less than is worth counting.

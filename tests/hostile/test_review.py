@@ -2,11 +2,14 @@
 
 import os
 import zipfile
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading import judge
 from course_lib.grading.evidence import Check, Evidence
@@ -14,6 +17,7 @@ from course_lib.grading.ghost import seen
 from course_lib.grading.judge import BrokenCheckError, Run, judge_task
 from course_lib.grading.plain import MAX_TEXT, is_plain
 from course_lib.grading.report_scene import figures
+from course_lib.grading.runner import Session
 from course_lib.grading.submission import find_submissions
 from course_lib.grading.task import Message, Scenario, Task
 from course_lib.grading.vocabulary import expect_marker, expect_parameters
@@ -66,6 +70,25 @@ def test_what_is_recorded_beside_pictures_is_judged_in_seconds() -> None:
     room.take("visualization_msgs/msg/Marker", room.others - 100)
     with pytest.raises(RecordingLimitError):
         room.take("visualization_msgs/msg/Marker", 0)  # costs more than it has bytes
+
+
+def test_who_publishes_too_much_in_one_task_loses_no_other() -> None:
+    cell = """
+from rclpy.node import Node
+from std_msgs.msg import String
+def talker(size):
+    def make():
+        node = Node("talker")
+        node.create_publisher(String, "/said", 1).publish(String(data="x" * size))
+        return [node]
+    return make
+Flood, Right = talker(9_000_000), talker(10)
+"""
+    tasks = [replace(task_with(), id=f"week01.{name.lower()}", name=name) for name in ("Flood", "Right")]
+    with closing(Session([cell], {task.id: {} for task in tasks}, Limits())) as session:
+        flood, right = (session.run(task, task.scenarios[0]) for task in tasks)
+    assert (flood.stopped, len(flood.samples)) == ("size", 0)
+    assert (right.errors, len(right.samples)) == ((), 1)
 
 
 def test_a_verdict_is_short_whatever_was_published() -> None:
