@@ -34,40 +34,47 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
     assert {personal_values(task, str(number))["n"] for number in range(50)} == {10, 20, 30}
 
 
-@pytest.mark.parametrize(
-    ("file", "old", "new", "message"),
-    [
-        ("exercises/course.toml", "= 60", "= 50", "weeks: week01: points: they sum to 90, expected 100"),
+# file: (what stands there, what somebody writes in its place, what is said of it)
+MALFORMED = {
+    "exercises/course.toml": [
+        ("= 60", "= 50", "weeks: week01: points: they sum to 90, expected 100"),
         (
-            "exercises/course.toml",
             "red_cube",
             "blue_cube",
             "but course.toml has points for ['week01.answer', 'week01.blue_cube', 'week01.half']",
         ),
-        ("exercises/course.toml", "Europe/Paris", "Mars/Base", "time_zone"),
-        ("exercises/course.toml", "title =", "titel =", "unknown key 'titel'"),
-        ("exercises/course.toml", '"A course"', "7", "title: 7, expected a text"),
-        ("exercises/course.toml", "2026-10-11T23:59:00", "2026-10-11T23:59:00Z", "expected local time"),
-        ("exercises/course.toml", "answer = 10", "answer = -1", "expected a number of at least 0"),
-        ("exercises/course.toml", "[weeks.week01]", "[weeks.week01", "can't be read"),
-        ("exercises/course.toml", '"Europe/Paris"', "[1]", "time_zone: [1], expected a name such as"),
-        ("exercises/course.toml", "time_zone", "title = 3 #", "can't be read"),
-        ("exercises/course.toml", 'time_zone = "Europe/Paris"', "", "the key 'time_zone' is missing"),
-        ("exercises/course.toml", "weeks.week01", "weeks.week1", "week1, expected a name like week01"),
-        ("exercises/course.toml", "cell_seconds = 30", "cell_seconds = 0", "0, expected a number above 0"),
-        ("exercises/checks/week01.py", "TASKS", "TASK", "TASKS: expected a tuple"),
+        ("Europe/Paris", "Mars/Base", "time_zone"),
+        ("title =", "titel =", "unknown key 'titel'"),
+        ('"A course"', "7", "title: 7, expected a text"),
+        ("2026-10-11T23:59:00", "2026-10-11T23:59:00Z", "expected local time"),
+        ("answer = 10", "answer = -1", "expected a number of at least 0"),
+        ("[weeks.week01]", "[weeks.week01", "can't be read"),
+        ('"Europe/Paris"', "[1]", "time_zone: [1], expected a name such as"),
+        ("time_zone", "title = 3 #", "can't be read"),
+        ('time_zone = "Europe/Paris"', "", "the key 'time_zone' is missing"),
+        ("weeks.week01", "weeks.week1", "week1, expected a name like week01"),
+        ("cell_seconds = 30", "cell_seconds = 0", "0, expected a number above 0"),
+    ],
+    "exercises/checks/week01.py": [
+        ("TASKS", "TASK", "TASKS: expected a tuple"),
         (
-            "exercises/checks/week01.py",
             "week01.answer",
             "week02.answer",
             "has the tasks ['week01.half', 'week01.red_cube', 'week02.answer']",
         ),
-        ("exercises/checks/week01.py", '"value"', '"values"', "kind 'values'"),
-        ("exercises/checks/week01.py", "TASKS = (", "TASKS = ((", "SyntaxError"),
-        ("solutions/checks/week01.py", "week01.half", "week01.other", "unknown task 'week01.other'"),
-        ("solutions/checks/week01.py", '"other"', '"public"', "two scenarios of one name"),
-        ("solutions/checks/week01.py", "HIDDEN =", "HIDE =", "HIDDEN: expected a dict"),
+        ('"value"', '"values"', "kind 'values'"),
+        ("TASKS = (", "TASKS = ((", "SyntaxError"),
     ],
+    "solutions/checks/week01.py": [
+        ("week01.half", "week01.other", "unknown task 'week01.other'"),
+        ('"other"', '"public"', "two scenarios of one name"),
+        ("HIDDEN =", "HIDE =", "HIDDEN: expected a dict"),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "message"), [(file, *row) for file, rows in MALFORMED.items() for row in rows]
 )
 def test_what_is_malformed_is_named_with_its_file(
     course: Course, file: str, old: str, new: str, message: str
