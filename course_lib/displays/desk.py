@@ -1,6 +1,5 @@
 """RViz's panels around a view, for one page: what they show, and what is done there."""
 
-import asyncio
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from course_lib.errors import CourseError, counted
 from course_lib.ros import wall
 from course_lib.ros.graph import Graph
 from course_lib.viewer.camera import Camera
+from course_lib.viewer.flow import running_loop
 from course_lib.viewer.page_link import PageLink
 
 PERIOD = 0.5  # [s] of the wall clock between two changes of what the page shows
@@ -47,10 +47,7 @@ class Desk:
         self._file = "view.rviz"
         self._posted = 0.0  # [s] when the page was last told
         self._waiting = False
-        try:
-            self._loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
-        except RuntimeError:  # no kernel
-            self._loop = None
+        self._loop = running_loop()  # that of the cells, if this is a kernel
         self._orders: dict[str, Callable[[Order], None]] = {
             "open": lambda _: self._sent.clear(),
             "look": lambda _: None,

@@ -5,6 +5,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from course_lib.errors import CourseError
 from course_lib.viewer.arrays import Integers, checked, floats, rgba
@@ -27,13 +28,9 @@ class Solids:
         lit: Whether faces are shaded.
     """
 
-    def __init__(
-        self, shape: Shape, placements: npt.ArrayLike, colors: npt.ArrayLike, lit: bool = True
-    ) -> None:
+    def __init__(self, shape: Shape, placements: ArrayLike, colors: ArrayLike, lit: bool = True) -> None:
         if shape not in get_args(Shape):
-            raise CourseError(
-                f"Solids(shape={shape!r}) is not known, take one of {', '.join(get_args(Shape))}."
-            )
+            raise CourseError(f"Solids(shape={shape!r}): take one of {', '.join(get_args(Shape))}.")
         self.shape: Shape = shape
         self.placements = floats("placements", placements, (None, 4, 4))
         self.colors = rgba(colors, len(self.placements))
@@ -53,10 +50,10 @@ class Mesh:
 
     def __init__(
         self,
-        vertices: npt.ArrayLike,
-        faces: npt.ArrayLike | None,
-        colors: npt.ArrayLike,
-        normals: npt.ArrayLike | None = None,
+        vertices: ArrayLike,
+        faces: ArrayLike | None,
+        colors: ArrayLike,
+        normals: ArrayLike | None = None,
         lit: bool = True,
     ) -> None:
         self.vertices = floats("vertices", vertices, (None, 3))
@@ -77,9 +74,7 @@ class Lines:
         strip: Whether each point is joined to the next.
     """
 
-    def __init__(
-        self, points: npt.ArrayLike, colors: npt.ArrayLike, width: float = 0.0, strip: bool = True
-    ) -> None:
+    def __init__(self, points: ArrayLike, colors: ArrayLike, width: float = 0.0, strip: bool = True) -> None:
         self.points = floats("points", points, (None, 3))
         if not strip and len(self.points) % 2:
             raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
@@ -103,8 +98,8 @@ class Points:
 
     def __init__(
         self,
-        points: npt.ArrayLike,
-        colors: npt.ArrayLike,
+        points: ArrayLike,
+        colors: ArrayLike,
         size: tuple[float, ...],
         pixels: bool = False,
         spot: Spot = "square",
@@ -132,7 +127,7 @@ class Text:
         self,
         text: str,
         height: float,
-        color: npt.ArrayLike = (1.0, 1.0, 1.0, 1.0),
+        color: ArrayLike = (1.0, 1.0, 1.0, 1.0),
         below: bool = False,
     ) -> None:
         self.text = text
@@ -153,9 +148,7 @@ class Sheet:
         behind: Whether it is behind everything, wherever it is.
     """
 
-    def __init__(
-        self, cells: npt.ArrayLike, colors: npt.ArrayLike, width: float, behind: bool = False
-    ) -> None:
+    def __init__(self, cells: ArrayLike, colors: ArrayLike, width: float, behind: bool = False) -> None:
         self.cells: npt.NDArray[np.uint8] = checked("cells", cells, np.uint8, (None, None))
         self.colors = rgba(colors, 256)
         self.width = float(width)
@@ -176,7 +169,7 @@ class Inset:
 
     def __init__(
         self,
-        pixels: npt.ArrayLike,
+        pixels: ArrayLike,
         aspect: float | None = None,
         camera: Camera | None = None,
         behind: bool = True,
@@ -206,13 +199,11 @@ class MeshcatObject:
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
-def _faces(faces: npt.ArrayLike | None, count: int) -> Integers:
+def _faces(faces: ArrayLike | None, count: int) -> Integers:
     """Return the corners of all triangles, shape (F, 3)."""
     if faces is None:
         if count % 3:
-            raise CourseError(
-                f"A mesh without faces needs 3 vertices per triangle, there are {count} vertices."
-            )
+            raise CourseError(f"A mesh without faces needs 3 vertices per triangle, there are {count}.")
         faces = np.arange(count).reshape(-1, 3)
     corners: Integers = checked("faces", faces, np.uint32, (None, 3))
     if corners.size and corners.max() >= count:

@@ -29,14 +29,9 @@ _FRAGMENT = """\
 _MAIN = """\
 <style>
 body, main { display: flex; flex-direction: column; overflow: hidden }
-main { flex: 1; min-height: 0 }
-main > div:first-child { flex: 1; min-height: 0; height: auto !important }
-main .course-viewer { display: flex; flex-direction: column }
-main .course-middle, main .course-host { flex: 1; min-height: 0 }
-main .course-view, main .course-host { height: 100% !important }
-main .course-dock { max-height: none }
+main, main > .course-viewer { flex: 1; min-height: 0 }
 </style>
-<main></main>"""
+<main class="course-page"></main>"""
 
 _CODE = """\
 (async () => {{

@@ -49,9 +49,7 @@ def parse_mesh(
     from trimesh.units import unit_conversion  # here: heavy
 
     if file_format not in FORMATS:
-        raise MeshFileError(
-            f"{file_format!r} is no format of meshes that is known; take {', '.join(FORMATS)}."
-        )
+        raise MeshFileError(f"{file_format!r} is no known format of meshes; take {', '.join(FORMATS)}.")
     try:
         scene, parts = _read(data, file_format, folder)
         if not parts and _PAINT.search(data):

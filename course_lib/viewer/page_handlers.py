@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from tornado.web import HTTPError, RequestHandler
 from tornado.websocket import WebSocketHandler
 
+from course_lib.viewer.html import live_page
+
 if TYPE_CHECKING:
     from course_lib.viewer.page_server import PageServer
 
@@ -32,7 +34,7 @@ class PageHandler(_Guarded):
 
     def get(self, _: str) -> None:
         """Answer GET."""
-        self.finish(self.server.page())
+        self.finish(live_page(self.server.title))
 
 
 class SocketHandler(_Guarded, WebSocketHandler):

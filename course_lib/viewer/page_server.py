@@ -9,7 +9,6 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.viewer.html import live_page
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 
@@ -77,10 +76,6 @@ class PageServer:
         self.link.close()
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._ended.set)
-
-    def page(self) -> str:
-        """Return the page's text."""
-        return live_page(self.title)
 
     async def serve(self) -> None:
         """Serve where it listens, until it is closed or this is cancelled."""

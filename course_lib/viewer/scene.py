@@ -72,10 +72,7 @@ class Scene:
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
         """Place a node in its parent, by the transform from the one to the other, shape (4, 4), in [m]."""
         transform_node_to_parent = np.array(matrix, np.float64)
-        if transform_node_to_parent.shape != (
-            4,
-            4,
-        ):  # naming it at each call costs as much as the rest
+        if transform_node_to_parent.shape != (4, 4):  # naming it at each call costs as much as the rest
             checked(f"The transform of {path!r}", matrix, np.float64, (4, 4))
         transform_node_to_parent.setflags(write=False)
         with self.lock:

@@ -9,16 +9,7 @@ import numpy.typing as npt
 
 from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import (
-    OPAQUE_FROM,
-    Drawable,
-    Lines,
-    Mesh,
-    Points,
-    Sheet,
-    Solids,
-    Text,
-)
+from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.shapes import SQUARE, unit_shape, unit_spot
 from course_lib.viewer.text import rasterized

@@ -110,12 +110,8 @@ def _shared_code() -> _Code:
 
 def _triangles(scene: Scene) -> int:
     """Estimate how many triangles a picture has."""
-    count = 0
-    for thing in scene.objects().values():
-        if isinstance(thing, Mesh):
-            count += len(thing.faces)
-        elif isinstance(thing, Solids):
-            count += len(thing.placements) * (12 if thing.shape == "box" else 200)
-        elif isinstance(thing, Points):
-            count += 2 * len(thing.points)
-    return count
+    things = scene.objects().values()
+    count = sum(len(thing.faces) for thing in things if isinstance(thing, Mesh))
+    count += sum(2 * len(thing.points) for thing in things if isinstance(thing, Points))
+    solids = [(len(t.placements), 12 if t.shape == "box" else 200) for t in things if isinstance(t, Solids)]
+    return count + sum(number * each for number, each in solids)

@@ -3,33 +3,20 @@ import { Link } from "./link.js";
 const AGAIN = 1000; // [ms] until the next attempt to reach the program
 const GONE = "The program that draws this has ended or cannot be reached: the picture stands still. Trying again…";
 
-/** Stands for a widget's model where a page belongs to a program: the same messages, over a WebSocket. */
-class SocketModel {
-  constructor() {
-    /** @type {Record<string, any>} */
-    this.state = { height: 0 };
-    this.get = (/** @type {string} */ name) => this.state[name];
-    this.set = (/** @type {string} */ name, /** @type {any} */ value) => (this.state[name] = value);
-    /** @type {(message: any, buffers: DataView[]) => void} */
-    this.hear = () => {};
-    /** @type {WebSocket | null} */
-    this.socket = null;
-  }
-
-  /** @param {string} _ @param {(message: any, buffers: DataView[]) => void} hear */
-  on(_, hear) {
-    this.hear = hear;
-  }
-
-  /** @param {any} content */
-  send(content) {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(content));
-  }
-}
-
 /** @param {HTMLElement} host shows the scene of the program that this page came from, and follows it */
 export function follow(host) {
-  const model = new SocketModel();
+  /** @type {Record<string, any>} */
+  let state = { height: 0 };
+  /** @type {(message: any, buffers: DataView[]) => void} */
+  let hear = () => {};
+  /** @type {WebSocket | null} */
+  let connected = null;
+  const model = { // stands for a widget's: the same messages, over a WebSocket
+    get: (/** @type {string} */ name) => state[name],
+    set: (/** @type {string} */ name, /** @type {any} */ value) => (state[name] = value),
+    on: (/** @type {string} */ _, /** @type {typeof hear} */ told) => (hear = told),
+    send: (/** @type {any} */ content) => connected?.readyState === 1 && connected.send(JSON.stringify(content)),
+  };
   const status = Object.assign(document.createElement("div"), { role: "status", hidden: true });
   status.style.cssText = "padding:4px 8px;background:#fd8;color:#000;font:13px system-ui,sans-serif";
   host.before(status);
@@ -37,8 +24,8 @@ export function follow(host) {
   let link = null;
   /** @param {any} message @param {DataView[]} buffers */
   const take = (message, buffers) => {
-    if (link) return model.hear(message, buffers);
-    model.state = { ...model.state, ...message, snapshot: buffers[0] };
+    if (link) return hear(message, buffers);
+    state = { ...state, ...message, snapshot: buffers[0] };
     link = new Link(model);
     link.show(host);
   };
@@ -47,7 +34,7 @@ export function follow(host) {
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({ data }) => take(...unframed(new Uint8Array(data)));
     socket.onopen = () => {
-      model.socket = socket;
+      connected = socket;
       [status.hidden, status.textContent] = [true, ""];
       link?.count();
     };

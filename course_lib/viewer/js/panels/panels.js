@@ -1,6 +1,6 @@
 import { icon } from "../icons.js";
 import { Gestures } from "./gestures.js";
-import { ask, button, choicesOf, part } from "./parts.js";
+import { ask, button, part } from "./parts.js";
 import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
@@ -36,8 +36,8 @@ export class Panels {
     /** @type {any[]} */
     this.buttons = state.values.tools.map(this.toolButton, this);
     const bar = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" }, ...this.buttons);
-    const line = part("div", { className: "course-lines" }, this.opener(left, "Displays"), this.status, this.notice);
-    line.append(this.opener(this.right, "Views"));
+    const words = [left.opener, this.status, this.notice, this.right.opener];
+    const line = part("div", { className: "course-lines" }, ...words);
     const place = part("div", { className: "course-view" }, view.host);
     const middle = part("div", { className: "course-middle" }, left, place, this.right);
     frame.firstChild?.after(bar, middle, line, this.words, this.lists);
@@ -77,16 +77,12 @@ export class Panels {
     element.dataset.level = level;
   }
 
-  /** @param {string} name @param {HTMLElement[]} parts @returns {any} */
+  /** @param {string} name @param {HTMLElement[]} parts @returns {any} with the button that opens it */
   dock(name, ...parts) {
-    return part("section", { className: "course-dock", ariaLabel: name, hidden: true }, ...parts);
-  }
-
-  /** @param {any} dock @param {string} name */
-  opener(dock, name) {
+    const dock = part("section", { className: "course-dock", ariaLabel: name }, ...parts);
     dock.opener = button(name, `${name} panel`, () => this.toggle(dock, dock.hidden));
-    dock.opener.ariaExpanded = "false";
-    return dock.opener;
+    this.toggle(dock, false);
+    return dock;
   }
 
   /** @param {any} dock @param {boolean} open */
@@ -139,6 +135,9 @@ export class Panels {
 
   fillAddable() {
     const { types, topics, undrawn } = this.state.values;
+    /** @param {string} label @param {[string, string][]} all values with what is shown of them */
+    const choices = (label, all) =>
+      part("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
     const note = (/** @type {string} */ name) => (undrawn.includes(name) ? " (RViz2 only)" : "");
     const byTopic = topics.map((/** @type {string[]} */ [topic, type, name]) => [
       JSON.stringify({ class: name, topic }),
@@ -146,7 +145,7 @@ export class Panels {
     ]);
     const byType = types.map((/** @type {string[]} */ [name, short]) => [JSON.stringify({ class: name }), short]);
     const { value } = this.addable;
-    this.addable.replaceChildren(choicesOf("By topic", byTopic), choicesOf("By display type", byType));
+    this.addable.replaceChildren(choices("By topic", byTopic), choices("By display type", byType));
     this.addable.value = value;
     if (this.addable.selectedIndex < 0) this.addable.selectedIndex = 0;
   }

@@ -47,7 +47,3 @@ export function ask(host, title, field, act) {
   box.showModal();
   field.focus();
 }
-
-/** @param {string} title @param {[string, string][]} choices values with what is shown of them */
-export const choicesOf = (title, choices) =>
-  part("optgroup", { label: title }, ...choices.map(([value, text]) => new Option(text, value)));
