@@ -41,9 +41,7 @@ def fill_lms(
     place, id_place = file.column(column), file.column(id_column)
     if place == id_place:
         raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
-    students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
-    given = ((row, file.text(row, id_place)) for row in students)
-    ids = {row: _key(text) for row, text in given if text or file.text(row, 0)}
+    ids = _ids(file, id_place)
     what = "score" if raw else "final"
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
@@ -63,6 +61,13 @@ def fill_lms(
         *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
     ]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {kind}."]
+
+
+def _ids(file: LmsFile, place: int) -> dict[int, str]:
+    """Return the students' IDs by row; Canvas's row of points and empty rows are no students."""
+    students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
+    given = ((row, file.text(row, place)) for row in students)
+    return {row: _key(text) for row, text in given if text or file.text(row, 0)}
 
 
 def _fill(
