@@ -15,6 +15,10 @@ from course_lib.grading.table import printable
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 MAXIMUM = "Maximum Grade"  # Moodle's column of it
 FINAL = ("graded", "limit")
+KINDS = {
+    "score": "scores before the late policy",
+    "final": "marks after the late policy; switch the platform's off",
+}
 
 
 def fill_lms(
@@ -52,15 +56,12 @@ def fill_lms(
     write_whole(target, file.encoded())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
     missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
-    kind = (
-        "scores before the late policy" if raw else "marks after the late policy; switch the platform's off"
-    )
     lines = [
         *_points_lines(file, place, marks.values(), what),
         *(f"{lms.name}: {line}" for line in rows),
         *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
     ]
-    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {kind}."]
+    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
 
 
 def _ids(file: LmsFile, place: int) -> dict[int, str]:
