@@ -182,7 +182,7 @@ def test_a_broken_check_is_never_a_students_zero(
 def test_a_pattern_that_fits_nothing_is_refused(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
-    with pytest.raises(CourseError, match="fits no submission: .* one is ada/week01_exercise"):
+    with pytest.raises(CourseError, match=r"fits no submission: .* one is ada/week01_exercise"):
         grade(hand_in({"ada": right}), tmp_path / "out", only="bob/*", course=course)
 
 
