@@ -104,8 +104,9 @@ def _write(recording: Recording, folder: Path) -> None:
         connections = {(topic.name, topic.type_name): _add(writer, topic) for topic in recording.topics()}
         for sample in recording.samples:
             writer.write(connections[sample.topic, sample.type_name], sample.stamp_ns, sample.cdr)
-    about = (folder / METADATA).read_text(encoding="utf-8")  # where rosbags names itself, rosbag2 its ROS
-    (folder / METADATA).write_text(about.replace("ros_distro: rosbags", "ros_distro: jazzy"), encoding="utf-8")
+    metadata = folder / METADATA
+    about = metadata.read_text(encoding="utf-8")  # where rosbags names itself, rosbag2 its ROS
+    metadata.write_text(about.replace("ros_distro: rosbags", "ros_distro: jazzy"), encoding="utf-8")
 
 
 def _add(writer: "Writer", topic: TopicSummary) -> "Connection":
