@@ -139,7 +139,7 @@ def test_a_click_and_the_end_of_a_page_reach_the_program(page: Page) -> None:
     page.goto(server.url)
     wait_until(lambda: shows(page, RED))
     page.mouse.click(450, 300)
-    wait_until(lambda: clicks == ["box"])
+    wait_until(lambda: clicks == ["box"], page)  # heard on the loop of this thread
     page.goto("about:blank")
     wait_until(lambda: not server.link.ready)
     server.close()
