@@ -83,3 +83,12 @@ def test_another_type_on_the_topic_is_warned_of_on_both_sides(
 def test_an_event_that_there_is_not_is_a_type_error_as_in_python() -> None:
     with pytest.raises(TypeError, match=r"got an unexpected keyword argument 'message_lost'"):
         PublisherEventCallbacks(message_lost=print)
+
+
+def test_who_asks_to_be_told_of_liveliness_hears_that_nobody_watches_it_here(
+    node: Node, capfd: pytest.CaptureFixture[str]
+) -> None:
+    talk(node, liveliness=print)
+    assert "its callback on 't' runs on a robot only" in capfd.readouterr().err
+    talk(node, matched=print)
+    assert not capfd.readouterr().err

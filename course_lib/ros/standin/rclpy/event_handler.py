@@ -74,7 +74,7 @@ class Events:
 class EventCallbacks:
     """The callbacks for one side, by event; where none is given, a warning may be logged instead.
 
-    `liveliness` is never called: nobody watches leases here.
+    Nobody watches leases here: who gives a callback for `liveliness` is told that it is never called.
     """
 
     _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
@@ -96,6 +96,9 @@ class EventCallbacks:
             tell["incompatible_qos"] = lambda info: warn(
                 self._warning.format(topic, QoSPolicyKind(info.last_policy_kind).name)
             )
+        if "liveliness" in self.callbacks:
+            warning = f"Liveliness is not watched here: its callback on '{topic}' runs on a robot only."
+            get_logger(node.logger_name).warning(warning)
         for name, callback in self.callbacks.items():
             tell[name] = EventHandler(node, callback_group, callback).happen
         return Events(tell)
