@@ -97,8 +97,10 @@ def test_an_interrupt_ends_it_with_one_line_while_a_thread_of_the_program_has_th
     threading.Timer(0.3, interrupt_main).start()
     start = wall.monotonic()
     spin_for(1000.0, node)
-    assert wall.monotonic() - start < 1000
-    assert capsys.readouterr().out.startswith("Stopped after ")
+    assert wall.monotonic() - start < 60  # [s] of the 1000
+    said = capsys.readouterr().out
+    assert said.startswith("Stopped after ")
+    assert float(said.split()[2]) < 60  # [s] of robot time
 
 
 def test_a_thread_that_lost_the_baton_to_a_second_interrupt_waits_for_its_turn(notebook: Graph) -> None:
