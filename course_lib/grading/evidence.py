@@ -96,11 +96,19 @@ def failed(message: str, mistake: str) -> Verdict:
 
 @dataclass(frozen=True)
 class Check:
-    """A pure function from evidence to a verdict, with its title in tables and its weight in the task."""
+    """A pure function from evidence to a verdict.
+
+    Args:
+        title: In tables.
+        judge: Returns the verdict; it must not depend on anything but the evidence.
+        weight: Share of the task's points; 0 only reports.
+        requires: Checks that must have full score on the same evidence, otherwise this check scores 0.
+    """
 
     title: str
     judge: Callable[[Evidence], Verdict]
     weight: float = 1.0
+    requires: tuple[Check, ...] = ()
 
     def titled(self, title: str) -> Check:
         """The same check under another title."""
@@ -109,3 +117,10 @@ class Check:
     def worth(self, weight: float) -> Check:
         """The same check with another share of the task's points; 0 only reports."""
         return replace(self, weight=weight)
+
+    def requiring(self, *checks: Check) -> Check:
+        """The same check, which scores only where `checks` have full score.
+
+        A rate, a stamp or a frame is worth nothing as long as the published shape is wrong.
+        """
+        return replace(self, requires=(*self.requires, *checks))

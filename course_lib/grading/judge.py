@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from course_lib.errors import CourseError
-from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.evidence import Check, Evidence, Verdict, failed
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.time_limit import time_limit
 
@@ -112,14 +112,21 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
 
 
 def _judge(check: Check, run: Run) -> CheckResult:
-    try:
-        with time_limit(CHECK_SECONDS):
-            verdict = check.judge(run.evidence)
-    except Exception as error:  # whatever a check raises is a fault of ours and must be named as such
-        where = f"{run.evidence.task}, {run.scenario.name}, {check.title!r}"
-        raise BrokenCheckError(f"{where} is broken: {type(error).__name__}: {error}") from error
+    verdict = _verdict(check, run)
     score = verdict.score if 0 <= verdict.score <= 1 else 0.0  # NaN is no score
     mistake = verdict.mistake or ("as expected" if score == 1 else "not as expected")
     return CheckResult(
         check.title, run.scenario.name, run.hidden, check.weight, score, verdict.message, mistake
     )
+
+
+def _verdict(check: Check, run: Run) -> Verdict:
+    for required in check.requires:
+        if _verdict(required, run).score < 1:
+            return failed(f"counts when this passes: {required.title}", "another check must pass first")
+    try:
+        with time_limit(CHECK_SECONDS):
+            return check.judge(run.evidence)
+    except Exception as error:  # whatever a check raises is a fault of ours and must be named as such
+        where = f"{run.evidence.task}, {run.scenario.name}, {check.title!r}"
+        raise BrokenCheckError(f"{where} is broken: {type(error).__name__}: {error}") from error

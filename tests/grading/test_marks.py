@@ -86,3 +86,15 @@ def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:
     assert write_gradebook(tmp_path).read_text().splitlines()[1] == (
         '\'=cmd(),week01_exercise,,,,,,rejected,unreadable,"\'@SUM(A1), ""quoted"""'
     )
+
+
+def test_a_check_scores_only_where_the_checks_it_requires_pass() -> None:
+    shape = Check("a cube", lambda evidence: Verdict(0.5, "half a cube"))
+    rate = Check("once a second", lambda evidence: Verdict(1.0, "as expected"))
+    scenario = Scenario("public", checks=(shape, rate.requiring(shape), rate.requiring(rate)))
+    run = Run(scenario, Evidence("week01.demo", "public", 5.0))
+
+    result = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run])
+
+    assert [check.score for check in result.checks] == [0.5, 0.0, 1.0]
+    assert result.checks[1].message == "counts when this passes: a cube"
