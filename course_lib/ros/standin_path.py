@@ -37,13 +37,16 @@ class _Types(Loader):
     def find_spec(
         cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find the folder of a package that holds such files, or their stubs."""
+        """Find the package's folder if the kit knows its types, or if it holds interface files."""
         package, _, kind = name.rpartition(".")
         if kind not in ("msg", "srv", "action") or not package or "." in package:
             return None
         for folder in (Path(entry) for entry in path or ()):
-            wanted = "__init__.pyi" if folder.parent == STANDIN else f"*.{kind}"
-            if any(folder.glob(f"{kind}/{wanted}")):
+            if (
+                _has_types(package, kind)
+                if folder.parent == STANDIN
+                else any(folder.glob(f"{kind}/*.{kind}"))
+            ):
                 return spec_from_loader(name, cls(), origin=str(folder))
         return None
 
@@ -56,6 +59,12 @@ class _Types(Loader):
         if folder.parent != STANDIN:
             add_package(folder)
         vars(module).update(import_types(module.__name__))
+
+
+def _has_types(package: str, kind: str) -> bool:
+    from course_lib.ros.messages.definitions import type_names
+
+    return any(name.startswith(f"{package}/{kind}/") for name in type_names())
 
 
 @cache

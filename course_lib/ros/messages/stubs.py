@@ -1,19 +1,13 @@
-"""Write the stand-in's message packages: the stubs that editors and mypy read.
+"""Type stubs of the stand-in's message packages, written when the kit is built or installed."""
 
-Run ``python -m tests.ros.messages.stubs`` after rosbags brought other types; with ``--check`` it only
-says whether the files on disk are what it would write.
-"""
-
-import sys
 from pathlib import Path
 from typing import Any
 
 from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition, definition, type_names
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.ros.standin_path import STANDIN
 
-_HEADER = "# Written by `python -m tests.ros.messages.stubs`; don't edit.\n"
+_HEADER = "# Written by course_lib/ros/messages/stubs.py when the kit is installed; don't edit.\n"
 _BASE = "from course_lib.ros.messages.message import Message"
 _STANDARD = (  # what a stub imports if it holds the word
     ("array[", "from array import array"),
@@ -33,20 +27,35 @@ _IMPL = """    class Impl:
 _WIDTH = 106  # of a line in a class
 
 
-def files() -> dict[Path, str]:
-    """Give the text of every file of the message packages, by its path below the stand-in folder."""
-    texts: dict[Path, str] = {}
+def write_stubs(standin: Path) -> list[Path]:
+    """Write the stubs of all message packages.
+
+    Args:
+        standin: The folder of the stand-in's packages.
+
+    Returns:
+        The files that were written; those that already hold the right text are left as they are.
+    """
+    written = []
+    for path, text in stubs().items():
+        file = standin / path
+        if not file.is_file() or file.read_text(encoding="utf-8") != text:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+            written.append(file)
+    return written
+
+
+def stubs() -> dict[Path, str]:
+    """Return the text of each stub by its path below the stand-in's folder."""
     modules: dict[Path, list[MessageDefinition]] = {}
     for type_name in type_names():
         modules.setdefault(Path(type_name).parent, []).append(definition(type_name))
-    for module, messages in modules.items():
-        texts |= {module.parent / name: "" for name in ("__init__.py", "py.typed")}
-        texts[module / "__init__.pyi"] = module_stub(messages)
-    return texts
+    return {module / "__init__.pyi": _module_stub(messages) for module, messages in modules.items()}
 
 
-def module_stub(messages: list[MessageDefinition]) -> str:
-    """Give the stub of one package's messages, its services, or its actions."""
+def _module_stub(messages: list[MessageDefinition]) -> str:
+    """Return the stub of one package's messages, services or actions."""
     body = "".join(f"\n{_class(message)}" for message in messages)
     modules = {_module(f.base) for message in messages for f in message.fields if f.is_message}
     body += "".join(f"\n{text}" for text in _wholes(messages, SERVICE_PARTS))
@@ -64,7 +73,7 @@ def module_stub(messages: list[MessageDefinition]) -> str:
 
 
 def _wholes(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
-    """Declare the classes of services or actions, which hold their parts."""
+    """Declare the service or action classes, which hold their parts."""
     names = [message.type_name.rsplit("/", 1)[1] for message in messages]
     return [
         f"class {name}:\n" + "".join(f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in parts)
@@ -88,7 +97,7 @@ def _class(message: MessageDefinition) -> str:
 
 
 def _constructor(parameters: list[str]) -> list[str]:
-    """Declare the constructor, in a line if it fits."""
+    """Declare the constructor, on one line if it fits."""
     line = f"def __init__({', '.join(parameters)}) -> None: ..."
     if len(line) <= _WIDTH:
         return [line]
@@ -96,7 +105,7 @@ def _constructor(parameters: list[str]) -> list[str]:
 
 
 def _field_lines(field: FieldDefinition) -> list[str]:
-    """Declare one field; one that accepts more than it gives is a property."""
+    """Declare one field; a field that accepts more types than it returns is a property."""
     given, accepted = _given(field), _accepted(field)
     if given == accepted:
         return [f"{field.name}: {given}"]
@@ -113,7 +122,7 @@ def _item(field: FieldDefinition) -> str:
 
 
 def _packed(field: FieldDefinition) -> bool:
-    """Whether a field's values are kept as array.array or numpy array."""
+    """Return whether the field's values are stored as array.array or numpy.ndarray."""
     return field.container != "scalar" and not field.is_message and bool(PRIMITIVES[field.base].code)
 
 
@@ -133,24 +142,3 @@ def _accepted(field: FieldDefinition) -> str:
 
 def _literal(value: Any) -> str:
     return repr(value).replace("'", '"')
-
-
-def main(arguments: list[str]) -> int:
-    """Write the files, or with ``--check`` name those that differ; returns the exit code."""
-    texts = files()
-    stale = [path for path, text in texts.items() if _read(STANDIN / path) != text]
-    if "--check" in arguments:
-        sys.stdout.writelines(f"{path} is not what `python -m {__spec__.name}` writes\n" for path in stale)
-        return 1 if stale else 0
-    for path in stale:
-        (STANDIN / path).parent.mkdir(parents=True, exist_ok=True)
-        (STANDIN / path).write_text(texts[path], encoding="utf-8")
-    return 0
-
-
-def _read(path: Path) -> str | None:
-    return path.read_text(encoding="utf-8") if path.is_file() else None
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
