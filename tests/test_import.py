@@ -1,6 +1,17 @@
+import ast
+import re
 import subprocess
 import sys
+from importlib.metadata import packages_distributions, requires
+from pathlib import Path
 
+from course_lib.ros import standin_path
+
+COURSE_LIB = Path(__file__).parents[1] / "course_lib"
+CMEEL = {
+    "pinocchio": ["pin"],
+    "coal": ["coal"],
+}  # in a prefix that importlib does not list
 HEAVY = (
     "rosbags",
     "pinocchio",
@@ -20,3 +31,37 @@ def test_importing_the_kit_loads_nothing_heavy() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout.split()
     assert not [name for name in HEAVY if name in loaded]
+
+
+def test_every_imported_distribution_is_declared() -> None:
+    declared = {_name(line) for line in requires("course-lib") or []}
+    provided = {
+        "course_lib",
+        "compression",
+        *standin_path.provided(),
+        *sys.stdlib_module_names,
+    }  # 3.14 has it
+    distributions = packages_distributions()
+    missing = {
+        f"{path.relative_to(COURSE_LIB)} imports {module}"
+        for path in COURSE_LIB.rglob("*.py")
+        for module in _imported(path) - provided
+        if not declared & {_name(name) for name in [*distributions.get(module, []), *CMEEL.get(module, [])]}
+    }
+    assert missing == set()
+
+
+def _imported(path: Path) -> set[str]:
+    """Return the top-level modules that a file imports anywhere, also lazily."""
+    modules = set[str]()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            modules.add(node.module.split(".")[0])
+    return modules
+
+
+def _name(requirement: str) -> str:
+    """Return the normalised name of a requirement, "ruamel-yaml"."""
+    return re.sub(r"[-_.]+", "-", re.match(r"[\w.-]+", requirement)[0]).lower()  # type: ignore[index]  # it always matches
