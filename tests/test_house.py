@@ -1,5 +1,8 @@
 import ast
+import json
+import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +12,9 @@ TOP_LEVEL = {
     "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
     "CHANGELOG.md",
 }  # fmt: skip
+PUBLIC = {"course_lib"} | {
+    f"course_lib.{room}" for room in ("displays", "export", "grading", "robots", "sensors")
+}
 MAX_FILE, MAX_FUNCTION = 300, 40  # lines
 
 
@@ -36,3 +42,20 @@ def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
                 lines = (node.end_lineno or 0) - node.body[0].lineno + 1
                 too_long += [f"{path}:{node.name}"] if lines > MAX_FUNCTION else []
     assert too_long == []
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_notebooks_import_only_the_public_modules(path: Path) -> None:
+    cells = json.loads(path.read_text("utf-8"))["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    imported = re.findall(r"^\s*(?:from|import) (course_lib[\w.]*)", code, re.MULTILINE)
+    assert set(imported) <= PUBLIC
+
+
+@pytest.mark.parametrize("module", sorted(PUBLIC))
+def test_public_modules_can_be_imported_alone_and_load_all_their_names(module: str) -> None:
+    code = f"import {module} as public; print(*[getattr(public, name).__class__ for name in public.__all__])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip()
+    assert "<class 'module'>" not in done.stdout

@@ -1,0 +1,5 @@
+"""RViz's displays and views, layouts (.rviz files), and displays of one's own."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -2,7 +2,7 @@
 
 The charge of a battery, as a bar above the robot::
 
-    from course_lib.displays.own_display import OwnDisplay, Property, number, register, solid
+    from course_lib.displays import OwnDisplay, Property, number, register, solid
 
     @register
     class BatteryDisplay(OwnDisplay):

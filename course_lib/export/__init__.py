@@ -1,0 +1,5 @@
+"""ROS 2 packages out of notebooks and Python files."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,5 @@
+"""Robot models, their kinematics, and the nodes and controllers that move them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,7 +10,7 @@ from course_lib.sensors.checked import Floats, check_number
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A shape in its own frame; made by `box`, `sphere`, `cylinder`, `plane` or `mesh`.
+    """A shape in its own frame; made by `box`, `sphere`, `cylinder` or `plane`.
 
     Args:
         size: Edges of the box around it, centred on its frame, shape (3,), [m].

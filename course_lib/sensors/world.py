@@ -33,7 +33,7 @@ class Thing:
 
     def __post_init__(self) -> None:
         if not isinstance(self.shape, Shape):
-            known = "box(x, y, z), sphere(radius), cylinder(radius, height), plane() or mesh(vertices, faces)"
+            known = "box(x, y, z), sphere(radius), cylinder(radius, height) or plane()"
             raise CourseError(f"shape is {self.shape!r}, which is none; give {known}.")
         color = check_array("color", self.color, (3,))
         if color.min() < 0 or color.max() > 1:

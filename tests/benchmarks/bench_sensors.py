@@ -11,10 +11,9 @@ from course_lib.ros.standin_path import install
 install()
 
 from course_lib.sensors.lidar import beams_at  # noqa: E402  # needs the stand-in's packages
-from course_lib.sensors.mesh import mesh  # noqa: E402  # as above
 from course_lib.sensors.motion import circle, placed  # noqa: E402  # as above
 from course_lib.sensors.pinhole import Pinhole  # noqa: E402  # as above
-from course_lib.sensors.shapes import Shape, box, cylinder, plane, sphere  # noqa: E402  # as above
+from course_lib.sensors.shapes import box, cylinder, plane, sphere  # noqa: E402  # as above
 from course_lib.sensors.world import Thing, World  # noqa: E402  # as above
 
 RUNS = 30
@@ -31,17 +30,6 @@ def room() -> World:
         pose = circle((x, y, 0.5), 0.5, 9.0) if number % 5 == 0 else placed(x, y, 0.5, angle)
         things.append(Thing(solids[number % 3], pose))
     return World(things)
-
-
-def ball(rows: int) -> Shape:
-    """Make a ball of 4 * rows^2 triangles."""
-    up, around = np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, 2 * rows + 1)
-    grid = [(np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)) for a in up for b in around]
-    wide, faces = len(around), list[tuple[int, int, int]]()
-    for corner in (row * wide + column for row in range(rows) for column in range(2 * rows)):
-        below = corner + wide
-        faces += [(corner, below, corner + 1), (below, below + 1, corner + 1)]
-    return mesh(grid, faces)
 
 
 def milliseconds(action: Callable[[], object]) -> float:
@@ -63,11 +51,6 @@ def main() -> None:
         ("720-beam scan, 21 things (goal 1 ms)", lambda: world.cast(laser, scan, 1.0)),
         ("320x240 depth image, 21 things (goal 50 ms)", lambda: world.cast(OPTICAL, image, 1.0)),
     ]
-    for rows in (5, 15, 50):
-        only = World([Thing(ball(rows), placed(3, 0, 1))])
-        name = f"of a mesh of {4 * rows**2} triangles"
-        cases.append((f"320x240 {name}", lambda only=only: only.cast(OPTICAL, image, 0.0)))  # type: ignore[misc]  # binds the loop's world
-        cases.append((f"720 beams {name}", lambda only=only: only.cast(laser, scan, 0.0)))  # type: ignore[misc]  # binds the loop's world
     for name, action in cases:
         print(f"{name:45} {milliseconds(action):8.2f} ms")
 

@@ -7,15 +7,13 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import Floats
-from course_lib.sensors.mesh import mesh
 from course_lib.sensors.motion import circle, placed
 from course_lib.sensors.shapes import box, cylinder, plane, sphere
 from course_lib.sensors.world import Thing, World
 from tests.sensors.scenes import AT_ORIGIN, random_rays
 
 X = np.array([[1.0], [0], [0]])
-TETRAHEDRON = mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)])
-SHAPES = (box(1, 2, 0.5), sphere(0.6), cylinder(0.5, 1.5), TETRAHEDRON, plane())
+SHAPES = (box(1, 2, 0.5), sphere(0.6), cylinder(0.5, 1.5), plane())
 
 
 def random_transform(chance: np.random.Generator) -> Floats:

@@ -1,0 +1,2 @@
+from .check import lacks as lacks
+from .export import export as export

@@ -1,0 +1,17 @@
+from .inverse_kinematics import joints_for as joints_for
+from .joint_state_publisher import JointStatePublisher as JointStatePublisher
+from .joint_trajectory_controller import JointTrajectoryController as JointTrajectoryController
+from .kinematics import link_poses as link_poses
+from .load import load_robot as load_robot
+from .mobile_manipulator import START as START
+from .mobile_manipulator import mobile_manipulator as mobile_manipulator
+from .omni_base import OmniBase as OmniBase
+from .painting import PaintNode as PaintNode
+from .robot import Robot as Robot
+from .robot_state_publisher import RobotStatePublisher as RobotStatePublisher
+from .sliders import joint_sliders as joint_sliders
+from .straight_line import straight_line as straight_line
+from .unknown_make import Make as Make
+from .unknown_robot import unknown_robot as unknown_robot
+from .wall import Wall as Wall
+from .wall import flatness as flatness
