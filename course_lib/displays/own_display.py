@@ -30,7 +30,7 @@ import numpy as np
 
 from course_lib.displays.display import Display
 from course_lib.displays.drawn_display import DrawnDisplay
-from course_lib.displays.marker.shapes import placement
+from course_lib.displays.marker.drawables import placement
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
 from course_lib.displays.registry import PACKAGE, REGISTRY

@@ -2,26 +2,25 @@
 
 from difflib import get_close_matches
 
-from course_lib.displays.axes import AxesDisplay
 from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
-from course_lib.displays.clouds.laser_scan import LaserScanDisplay
-from course_lib.displays.clouds.point_cloud2 import PointCloud2Display
+from course_lib.displays.clouds.display import LaserScanDisplay, PointCloud2Display
 from course_lib.displays.display import Context, Display
-from course_lib.displays.grid import GridDisplay
-from course_lib.displays.images.camera import CameraDisplay
-from course_lib.displays.images.camera_info import CameraInfoDisplay
+from course_lib.displays.geometry import PointStampedDisplay, PolygonDisplay, RangeDisplay
+from course_lib.displays.images.camera import CameraDisplay, CameraInfoDisplay
 from course_lib.displays.images.display import ImageDisplay
-from course_lib.displays.map.display import MapDisplay
+from course_lib.displays.map import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
-from course_lib.displays.point_stamped import PointStampedDisplay
-from course_lib.displays.polygon import PolygonDisplay
-from course_lib.displays.poses.odometry import OdometryDisplay
-from course_lib.displays.poses.path import PathDisplay
-from course_lib.displays.poses.pose import PoseArrayDisplay, PoseDisplay, PoseWithCovarianceDisplay
-from course_lib.displays.range import RangeDisplay
+from course_lib.displays.poses.pose import (
+    OdometryDisplay,
+    PathDisplay,
+    PoseArrayDisplay,
+    PoseDisplay,
+    PoseWithCovarianceDisplay,
+)
+from course_lib.displays.reference_display import AxesDisplay, GridDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
 from course_lib.displays.screws import AccelStampedDisplay, TwistStampedDisplay, WrenchDisplay
-from course_lib.displays.tf.display import TfDisplay
+from course_lib.displays.tf import TfDisplay
 
 PACKAGE = "rviz_default_plugins"
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from course_lib.displays.axes import AxesDisplay, axes
+from course_lib.displays.reference_display import AxesDisplay, axes
 from course_lib.displays.session import Session
 from course_lib.ros.tf2_transform import Transform
 from course_lib.viewer.drawables import Solids

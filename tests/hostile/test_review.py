@@ -116,12 +116,12 @@ def test_a_report_shows_no_file_of_the_grader(
 ) -> None:
     from visualization_msgs.msg import Marker
 
-    from course_lib.displays.marker import mesh
+    from course_lib.displays.marker import drawables
 
     secret = tmp_path / "secret.stl"
     secret.write_text("solid")
     named = uri.format(secret)
-    monkeypatch.setattr(mesh, "load_mesh", lambda path: pytest.fail(f"read {path}"))
+    monkeypatch.setattr(drawables, "load_mesh", lambda path: pytest.fail(f"read {path}"))
     task = task_with()
     cdr = serialize(Marker(type=Marker.MESH_RESOURCE, mesh_resource=named))
     sample = Sample(START_NS, TOPIC, "visualization_msgs/msg/Marker", cdr, Qos(), 2)

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from course_lib.displays.frames import is_unit
-from course_lib.displays.marker.lists import LINE_LIST, LINE_STRIP, POINTS, has_colors
-from course_lib.displays.marker.triangles import has_face_colors
+from course_lib.displays.marker.drawables import LINE_LIST, LINE_STRIP, POINTS, has_colors, has_face_colors
 
 _TEXT, _MESH, _TRIANGLES = 9, 10, 11  # the last one that RViz draws; 12 is in the message only
 _LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)

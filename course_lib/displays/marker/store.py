@@ -1,7 +1,7 @@
 """The life of markers: from message to scene, to their end (RViz2's MarkerCommon)."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -9,8 +9,7 @@ import numpy as np
 
 from course_lib.displays.display import Context, node_name
 from course_lib.displays.frames import NS, Matrix, is_unit, nanoseconds, placed
-from course_lib.displays.marker import lists, mesh, shapes, triangles
-from course_lib.displays.marker.drawn import Drawn, label
+from course_lib.displays.marker.drawables import DRAW, Drawn, label
 from course_lib.displays.marker.hints import hints
 from course_lib.displays.statuses import Statuses
 
@@ -18,16 +17,6 @@ ADD, DELETE, DELETEALL = 0, 2, 3
 FOREVER_NS = 100_000  # a lifetime up to this one never ends, [ns]
 _MOVED = 0.01  # [m], and about as much of a turn
 
-# What draws each type, by the constants of visualization_msgs/msg/Marker.
-TYPES: Mapping[int, Callable[[Any], Drawn]] = {
-    0: shapes.arrow,
-    **dict.fromkeys(shapes.SOLIDS, shapes.solid),
-    **dict.fromkeys((lists.LINE_STRIP, lists.LINE_LIST), lists.lines),
-    **dict.fromkeys(lists.SPOTS, lists.spots),
-    9: shapes.text,
-    10: mesh.mesh,
-    11: triangles.triangles,
-}
 Key: TypeAlias = tuple[str, int]  # (namespace, id)
 
 
@@ -154,7 +143,7 @@ class MarkerStore:
             return Live(marker, before.drawn, path, received_ns, before.shown)
         if before:
             scene.delete(before.path)
-        drawn = TYPES[marker.type](marker) if marker.type in TYPES else Drawn()
+        drawn = DRAW[marker.type](marker) if marker.type in DRAW else Drawn()
         for part, drawable in drawn.parts.items():
             scene.set_object(f"{path}/{part}", drawable)
         return Live(marker, drawn, path, received_ns)

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.displays.axes import AXIS_COLORS, axes
-from course_lib.displays.marker.shapes import ALONG_X, placement
+from course_lib.displays.marker.drawables import ALONG_X, placement
 from course_lib.displays.properties import Property, PropertyHolder, color, number, words
+from course_lib.displays.reference_display import AXIS_COLORS, axes
 from course_lib.viewer.drawables import Drawable, Solids
 
 ARROW = (1.0, 0.05, 0.3, 0.1)  # lengths and diameters of shaft and head, RViz's default, [m]

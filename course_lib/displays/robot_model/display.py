@@ -7,7 +7,7 @@ from typing import Any
 from course_lib.displays.display import node_name
 from course_lib.displays.frames import NS
 from course_lib.displays.properties import Property, flag, number, text, words
-from course_lib.displays.robot_model.link import DrawnLink, Wanted
+from course_lib.displays.robot_model.links import DrawnLink, Wanted
 from course_lib.displays.topic_display import TopicDisplay, topic_properties
 from course_lib.errors import CourseError
 from course_lib.robots.links import links_of

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from course_lib.displays.clouds.cloud import Cloud, channels_of
-from course_lib.displays.clouds.colors import TRANSFORMERS, best_transformer, rainbow
+from course_lib.displays.clouds.cloud import TRANSFORMERS, Cloud, best_transformer, channels_of, rainbow
 from tests.displays.bench import Bench
 from tests.displays.clouds.clouds import TOPIC, Order, add, cloud, plain, shown_by
 
@@ -106,5 +105,5 @@ def test_alpha_of_the_points_counts_if_the_channel_is_called_rgba() -> None:
         tinted: dict[str, Any] = {name: np.full(4, 0x80FF0000, np.uint32)}
         bench.hear(TOPIC, cloud(plain(LINE, **tinted)))
         bench.look()
-        # RViz draws points twice, see marker/lists.py
+        # RViz draws points twice, see marker/drawables.py
         np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image as Picture
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from course_lib.displays.clouds.depth import DepthError, Shadows, channels_of, colors, depths, projected
+from course_lib.displays.clouds.depth_cloud import DepthError, Shadows, channels_of, colors, depths, projected
 
 METRES = np.array([[1.0, 2.0, np.nan], [4.0, np.nan, 0.5]], np.float32)
 MILLIMETRES = np.array([[1000, 2000, 0], [4000, 0, 500]], np.uint16)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from course_lib.displays.map.palette import SCHEMES, palette
+from course_lib.displays.map import SCHEMES, palette
 
 MINUS_ONE, MINUS_TWO = 255, 254  # as bytes
 GREY = (0x70, 0x89, 0x86, 255)

@@ -4,8 +4,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawn import Drawn
-from course_lib.displays.marker.lists import lines, spots
+from course_lib.displays.marker.drawables import Drawn, lines, spots
 from course_lib.viewer.drawables import Lines, Points
 from tests.displays.bench import marker, points
 

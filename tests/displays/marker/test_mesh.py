@@ -7,8 +7,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawn import Drawn
-from course_lib.displays.marker.mesh import mesh
+from course_lib.displays.marker.drawables import Drawn, mesh
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker
 

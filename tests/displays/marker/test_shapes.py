@@ -6,8 +6,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawn import Drawn
-from course_lib.displays.marker.shapes import arrow, solid, text
+from course_lib.displays.marker.drawables import Drawn, arrow, solid, text
 from course_lib.viewer.drawables import Solids, Text
 from tests.displays.bench import marker, points
 

@@ -6,7 +6,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.triangles import triangles
+from course_lib.displays.marker.drawables import triangles
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker, points
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.displays.robot_model.looks import Looks, inertia
+from course_lib.displays.robot_model.links import Looks, inertia
 from course_lib.robots.links import Geometry, Inertial, Link, Material
 from course_lib.viewer.drawables import Solids
 
