@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from course_lib.recording import bag_info, read_bag
-from course_lib.tools.bag.options import READER
+from course_lib.tools.bag.play import READER
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag
 

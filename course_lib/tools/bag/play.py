@@ -1,8 +1,10 @@
-"""`ros2 bag play`."""
+"""`ros2 bag play`, and the options that the verbs of bags share."""
 
+import re
 from argparse import ArgumentTypeError, Namespace
 from collections import deque
 from collections.abc import Iterator
+from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag
@@ -10,10 +12,36 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.qos import Qos
-from course_lib.tools.bag.options import READER, pattern, several
 from course_lib.tools.sources import PLAYER, Source
-from course_lib.tools.tf2.heard import log_line
-from course_lib.tools.verb import Verb, Write, flag, positive, value
+from course_lib.tools.tf2.echo import log_line
+from course_lib.tools.verb import Option, Verb, Write, flag, positive, value
+
+
+def existing(text: str) -> Path:
+    """Read a bag's path, with ros2bag's complaint."""
+    if not Path(text).exists():
+        raise ArgumentTypeError(f"Bag path '{text}' does not exist!")
+    return Path(text)
+
+
+def pattern(text: str) -> re.Pattern[str]:
+    """Read a regular expression."""
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise ArgumentTypeError(f"{text!r} is no regular expression: {error}") from error
+
+
+def several(*flags: str, help: str, metavar: str = "Topic") -> Option:  # noqa: A002  # argparse's own word
+    """Give an option that takes a list."""
+    return value(*flags, help=help, metavar=metavar, nargs="+", default=[])
+
+
+READER = (
+    value("bag_path", type=existing, help="Bag to open"),
+    value("-s", "--storage", choices=("mcap", "sqlite3"), help="Storage of the bag; it is found out anyway"),
+)
+
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 GRACE = 0.1  # [s] at the end, for the last message to arrive

@@ -10,7 +10,7 @@ from course_lib.ros import tf2_frames
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.heard import Heard
+from course_lib.tools.tf2.echo import Heard
 from course_lib.tools.verb import Verb, Write, value
 
 EVERY = 0.5  # [s] between two looks

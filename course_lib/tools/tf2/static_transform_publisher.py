@@ -6,7 +6,7 @@ from argparse import Namespace
 
 from course_lib.errors import CourseError
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.heard import log_line
+from course_lib.tools.tf2.echo import log_line
 from course_lib.tools.verb import Verb, Write, value
 
 _NUMBERS = {

@@ -10,7 +10,7 @@ from typing import Any
 from course_lib.ros import tf2_frames
 from course_lib.ros.graph import current_graph
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.heard import Heard, log_line
+from course_lib.tools.tf2.echo import Heard, log_line
 from course_lib.tools.verb import Verb, Write, value
 
 _WIDTH, _HEIGHT = 3.0, 1.7  # [in] of a frame with what leads to it
