@@ -7,7 +7,7 @@ from .displays.viewer import Viewer as Viewer
 from .errors import CourseError as CourseError
 from .grading.check import check as check
 from .grading.personal import my_values as my_values
-from .robots.load import load_robot as load_robot
+from .robots.robot import load_robot as load_robot
 from .ros.clock import START_NS as START_NS
 from .ros.driving import spin_for as spin_for
 from .ros.live import run_live as run_live

@@ -1,9 +1,9 @@
-"""What ROS's joint_state_publisher does: a robot's joint positions, at a rate."""
+"""ROS's joint_state_publisher, and sliders that move it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi
-from typing import Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from rclpy.node import Node, NodeOptions
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -13,6 +13,10 @@ from std_msgs.msg import String
 from course_lib.errors import CourseError
 from course_lib.robots.period import period_of
 from course_lib.robots.urdf import MOVING, Follow, Joint, parse_urdf
+from course_lib.ros import pace
+
+if TYPE_CHECKING:
+    from ipywidgets import HBox, VBox
 
 
 @dataclass
@@ -111,3 +115,47 @@ class JointStatePublisher(Node):
             state.position.append(self.joints[follow.joint].position * follow.factor + follow.offset)
         if state.name:
             self._publisher.publish(state)
+
+
+def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
+    """Return a slider for each joint of a joint state publisher; None where no page would show them.
+
+    What they say is published while the node runs: `run_live(publisher)`. Tab goes from one to the next,
+    arrow keys move it by a thousandth of its range, and its number may be typed.
+    """
+    if pace.wanted() == "fast":
+        return None
+    import ipywidgets
+
+    center = ipywidgets.Button(description="Center", tooltip="All joints to where they began")
+    box = ipywidgets.VBox()
+
+    def build() -> None:
+        box.children = [center, *(_row(name, joint) for name, joint in publisher.joints.items())]
+
+    def to_zeros(_: Any) -> None:
+        for row, joint in zip(box.children[1:], publisher.joints.values(), strict=True):
+            row.children[0].value = joint.zero
+
+    center.on_click(to_zeros)
+    publisher.on_robot.append(build)
+    build()
+    return box
+
+
+def _row(name: str, joint: FreeJoint) -> "HBox":
+    import ipywidgets
+
+    lower, upper = sorted((joint.lower, joint.upper))
+    slider = ipywidgets.FloatSlider(
+        joint.position,
+        min=lower,
+        max=upper,
+        step=(upper - lower) / 1000 or 1.0,  # where both limits are one, any step will do
+        description=name,
+        readout_format=".3f",
+        style={"description_width": "14em"},
+        layout={"width": "34em"},
+    )
+    slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")
+    return ipywidgets.HBox([slider, ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}")])

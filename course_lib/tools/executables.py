@@ -57,8 +57,7 @@ def _robot_state_publisher() -> None:
 
 
 def _joint_state_publisher(*, sliders: bool = False) -> None:
-    from course_lib.robots.joint_state_publisher import JointStatePublisher
-    from course_lib.robots.sliders import joint_sliders
+    from course_lib.robots.joint_state_publisher import JointStatePublisher, joint_sliders
 
     files = [Path(word) for word in _own_words()]
     node = JointStatePublisher(files[0].read_text(encoding="utf-8") if files else "")

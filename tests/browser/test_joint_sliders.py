@@ -15,7 +15,7 @@ CELLS = (
     "import rclpy\n"
     "from course_lib import load_robot\n"
     "from course_lib.robots.joint_state_publisher import JointStatePublisher\n"
-    "from course_lib.robots.sliders import joint_sliders\n"
+    "from course_lib.robots.joint_state_publisher import joint_sliders\n"
     "rclpy.init()\n"
     "publisher = JointStatePublisher(load_robot('ur10').urdf)",
     "joint_sliders(publisher)",

@@ -139,7 +139,7 @@ def test_a_page_and_a_picture_can_be_saved(graph: Graph, tmp_path: Path) -> None
 
 def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
     pytest.importorskip("pinocchio")
-    from course_lib.robots.load import load_robot
+    from course_lib.robots.robot import load_robot
 
     viewer = Viewer()
     viewer.show_robot(load_robot("ur10"))

@@ -8,7 +8,7 @@ import pytest
 
 from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
 
 PUBLIC = runpy.run_path(str(exercises_dir() / "checks" / "week02.py"))
 HIDDEN = runpy.run_path(str(solutions_dir() / "checks" / "week02.py"))

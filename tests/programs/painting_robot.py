@@ -10,8 +10,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from course_lib.robots.joint_trajectory_controller import JointTrajectoryController
-from course_lib.robots.mobile_manipulator import START, mobile_manipulator
-from course_lib.robots.omni_base import OmniBase
+from course_lib.robots.mobile_manipulator import START, OmniBase, mobile_manipulator
 from course_lib.robots.robot_state_publisher import RobotStatePublisher
 
 JOINTS = [

@@ -5,8 +5,8 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.robots.inverse_kinematics import joints_for
 from course_lib.robots.kinematics import configuration, link_poses
-from course_lib.robots.load import load_robot
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
+from course_lib.robots.robot import load_robot
 
 WRIST = "ur10wrist_3_link"
 

@@ -10,7 +10,7 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.robots.joint_state_publisher import JointStatePublisher
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
 from course_lib.robots.robot_state_publisher import RobotStatePublisher
 from course_lib.ros.graph import Graph
 from tests.robots.urdfs import ALL_KINDS, ARM_2R, joint, links, robot

@@ -7,7 +7,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import configuration, joint_poses, link_poses
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
 from tests.robots.urdfs import ALL_KINDS, ARM_2R
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from course_lib.robots.links import Material, links_of
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
+from course_lib.robots.urdf import Material, links_of
 
 PAINTED = """<robot name="r">
   <material name="blue"><color rgba="0 0 1 1"/></material>

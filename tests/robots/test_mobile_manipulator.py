@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.load import load_robot
 from course_lib.robots.mobile_manipulator import MOUNT, START, mobile_manipulator
+from course_lib.robots.robot import load_robot
 
 DOWN, UP = (
     [0.0, 1.5, 0.5, 0.0, 0.0, 0.0],

@@ -7,7 +7,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped, Twist
 from rclpy.node import Node
 
-from course_lib.robots.omni_base import MAX_SPEED, OmniBase
+from course_lib.robots.mobile_manipulator import MAX_SPEED, OmniBase
 from course_lib.ros.graph import Graph
 
 On = Callable[[str], list[Any]]

@@ -4,8 +4,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.robots.joint_trajectory_controller import JointTrajectoryController
-from course_lib.robots.mobile_manipulator import mobile_manipulator
-from course_lib.robots.omni_base import OmniBase
+from course_lib.robots.mobile_manipulator import OmniBase, mobile_manipulator
 from course_lib.robots.period import period_of
 from course_lib.ros.graph import Graph
 

@@ -1,4 +1,4 @@
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
 from tests.robots.urdfs import ARM_2R
 
 

@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.load import load_robot
+from course_lib.robots.robot import load_robot
 from course_lib.robots.robot_state_publisher import RobotStatePublisher
 from course_lib.ros.graph import Graph
 from course_lib.ros.tf2_transform import Transform

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.load import load_robot
+from course_lib.robots.joint_trajectory_controller import SimulatedJoints
 from course_lib.robots.mobile_manipulator import mobile_manipulator
-from course_lib.robots.simulated_joints import SimulatedJoints
+from course_lib.robots.robot import load_robot
 
 
 def ur10(**start: float) -> SimulatedJoints:

@@ -4,8 +4,7 @@ from typing import Any
 import pytest
 import rclpy
 
-from course_lib.robots.joint_state_publisher import JointStatePublisher
-from course_lib.robots.sliders import joint_sliders
+from course_lib.robots.joint_state_publisher import JointStatePublisher, joint_sliders
 from course_lib.ros.graph import Graph
 from tests.robots.urdfs import ALL_KINDS, ARM_2R
 

@@ -3,7 +3,7 @@ import numpy.typing as npt
 import pytest
 from numpy.polynomial import Polynomial
 
-from course_lib.robots.spline import Waypoint, sample
+from course_lib.robots.trajectory import Waypoint, sample
 
 Floats = npt.NDArray[np.float64]
 RANDOM = np.random.default_rng(0)

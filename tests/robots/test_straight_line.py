@@ -4,12 +4,10 @@ import pytest
 from rclpy.time import Time
 
 from course_lib.errors import CourseError
-from course_lib.robots.inverse_kinematics import joints_for
+from course_lib.robots.inverse_kinematics import joints_for, straight_line
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
-from course_lib.robots.spline import sample
-from course_lib.robots.straight_line import straight_line
-from course_lib.robots.trajectory import waypoints_of
+from course_lib.robots.trajectory import sample, waypoints_of
 
 WRIST = "ur10wrist_3_link"
 AT_THE_WALL = np.array([[0, 1, 0, 1.7], [-1, 0, 0, 0.16], [0, 0, 1, 2.0], [0, 0, 0, 1]])  # wrist in base_link

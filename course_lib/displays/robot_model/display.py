@@ -10,8 +10,7 @@ from course_lib.displays.properties import Property, flag, number, text, words
 from course_lib.displays.robot_model.links import DrawnLink, Wanted
 from course_lib.displays.topic_display import TopicDisplay, topic_properties
 from course_lib.errors import CourseError
-from course_lib.robots.links import links_of
-from course_lib.robots.urdf import parse_urdf
+from course_lib.robots.urdf import links_of, parse_urdf
 from course_lib.ros.qos import Qos
 
 _STYLES = (

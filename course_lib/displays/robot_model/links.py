@@ -11,8 +11,8 @@ import numpy as np
 from course_lib.displays.frames import Matrix
 from course_lib.displays.reference_display import axes
 from course_lib.errors import CourseError
-from course_lib.robots.links import Geometry, Inertial, Link
 from course_lib.robots.resources import resolve
+from course_lib.robots.urdf import Geometry, Inertial, Link
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Solids
 from course_lib.viewer.mesh_files import MeshFileError, load_mesh
 from course_lib.viewer.scene import Scene

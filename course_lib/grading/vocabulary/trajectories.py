@@ -6,7 +6,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
-from course_lib.robots.spline import Waypoint
+from course_lib.robots.trajectory import Waypoint
 from course_lib.ros import standin_path
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import type_name

@@ -6,9 +6,8 @@ import pytest
 from std_msgs.msg import String
 
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.links import links_of
-from course_lib.robots.load import load_robot
-from course_lib.robots.robot import Robot
+from course_lib.robots.robot import Robot, load_robot
+from course_lib.robots.urdf import links_of
 from tests.displays.bench import Bench
 from tests.displays.robot_model.robots import LATCHED, ROBOT, drawn
 

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from course_lib.displays.robot_model.links import Looks, inertia
-from course_lib.robots.links import Geometry, Inertial, Link, Material
+from course_lib.robots.urdf import Geometry, Inertial, Link, Material
 from course_lib.viewer.drawables import Solids
 
 BOX = Geometry("box", np.eye(4), (1.0, 1.0, 1.0))
