@@ -1,14 +1,11 @@
 from .camera import CameraNode as CameraNode
+from .camera import Pinhole as Pinhole
 from .detector import Detection as Detection
 from .detector import Detector as Detector
-from .detector_node import DetectorNode as DetectorNode
+from .detector import DetectorNode as DetectorNode
 from .lidar import LaserScanNode as LaserScanNode
 from .lidar import PointCloudNode as PointCloudNode
-from .motion import circle as circle
-from .motion import placed as placed
-from .motion import straight as straight
-from .pinhole import Pinhole as Pinhole
-from .range_finder import RangeNode as RangeNode
+from .lidar import RangeNode as RangeNode
 from .sensor_node import SensorNode as SensorNode
 from .shapes import Shape as Shape
 from .shapes import box as box
@@ -17,3 +14,6 @@ from .shapes import plane as plane
 from .shapes import sphere as sphere
 from .world import Thing as Thing
 from .world import World as World
+from .world import circle as circle
+from .world import placed as placed
+from .world import straight as straight

@@ -1,4 +1,4 @@
-"""The simulated world: things with a shape, a colour and a place, and what rays meet in it."""
+"""The simulated world: things with a shape, a colour and a place, their motions, and what rays meet."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -7,11 +7,58 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats, Pose, check_array, check_rays, check_transform, pose_function
+from course_lib.sensors.checked import (
+    Floats,
+    Pose,
+    check_array,
+    check_number,
+    check_rays,
+    check_transform,
+    pose_function,
+)
 from course_lib.sensors.shapes import Shape
 
 SKY = (0.6, 0.75, 0.9)  # red, green, blue of nothing
 _STEP = 1e-4  # [s] of the difference that gives velocities
+
+
+def placed(x: float, y: float, z: float, yaw: float = 0.0) -> Floats:
+    """Make the transform of something that stands at a point [m], turned about z by yaw [rad]."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([[cos, -sin, 0, x], [sin, cos, 0, y], [0, 0, 1, z], [0, 0, 0, 1]], float)
+
+
+def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float], Floats]:
+    """Go from start to goal, points [m] in the world, at a speed [m/s], and back again, and so on."""
+    begin, end = check_array("start [m]", start, (3,)), check_array("goal [m]", goal, (3,))
+    length = float(np.linalg.norm(end - begin))
+    check_number("speed [m/s]", speed, above=0)
+    if length == 0:
+        raise CourseError(f"start and goal are both {begin.tolist()}; give two different points.")
+    yaw = float(np.arctan2(*(end - begin)[1::-1]))
+
+    def pose(seconds: float) -> Floats:
+        gone = seconds * speed % (2 * length)
+        back = gone >= length
+        point = begin + (end - begin) * ((2 * length - gone if back else gone) / length)
+        return placed(point[0], point[1], point[2], yaw + np.pi * back)
+
+    return pose
+
+
+def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float], Floats]:
+    """Go round a center [m] at a radius [m], once in a period [s]; counter-clockwise, below 0 clockwise."""
+    x, y, z = check_array("center [m]", center, (3,))
+    check_number("radius [m]", radius, above=0)
+    if check_number("period [s]", period) == 0:
+        raise CourseError("period [s] is 0; give the time of one round, negative for clockwise.")
+
+    def pose(seconds: float) -> Floats:
+        angle = 2 * np.pi * seconds / period
+        ahead = angle + np.copysign(np.pi / 2, period)
+        return placed(x + radius * np.cos(angle), y + radius * np.sin(angle), z, ahead)
+
+    return pose
 
 
 @dataclass(frozen=True, eq=False)

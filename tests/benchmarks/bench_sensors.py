@@ -10,11 +10,10 @@ from course_lib.ros.standin_path import install
 
 install()
 
+from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
 from course_lib.sensors.lidar import beams_at  # noqa: E402  # needs the stand-in's packages
-from course_lib.sensors.motion import circle, placed  # noqa: E402  # as above
-from course_lib.sensors.pinhole import Pinhole  # noqa: E402  # as above
 from course_lib.sensors.shapes import box, cylinder, plane, sphere  # noqa: E402  # as above
-from course_lib.sensors.world import Thing, World  # noqa: E402  # as above
+from course_lib.sensors.world import Thing, World, circle, placed  # noqa: E402  # as above  # noqa: E402  # as above
 
 RUNS = 30
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], float)  # looks along x

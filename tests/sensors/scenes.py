@@ -12,7 +12,7 @@ from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize
 from course_lib.sensors.checked import Floats
-from course_lib.sensors.motion import placed
+from course_lib.sensors.world import placed
 
 # Of a camera that looks along the world's x; its own z is ahead, x to the right, y down.
 TRANSFORM_OPTICAL_TO_WORLD = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)

@@ -7,11 +7,9 @@ from PIL import Image as Pictures
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from course_lib.errors import CourseError
-from course_lib.sensors.camera import CameraNode
-from course_lib.sensors.motion import placed
-from course_lib.sensors.pinhole import Pinhole
+from course_lib.sensors.camera import CameraNode, Pinhole
 from course_lib.sensors.shapes import box
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, placed
 from tests.sensors.scenes import TRANSFORM_OPTICAL_TO_WORLD, published
 
 SMALL = Pinhole(40, 30, 40.0)

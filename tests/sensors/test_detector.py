@@ -5,9 +5,8 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.sensors.detector import Detection, Detector
-from course_lib.sensors.motion import circle, placed
 from course_lib.sensors.shapes import box, cylinder, sphere
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, circle, placed
 from tests.sensors.scenes import AT_ORIGIN
 
 

@@ -8,11 +8,9 @@ from vision_msgs.msg import Detection3DArray
 
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import Floats
-from course_lib.sensors.detector import Detector
-from course_lib.sensors.detector_node import DetectorNode, quaternion
-from course_lib.sensors.motion import circle, placed
+from course_lib.sensors.detector import Detector, DetectorNode, quaternion
 from course_lib.sensors.shapes import box
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, circle, placed
 from tests.sensors.scenes import AT_ORIGIN, published
 
 WORLD = World([

@@ -4,9 +4,8 @@ from sensor_msgs.msg import LaserScan, PointCloud2
 
 from course_lib.errors import CourseError
 from course_lib.sensors.lidar import LaserScanNode, PointCloudNode
-from course_lib.sensors.motion import placed
 from course_lib.sensors.shapes import box, plane
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, placed
 from tests.sensors.scenes import AT_ORIGIN, published
 
 WALL = World([Thing(box(1, 200, 10), placed(2.5, 0, 0), (1.0, 0.5, 0.0))])

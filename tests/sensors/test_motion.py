@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import check_transform
-from course_lib.sensors.motion import circle, placed, straight
+from course_lib.sensors.world import circle, placed, straight
 
 times = st.floats(0, 1000)
 

@@ -3,10 +3,9 @@ import pytest
 from sensor_msgs.msg import Range
 
 from course_lib.errors import CourseError
-from course_lib.sensors.motion import placed
-from course_lib.sensors.range_finder import RangeNode, cone_rays
+from course_lib.sensors.lidar import RangeNode, cone_rays
 from course_lib.sensors.shapes import sphere
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, placed
 from tests.sensors.scenes import AT_ORIGIN, published
 
 

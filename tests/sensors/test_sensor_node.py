@@ -6,9 +6,8 @@ from sensor_msgs.msg import LaserScan
 
 from course_lib.errors import CourseError
 from course_lib.sensors.lidar import LaserScanNode
-from course_lib.sensors.motion import placed
 from course_lib.sensors.shapes import sphere
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, placed
 from tests.sensors.scenes import AT_ORIGIN, published
 
 AROUND = World([Thing(sphere(5), AT_ORIGIN)])

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import Floats
-from course_lib.sensors.motion import circle, placed
 from course_lib.sensors.shapes import box, cylinder, plane, sphere
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import Thing, World, circle, placed
 from tests.sensors.scenes import AT_ORIGIN, random_rays
 
 X = np.array([[1.0], [0], [0]])
