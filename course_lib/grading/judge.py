@@ -8,8 +8,8 @@ from course_lib.grading.evidence import Check, Evidence, Verdict
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.time_limit import time_limit
 
-CHECK_SECONDS = 10.0  # [s] of processor time for a check
-TASK_SECONDS = 30.0  # [s] of processor time for all checks of a task
+CHECK_SECONDS = 5.0  # [s] of processor time for a check
+TASK_SECONDS = 10.0  # [s] of processor time for all checks of a task
 LEAST_SECONDS = 0.1  # [s] for a check where the others have used up the task's time
 LONGEST = 500  # characters of an exception's text
 CANNOT_JUDGE = "this check could not judge what came: a fault of the course, which your instructor looks at"
