@@ -31,6 +31,12 @@ class ExerciseRun:
         """What went wrong while the cells were run, once, before the scenarios."""
         return [*self.log.stopped.values(), *self.log.errors]
 
+    @property
+    def broken(self) -> list[str]:
+        """Each check that raised an exception, with task and scenario; for staff."""
+        rows = [(task.task, check) for task in self.results for check in task.checks if check.broken]
+        return [f"{task}, {check.scenario}, {check.title!r}: {check.broken}" for task, check in rows]
+
     def as_plain(self) -> dict[str, Any]:
         """What a result file says of it."""
         digests = {f"{r.evidence.task}/{r.scenario.name}": r.evidence.recording.digest() for r in self.runs}
@@ -69,11 +75,7 @@ def run_scenarios(job: Job) -> ExerciseRun:
 
 
 def judge_exercise(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> ExerciseRun:
-    """The same run with its tasks and their results.
-
-    Raises:
-        BrokenCheckError: A check raised an exception.
-    """
+    """Return the same run with its tasks and their results."""
     results = [
         judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
         for task in tasks

@@ -24,7 +24,7 @@ from course_lib.grading.grade_one import (
     rules_of,
     run_job,
 )
-from course_lib.grading.grade_progress import Row, counts, say, task_lines, watched
+from course_lib.grading.grade_progress import Row, broken_lines, counts, say, task_lines, watched
 from course_lib.grading.gradebook import results_in
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.job import Job
@@ -206,7 +206,7 @@ def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Co
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
         files = map(str, write_tables(out, catalog_of(course).course.time_zone))
-    for line in task_lines(results_in(out)):
+    for line in (*task_lines(results_in(out)), *broken_lines(results_in(out))):
         say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))
     say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")

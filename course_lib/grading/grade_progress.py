@@ -7,6 +7,8 @@ from typing import Any
 from course_lib.grading.table import printable
 
 Row = Mapping[str, Any]  # of the gradebook
+MOST_NAMED = 5  # students in a line
+MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
 
 
 def watched(rows: Iterable[Row], total: int) -> Iterator[Row]:
@@ -49,3 +51,19 @@ def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
         f"{sum(score >= points[task] for score in got)} with full marks"
         for task, got in sorted(scores.items())
     ]
+
+
+def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each check that raised an exception, with the submissions that it did not judge."""
+    met: dict[str, list[str]] = {}
+    for result in results:
+        for task in result.get("tasks", ()):
+            for check in (check for check in task["checks"] if check.get("broken")):
+                what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
+                met.setdefault(what, []).append(result["student"])
+    return [f"A check could not judge {_few(students)}: {what}. {MEND}" for what, students in met.items()]
+
+
+def _few(students: list[str]) -> str:
+    shown = ", ".join(students[:MOST_NAMED])
+    return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

@@ -9,6 +9,7 @@ from course_lib.ros.graph_server import PICTURES
 from course_lib.ros.messages import serialize
 
 ROOM = 4 << 20  # bytes for each topic
+ALL = 8 << 20  # bytes for all topics
 
 
 class ImageRoom:
@@ -16,13 +17,17 @@ class ImageRoom:
 
     def __init__(self) -> None:
         self._taken = Counter[str]()
+        self._kept = 0
 
     def fitted(self, sample: Sample) -> Sample:
         """The sample, without its pixels where there is no more room for them."""
         if sample.type_name not in PICTURES:
             return sample
         self._taken[sample.topic] += len(sample.cdr)
-        return sample if self._taken[sample.topic] <= ROOM else _without_pixels(sample)
+        if self._taken[sample.topic] > ROOM or self._kept + len(sample.cdr) > ALL:
+            return _without_pixels(sample)
+        self._kept += len(sample.cdr)
+        return sample
 
 
 def _without_pixels(sample: Sample) -> Sample:

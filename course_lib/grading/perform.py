@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.grading.plain import plain
+from course_lib.grading.plain import RAISED, plain
 from course_lib.grading.student_error import describe
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
@@ -62,7 +62,7 @@ def _actions(part: Part, subject: Any, outcome: Outcome) -> list[Callable[[], No
         return [lambda: outcome.returns.append(plain(subject))]
 
     def call(args: Sequence[Any], kwargs: dict[str, Any]) -> None:
-        outcome.returns.append(None)  # so that a call that raises keeps its place
+        outcome.returns.append(RAISED)  # so that a call that raises keeps its place
         outcome.returns[-1] = plain(_callable(subject, "a function")(*args, **kwargs))
 
     return [lambda a=args, k=kwargs: call(a, k) for args, kwargs in part.calls]  # type: ignore[misc]

@@ -9,6 +9,7 @@ MAX_ITEMS = 200_000
 MAX_DEPTH = 20
 MAX_TEXT = 100_000  # characters
 MAX_INT = 2**63
+RAISED = {"object": "nothing, as the call raised an exception"}  # in place of a returned value
 
 
 def plain(value: Any) -> Any:

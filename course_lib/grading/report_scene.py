@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))  # frames/s, None: as RViz; bytes of what may be filmed with it
-SCENE_SECONDS = 20.0  # [s] of processor time for each
+SCENE_SECONDS = 5.0  # [s] of processor time for each
 MESSAGE = 500  # [B] that a message counts as, however small it is
 
 

@@ -74,9 +74,12 @@ class Result:
             **self.submission.as_plain(),
             **{name: value for name, value in vars(self).items() if name not in ("submission", "run")},
             "isolation": self.isolation,
-            "notes": [*self.submission.notes, *self.notes],
+            "notes": [*self.submission.notes, *self.notes, *self._broken_notes()],
             **(self.run.as_plain() if self.run else {}),
         }
+
+    def _broken_notes(self) -> list[str]:
+        return [f"a check could not judge it: {check}" for check in self.run.broken] if self.run else []
 
     def write(self, out: Path) -> None:
         """Write it to OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
@@ -113,7 +116,8 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
         full = sum(one.score >= one.points for one in results)
         row["message"] = f"{full} of {len(results)} tasks have full marks"
         row |= asdict(mark(results, content["days_late"], Late(content["percent_per_day"])))
-    if any(task["rubric"] and one.manual is None for task, one in zip(tasks, results, strict=True)):
+    pairs = zip(tasks, results, strict=True)
+    if any(one.waits or (task["rubric"] and one.manual is None) for task, one in pairs):
         row["status"] = "needs_marking"
     return {name: row[name] for name in COLUMNS}
 

@@ -12,6 +12,7 @@ from course_lib.grading.plain import is_plain
 from course_lib.grading.scenario import Stage, still_running
 from course_lib.grading.student_error import MAX_LENGTH
 from course_lib.grading.task import Scenario, Task
+from course_lib.grading.time_shares import TimeShares
 from course_lib.grading.usage import Usage
 from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
@@ -78,9 +79,9 @@ class Session:
         self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
         self._files = dict(files or {})
-        self._deadline = wall.monotonic() + limits.total_seconds
+        self._shares = TimeShares(limits.total_seconds, personal)  # of the scenarios
+        self._deadline, self._cells_left = 0.0, limits.total_seconds  # of the cells
         self._worker: WorkerProcess | None = None
-        self._room = Room()
         self._hung: set[str] = set()  # tasks
 
     def run(self, task: Task, scenario: Scenario) -> Evidence:
@@ -97,7 +98,12 @@ class Session:
         if worker is None:
             why = f"not run: all cells together took {self._limits.total_seconds:g} s"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
+        if self._shares.left(task.id) <= 0:
+            why = f"not run: the scenarios of {task.name} took too long before"
+            return stage.evidence(Outcome(errors=[why]), stopped="time")
+        begin = wall.monotonic()
         outcome, stopped = self._serve(worker, stage, task)
+        self._shares.take(task.id, wall.monotonic() - begin)
         if stopped == "time":
             self._hung.add(task.id)
         output = worker.take_output()
@@ -120,10 +126,12 @@ class Session:
 
     def _ready_worker(self) -> WorkerProcess | None:
         """The worker, with all cells run; None when the time is over."""
+        self._deadline = wall.monotonic() + self._cells_left
         while self._worker is None and self._left() > 0:
             self._worker = WorkerProcess(self._template, self._limits, self._cells)
             if not self._run_cells(self._worker):
                 self.close()
+        self._cells_left = self._left()
         return self._worker
 
     def _run_cells(self, worker: WorkerProcess) -> bool:
@@ -166,13 +174,12 @@ class Session:
 
     def _serve(self, worker: WorkerProcess, stage: Stage, task: Task) -> tuple[Outcome, str]:
         """Let the worker run a scenario on the stage; also says which limit ended it, if one did."""
-        seconds, part = min(self._limits.scenario_seconds, self._left()), stage.part
+        seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
         worker.allow(seconds)
-        self._room.others = Room.others  # too much of one task is not taken from the others
         try:
             worker.channel.send(["scenario", *order])
-            outcome = _drive(worker.channel, stage, self._room)
+            outcome = _drive(worker.channel, stage, Room.lasting(stage.seconds))
             return outcome, limit_met(outcome.errors)
         except ChannelError as error:
             self._worker = None  # what it says can't be followed any more

@@ -37,6 +37,7 @@ class Stage:
 
     def __init__(self, task: Task, scenario: Scenario, personal: Mapping[str, Any]) -> None:
         self._task, self._scenario, self._personal = task, scenario, personal
+        self.seconds = scenario.seconds
         self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
         self._ours = self.graph.add_node(INPUT_NODE, "/")
         self._samples: list[Sample] = []

@@ -8,17 +8,32 @@ from typing import Any
 AGAIN = 1.0  # [s] of processor time: code that swallows the exception gets another one
 
 
+class _OverError(BaseException):
+    """Ends what takes too long; no `except Exception` on its way can take it for a fault of the data."""
+
+
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in what takes more processor time; for the main thread of a process."""
+    """Bound the processor time of a block; for the main thread of a process.
+
+    Raises:
+        TimeoutError: The block took more than so many seconds.
+    """
 
     def ring(*_: Any) -> None:
-        raise TimeoutError(f"it takes more than {seconds:g} s")
+        raise _OverError
 
-    before = signal.signal(signal.SIGPROF, ring)
-    signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
-    try:
+    if not hasattr(signal, "setitimer"):  # Windows, where nothing of a stranger's is judged
         yield
+        return
+    before = signal.signal(signal.SIGPROF, ring)
+    try:
+        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+    except _OverError:
+        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import astuple, dataclass
-from typing import Any
+from typing import Any, Self
 
 from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.clock import Alarm
@@ -13,7 +13,8 @@ MAX_NAME = 255  # characters of a topic, type or node: every sample of a recordi
 MAX_WORD = 20  # characters of a policy, "manual_by_topic"
 MAX_ENTITIES = 10_000  # nodes, endpoints and events to come
 MAX_DELIVERIES = 100_000  # messages under way
-LEAST = 200  # [B]
+MESSAGES_AT_ONCE, MESSAGES_A_SECOND = 2000, 500  # of robot time
+PICTURES_A_SECOND = 64 * 2**20  # [B]
 PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 
 
@@ -23,27 +24,40 @@ class RecordingLimitError(ChannelError):
 
 @dataclass
 class Room:
-    """How much may still be recorded, [B]: of pictures in all scenarios, of all else in one of them."""
+    """How much may still be published in one run.
 
+    Args:
+        messages: Of any type.
+        pictures: Bytes of pictures and point clouds.
+        others: Bytes of all other messages.
+    """
+
+    messages: int = 10_000
     pictures: int = 256 * 2**20
-    others: int = 8 * 2**20
+    others: int = 4 * 2**20
+
+    @classmethod
+    def lasting(cls, seconds: float) -> Self:
+        """Return the room of a run of so much robot time, [s]: more than any right program takes."""
+        return cls(round(MESSAGES_AT_ONCE + MESSAGES_A_SECOND * seconds), round(PICTURES_A_SECOND * seconds))
 
     def take(self, type_name: str, size: int) -> None:
-        """Take what a message needs, but not less than is worth counting.
+        """Take what a message needs.
 
         Raises:
-            RecordingLimitError: There is no more room.
+            RecordingLimitError: There is no more room; the message says of what.
         """
-        size = max(size, LEAST)
+        self.messages -= 1
         if type_name in PICTURES:
             self.pictures -= size
         else:
             self.others -= size
-        if self.pictures < 0 or self.others < 0:
-            most = (
-                f"{Room.pictures} bytes of pictures and {Room.others} of others, each message {LEAST} or more"
+        if min(self.messages, self.pictures, self.others) < 0:
+            what = "messages" if self.messages < 0 else "pictures" if self.pictures < 0 else "bytes"
+            raise RecordingLimitError(
+                f"more {what} were published than are recorded, so it was stopped there: "
+                "is the period of a timer too short, or does a callback publish to its own topic?"
             )
-            raise RecordingLimitError(f"more was published than is recorded: at most {most}")
 
 
 class GraphServer:

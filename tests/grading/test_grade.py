@@ -14,6 +14,7 @@ from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course, catalog_of, rules_of
 from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
+from course_lib.grading.mark_by_hand import mark_by_hand
 from course_lib.grading.result import read_result
 from course_lib.grading.scenario import run_here
 from tests.grading.conftest import COURSE, write_course
@@ -164,19 +165,26 @@ def test_what_is_no_exercise_is_rejected_and_the_rest_goes_on(
     assert "Not marked (rejected)" in page
 
 
-def test_a_broken_check_is_never_a_students_zero(
-    course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
+def test_a_broken_check_costs_that_check_and_is_named_to_staff_only(
+    course: Course,
+    right: str,
+    hand_in: Callable[..., Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    hidden = course.solutions / "checks/week01.py"
+    hidden, out = course.solutions / "checks/week01.py", tmp_path / "out"
     hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", "expect_value(-3.5, tolerance='a')"))
-    assert not grade(hand_in({"right": right}), tmp_path / "out", jobs=1, course=course)
-    row = rows(tmp_path / "out")["right"]
-    assert (row["status"], row["reason"], row["final"]) == ("grader_error", "BrokenCheckError", "")
-    key = result(tmp_path / "out", "right")["key"]
-    assert (tmp_path / f"out/evidence/{key}.msgpack.gz").stat().st_size > 300
-    page = (tmp_path / "out/reports/right/week01_exercise.html").read_text()
-    assert "This is not your fault" in page
-    assert "tolerance" not in page
+    assert grade(hand_in({"right": right}), out, jobs=1, course=course)
+    row = rows(out)["right"]
+    assert (row["status"], row["final"]) == ("needs_marking", "90.0")
+    broken = "week01.half, other, 'the value is right': TypeError"
+    assert f"A check could not judge right: {broken}" in capsys.readouterr().out
+    assert broken in (out / "reports/index.html").read_text().replace("&#39;", "'")
+    page = (out / "reports/right/week01_exercise.html").read_text()
+    assert "a fault of the course" in page
+    assert "TypeError" not in page
+    said = mark_by_hand(out, "right", "week01_exercise", "week01.half", "40", course=course)
+    assert said.endswith("now 110, graded")
 
 
 def test_a_pattern_that_fits_nothing_is_refused(

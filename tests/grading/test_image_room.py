@@ -31,6 +31,13 @@ def test_each_topic_has_its_own_room_and_other_messages_are_never_cut() -> None:
     assert room.fitted(other) is other
 
 
+def test_many_topics_keep_no_more_than_a_few() -> None:
+    room = ImageRoom()
+    pictures = [sample(image_room.ROOM // 2, f"/camera_{n}") for n in range(20)]
+    kept = [picture for picture in pictures if room.fitted(picture) is picture]
+    assert 0 < sum(len(picture.cdr) for picture in kept) <= image_room.ALL
+
+
 def test_bytes_that_are_no_picture_keep_nothing() -> None:
     broken = Sample(0, "/camera", IMAGE, b"\xff" * (image_room.ROOM + 1), Qos(), 1)
     assert ImageRoom().fitted(broken).cdr == b""

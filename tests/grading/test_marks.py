@@ -1,5 +1,7 @@
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 from zoneinfo import ZoneInfo
 
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from course_lib.course.course_file import Late
 from course_lib.grading.evidence import Check, Evidence, Verdict
 from course_lib.grading.gradebook import write_gradebook
-from course_lib.grading.judge import BrokenCheckError, CheckResult, Run, TaskResult, judge_task
+from course_lib.grading.judge import CheckResult, Run, TaskResult, judge_task
 from course_lib.grading.marks import Mark, count_days_late, mark
 from course_lib.grading.received import Received
 from course_lib.grading.result import Result
@@ -71,12 +73,45 @@ def test_a_score_that_is_none_counts_nothing(score: float) -> None:
     assert judged(scoring(score)).score == 0
 
 
-def test_a_check_that_raises_is_named_as_broken() -> None:
-    def broken(evidence: Evidence) -> Verdict:
-        raise KeyError(evidence.task)
+def raising(evidence: Evidence) -> Verdict:
+    raise KeyError(evidence.task)
 
-    with pytest.raises(BrokenCheckError, match="'my check' is broken: KeyError"):
-        judged(Check("my check", broken))
+
+def test_a_check_that_raises_costs_that_check_and_a_person_looks_at_it() -> None:
+    result = judged(Check("my check", raising), scoring(1.0))
+    assert (result.score, result.waits) == (25, True)
+    assert result.checks[0].broken == "KeyError: 'week01.demo'"
+    assert "KeyError" not in result.checks[0].message + result.checks[0].mistake
+    assert not replace(result, manual=50.0).waits
+
+
+def test_a_check_that_only_reports_makes_nobody_wait() -> None:
+    assert not judged(Check("my check", raising).worth(0), scoring(1.0)).waits
+
+
+def test_a_check_that_requires_a_broken_one_names_it() -> None:
+    result = judged(scoring(1.0).requiring(Check("my check", raising)))
+    assert (result.checks[0].score, result.checks[0].broken) == (0, "KeyError: 'week01.demo'")
+
+
+NO_NUMBER: Any = "a"
+
+
+@pytest.mark.parametrize("answer", [None, 1.0, Verdict(NO_NUMBER, "m")])
+def test_a_check_that_returns_something_else_is_broken(answer: Any) -> None:
+    assert judged(Check("c", lambda _: answer)).waits
+
+
+def test_a_check_that_others_require_is_evaluated_once_in_a_run() -> None:
+    calls = []
+
+    def shape(evidence: Evidence) -> Verdict:
+        calls.append(evidence.scenario)
+        return Verdict(1.0, "m")
+
+    shaped = Check("shape", shape)
+    assert judged(shaped, *[scoring(1.0).requiring(shaped)] * 5).passed
+    assert calls == ["public"]
 
 
 def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:

@@ -72,3 +72,9 @@ def test_a_parameter_may_be_given_in_all_ways_that_ros_reads(text: str) -> None:
 def test_what_is_wrong_with_a_file_is_named(text: Any, message: str) -> None:
     verdict = expect_parameters("/talker", {"rate": 5.0}).judge(returned(text))
     assert (verdict.score, verdict.message) == (0, message)
+
+
+def test_another_type_on_the_topic_is_the_students_mistake(evidence: MakeEvidence) -> None:
+    verdict = CHECK.judge(evidence((1.0, "/way", PoseStamped())))
+    assert verdict.message == "/way carries geometry_msgs/msg/PoseStamped, expected nav_msgs/msg/Path"
+    assert verdict.mistake == "a topic has the wrong message type"

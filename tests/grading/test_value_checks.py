@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import is_plain, plain
+from course_lib.grading.plain import RAISED, is_plain, plain
+from course_lib.grading.scenario import run_here
+from course_lib.grading.task import Call, Scenario, Task
 from course_lib.grading.vocabulary import expect_text, expect_value
 
 MakeEvidence = Callable[..., Evidence]
@@ -60,6 +62,21 @@ def test_a_wrong_sign_is_named_without_the_value(evidence: MakeEvidence) -> None
 def test_each_call_has_its_own_value(evidence: MakeEvidence) -> None:
     assert expect_value(2, call=1).judge(evidence(returns=(1, 2))).score == 1
     assert "nothing came back" in expect_value(2, call=2).judge(evidence(returns=(1, 2))).message
+
+
+def test_a_call_that_raised_returned_nothing_that_a_check_expects() -> None:
+    scenario = Scenario("public", calls=(Call(0), Call(1)))
+    task = Task("week01.inverse", "1 / x", "function", "inverse", ("a", "b", "c"), (scenario,))
+    came = run_here(task, scenario, lambda x: {"x": 1 / x}, {})
+    for expected in (None, {}, RAISED, [], "", 0):
+        verdict = expect_value(expected).judge(came)
+        assert (verdict.score, verdict.message) == (0, "the value is missing: the call raised an exception")
+    assert expect_value({"x": 1}, call=1).judge(came).score == 1
+
+
+def test_an_object_is_not_a_dict(evidence: MakeEvidence) -> None:
+    verdict = expect_value({}).judge(evidence(returns=(plain(object()),)))
+    assert (verdict.score, verdict.message) == (0, "the value is a object, expected a dict")
 
 
 @pytest.mark.parametrize("text", ["The fixed frame!", "it is  the FIXED-FRAME, I think"])

@@ -14,7 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.grading import judge
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.ghost import seen
-from course_lib.grading.judge import BrokenCheckError, Run, judge_task
+from course_lib.grading.judge import Run, judge_task
 from course_lib.grading.plain import MAX_TEXT, is_plain
 from course_lib.grading.report_scene import figures
 from course_lib.grading.runner import Session
@@ -46,7 +46,7 @@ def test_the_judge_does_not_look_for_types_that_students_made_up(monkeypatch: py
     assert Evidence("a", "b", 1.0, samples).messages(TOPIC) == []
 
 
-def test_a_check_that_takes_too_long_is_a_fault_of_the_grader(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_check_that_takes_too_long_costs_that_check(monkeypatch: pytest.MonkeyPatch) -> None:
     def loop(_: Evidence) -> Any:
         while True:
             pass
@@ -54,8 +54,8 @@ def test_a_check_that_takes_too_long_is_a_fault_of_the_grader(monkeypatch: pytes
     monkeypatch.setattr(judge, "CHECK_SECONDS", 0.1)
     task = task_with(Check("endless", loop))
     run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0))
-    with pytest.raises(BrokenCheckError, match=r"more than 0\.1 s"):
-        judge_task(task, 10.0, False, [run])
+    result = judge_task(task, 10.0, False, [run])
+    assert result.checks[0].broken == "TimeoutError: it takes more than 0.1 s"
 
 
 @pytest.mark.parametrize("word", ["x" * 10**6, 7])
@@ -67,9 +67,11 @@ def test_a_policy_is_a_word(word: object) -> None:
 def test_what_is_recorded_beside_pictures_is_judged_in_seconds() -> None:
     room = Room()
     room.take("sensor_msgs/msg/Image", 10**8)
-    room.take("visualization_msgs/msg/Marker", room.others - 100)
-    with pytest.raises(RecordingLimitError):
-        room.take("visualization_msgs/msg/Marker", 0)  # costs more than it has bytes
+    room.take("visualization_msgs/msg/Marker", room.others)
+    with pytest.raises(RecordingLimitError, match="more bytes were published"):
+        room.take("visualization_msgs/msg/Marker", 1)
+    with pytest.raises(RecordingLimitError, match="more messages were published"):
+        Room(messages=0).take("visualization_msgs/msg/Marker", 0)
 
 
 def test_who_publishes_too_much_in_one_task_loses_no_other() -> None:
@@ -89,6 +91,54 @@ Flood, Right = talker(9_000_000), talker(10)
         flood, right = (session.run(task, task.scenarios[0]) for task in tasks)
     assert (flood.stopped, len(flood.samples)) == ("size", 0)
     assert (right.errors, len(right.samples)) == ((), 1)
+
+
+CAMERA = """
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+class Camera(Node):
+    def __init__(self, pictures=1):
+        super().__init__("camera")
+        publisher = self.create_publisher(Image, "/image", 1)
+        for _ in range(pictures):
+            publisher.publish(Image(height=480, width=640, step=1920, encoding="rgb8", data=bytes(921_600)))
+Left = lambda: Camera(290)
+"""
+
+
+def test_a_camera_left_in_one_task_costs_no_other() -> None:
+    tasks = [replace(task_with(), id=f"week01.{name.lower()}", name=name) for name in ("Left", "Camera")]
+    with closing(Session([CAMERA], {task.id: {} for task in tasks}, Limits())) as session:
+        left, camera = (session.run(task, task.scenarios[0]) for task in tasks)
+    assert (left.stopped, len(left.samples)) == ("", 290)
+    assert (camera.stopped, camera.errors, len(camera.samples)) == ("", (), 1)
+
+
+def test_a_task_that_took_its_time_leaves_the_others_theirs() -> None:
+    tasks = [replace(task_with(), id=f"week01.{n}", kind="value", name=n) for n in ("slow", "quick")]
+    with closing(Session(["slow = quick = 1"], {task.id: {} for task in tasks}, Limits())) as session:
+        session._shares.take("week01.slow", 1e9)
+        slow, quick = (session.run(task, task.scenarios[0]) for task in tasks)
+    assert (slow.stopped, slow.errors) == ("time", ("not run: the scenarios of slow took too long before",))
+    assert (quick.stopped, quick.returns) == ("", (1,))
+
+
+def test_six_thousand_messages_a_second_are_stopped_early_and_named() -> None:
+    cell = """
+from rclpy.node import Node
+from std_msgs.msg import Empty
+class Flood(Node):
+    def __init__(self):
+        super().__init__("flood")
+        publisher = self.create_publisher(Empty, "/said", 1)
+        self.create_timer(1 / 6000, lambda: publisher.publish(Empty()))
+"""
+    task = replace(task_with(), name="Flood")
+    with closing(Session([cell], {task.id: {}}, Limits())) as session:
+        came = session.run(task, task.scenarios[0])
+    assert came.stopped == "size"
+    assert "is the period of a timer too short" in came.errors[0]
+    assert 2000 < len(came.samples) <= Room.lasting(task.scenarios[0].seconds).messages
 
 
 def test_a_verdict_is_short_whatever_was_published() -> None:

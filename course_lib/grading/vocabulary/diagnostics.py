@@ -8,7 +8,7 @@ from course_lib.grading.vocabulary.values import compare
 from course_lib.grading.vocabulary.wording import Problem, heard, word
 from course_lib.robots.unknown_make import Make
 
-TOPIC = "/diagnostics"
+TOPIC, ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 SETTLED = 1.005  # [s] after its beginning a part of a run shows in what is reported every second
 FACTS = {  # about an unknown robot, and the tool that tells
@@ -23,15 +23,16 @@ FACTS = {  # about an unknown robot, and the tool that tells
 @word("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
     """Each status about a second between two times [s] has this level, and its message this word in it."""
-    arrays = [m for at, m in heard(evidence, TOPIC) if begin + SETTLED <= at <= end + SETTLED - 1]
-    statuses = [status for array in arrays for status in getattr(array, "status", ())]
+    came = heard(evidence, TOPIC, ARRAY)
+    arrays = [m for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
+    statuses = [status for array in arrays for status in array.status]
     when = f"from {begin:g} to {end:g} s"
     if not statuses:
         return [Problem(f"no status came {when}", "a status is missing")]
     for status in statuses:
-        came = LEVELS[min(status.level[0], len(LEVELS) - 1)]
-        if came != level:
-            return [Problem(f"the level is {came} {when}, expected {level}", "a level is wrong")]
+        reported = LEVELS[min(status.level[0], len(LEVELS) - 1)]
+        if reported != level:
+            return [Problem(f"the level is {reported} {when}, expected {level}", "a level is wrong")]
         if says not in status.message.lower():
             message = f"the message is {status.message!r} {when}: {says!r} is not in it"
             return [Problem(message, "a message of a status does not say what it should")]

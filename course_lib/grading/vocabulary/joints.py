@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, heard, listed, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, listed, number, word
 from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
@@ -41,9 +41,7 @@ def expect_joint_swing(
 
     Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still.
     """
-    states = [(s, m) for s, m in evidence.messages(topic) if type_name(m) == STATE]
-    if not states:
-        return [nothing_on(evidence, topic)]
+    states = heard(evidence, topic, STATE)
     found = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
     if not found:
         named = ", ".join(states[-1][1].name) or "no joint"

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.wording import Problem, close, heard, numbers, word
 
+PATH = "nav_msgs/msg/Path"
+
 
 @word("the last path on {topic}")
 def expect_path(
@@ -22,7 +24,7 @@ def expect_path(
 
     Ends of shape (2, 3) and tolerance in [m]; yaw of the last pose about z in [rad].
     """
-    _, path = heard(evidence, topic)[-1]
+    _, path = heard(evidence, topic, PATH)[-1]
     if path.header.frame_id != frame:
         message = f"the path on {topic} is in frame {path.header.frame_id!r}, expected {frame!r}"
         return [Problem(message, "the frame of a path is wrong")]

@@ -5,11 +5,10 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, number, word
 from course_lib.robots.trajectory import Waypoint
 from course_lib.ros import standin_path
 from course_lib.ros.clock import START_NS
-from course_lib.ros.messages import type_name
 
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
@@ -29,9 +28,7 @@ def expect_trajectory(
 
     from course_lib.robots.trajectory import waypoints_of
 
-    came = [(when, message) for when, message in evidence.messages(topic) if type_name(message) == TRAJECTORY]
-    if not came:
-        return [nothing_on(evidence, topic)]
+    came = heard(evidence, topic, TRAJECTORY)
     if len(came) <= index:
         message = f"{len(came)} trajectories came on {topic}, expected at least {index + 1}"
         return [Problem(message, "a trajectory is missing")]

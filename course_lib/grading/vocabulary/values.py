@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import plain
+from course_lib.grading.plain import RAISED, plain
 from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
@@ -28,6 +28,8 @@ def expect_value(
     """
     if call >= len(evidence.returns):
         return [Problem(f"{name} is missing: nothing came back", "a value is missing")]
+    if evidence.returns[call] == RAISED:
+        return [Problem(f"{name} is missing: the call raised an exception", "a value is missing")]
     return compare(evidence.returns[call], plain(expected), tolerance, unit, name)
 
 
@@ -54,6 +56,8 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
                 yield from compare(*pair, tolerance, unit, f"[{index}] of {name}")
         case list(), _:
             yield Problem(f"{came}, expected a list of {len(expected)}", WRONG_KIND)
+        case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
+            yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
         case dict(), dict():
             for key in expected:
                 if key in value:

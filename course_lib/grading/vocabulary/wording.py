@@ -9,6 +9,7 @@ from typing import Any, Concatenate, ParamSpec
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, passed
 from course_lib.grading.task import resolve
+from course_lib.ros.messages import type_name
 
 MOST_SHOWN = 3  # problems in one message
 LONGEST = 1000  # characters of it: it may name what a student's code made up
@@ -88,11 +89,27 @@ def off_by(value: float, expected: float, more: str, less: str, unit: str = "m")
     return f"{number(abs(value - expected), unit)} {more if value > expected else less}"
 
 
-def heard(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
-    """([s] since the start, message) of a topic; raises the problem if there is none."""
-    if not evidence.messages(topic):
+def heard(evidence: Evidence, topic: str, *types: str) -> list[tuple[float, Any]]:
+    """Return ([s] since the start, message) of all messages on a topic.
+
+    Args:
+        evidence: What was published.
+        topic: Its full name.
+        types: Only messages of these types, "nav_msgs/msg/Path"; any message if none is given.
+
+    Raises:
+        Problem: There is no such message; it names the type that came instead.
+    """
+    came = evidence.messages(topic)
+    found = [(at, message) for at, message in came if type_name(message) in types] if types else came
+    if found:
+        return found
+    if topic not in evidence.topics:
         raise nothing_on(evidence, topic)
-    return evidence.messages(topic)
+    carried, expected = evidence.topics[topic], " or ".join(types) or "a message"
+    if carried in types or not types:
+        raise Problem(f"{topic} carries bytes that are not {expected}", "a message cannot be read")
+    raise Problem(f"{topic} carries {carried}, expected {expected}", "a topic has the wrong message type")
 
 
 def nothing_on(evidence: Evidence, topic: str) -> Problem:
