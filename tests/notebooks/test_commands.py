@@ -25,7 +25,7 @@ from course_lib.tools.run import run_beside
 from course_lib.tools.sources import DISCOVERY, GraphSource
 from tests.notebooks.commands import Shown, commands_of
 
-PROGRAMS = Path(__file__).parents[1] / "programs"
+HERE = Path(__file__).parent
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 DOCUMENTS = [checkout_root() / "README.md", *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
 SECONDS = 4.0  # [s] of robot time beside a ros2 command
@@ -81,8 +81,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for solution in solutions_dir().glob("week*_solution.ipynb"):
         shutil.copy(solution, folder / solution.name.replace("solution", "exercise"))
     for name in ("my_node.py", "file.py"):
-        shutil.copy(PROGRAMS / "every_topic.py", folder / name)
-    shutil.copy(PROGRAMS / "robot.launch.py", folder)
+        shutil.copy(HERE / "every_topic.py", folder / name)
+    shutil.copy(HERE / "robot.launch.py", folder)
     shutil.copy(folder / "week07_dashboard.ipynb", folder / "my_lesson.ipynb")
     for name in ("layout", "patrol", "dashboard"):
         (folder / f"{name}.rviz").write_text(LAYOUT)

@@ -1,3 +1,5 @@
+"""A launch file with an argument."""
+
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo
 from launch.substitutions import LaunchConfiguration
