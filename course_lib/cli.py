@@ -215,7 +215,9 @@ def export(
     file: Annotated[Path | None, typer.Argument(help="A notebook, or a Python file.")] = None,
     package: Annotated[str, typer.Option(help="The package's name.")] = "",
     out: Annotated[Path | None, typer.Option(help="The folder that the package's folder goes into.")] = None,
-    node: Annotated[list[str] | None, typer.Option(help="A class; default: all nodes.")] = None,
+    node: Annotated[
+        list[str] | None, typer.Option(help="A class to start; default: all nodes that can be.")
+    ] = None,
     extra: Annotated[
         list[Path] | None, typer.Option("--with", help="A .rviz, .yaml, .urdf or launch file to go along.")
     ] = None,
@@ -232,9 +234,7 @@ def export(
         raise typer.Exit(0 if report.complete else NOT_PASSED)
     if file is None or out is None or not package:
         raise CourseError("write: course export FILE --package NAME --out DIR, or: course export --check DIR")
-    paths = write(file, package, out, nodes=node or (), extra=extra or (), force=force)
-    launch = next(path for path in paths if path.parent.name == "launch")
-    typer.echo(f"Wrote {len(paths)} files into {out / package}. Start it: course run {launch}")
+    typer.echo(write(file, package, out, nodes=node or (), extra=extra or (), force=force))
 
 
 def main() -> None:

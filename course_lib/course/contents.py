@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from course_lib.course.checked import Packed, last_check, last_packed
 from course_lib.course.course_file import Week as Settings
 from course_lib.course.course_file import shipped_course_file
 from course_lib.course.exercise_file import read_notebook, source
 from course_lib.course.files import exercises_dir, lessons_dir
+from course_lib.course.folder import content_hash
 from course_lib.course.state import State
 from course_lib.course.whole_file import write_whole
 
@@ -66,6 +68,8 @@ class Progress:
     open: tuple[str, ...]
     points: float  # by the public checks; hidden ones come on top when graded
     packed: datetime | None  # when `course submit` last made a file of it
+    file: Packed | None = None  # what it holds, if that is known
+    changed: bool = False  # whether the notebook has changed since it was packed
 
     @property
     def tasks(self) -> str:
@@ -75,17 +79,31 @@ class Progress:
 
 
 def progress(week: Week, state: State) -> Progress:
-    """What the student's folder remembers of a week."""
+    """Return what the student's folder remembers of a week."""
     kept, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
     none = {"score": 0.0, "of": 1.0}
     results = {task: kept.get(f"{week.name}.{task}", none) for task in week.settings.points}
-    done = tuple(task for task, result in results.items() if result["score"] >= result["of"])
+    done = tuple(t for t, result in results.items() if _is_done(state, f"{week.name}.{t}", result))
+    file = last_packed(state, f"{week.name}_exercise") if packed else None
     return Progress(
         done=done,
         open=tuple(task for task in results if task not in done),
         points=sum(result["score"] for result in results.values()),
         packed=datetime.fromisoformat(packed) if packed else None,
+        file=file,
+        changed=file is not None and _has_changed(file),
     )
+
+
+def _is_done(state: State, task: str, result: Mapping[str, float]) -> bool:
+    """Whether a task has its points; one that a person marks: whether it passed its checks."""
+    last = last_check(state, task)
+    return result["score"] >= result["of"] or (last is not None and last.passed)
+
+
+def _has_changed(file: Packed) -> bool:
+    source = Path(file.source)
+    return source.is_file() and content_hash(source) != file.notebook
 
 
 def contents_page(state: State) -> str:

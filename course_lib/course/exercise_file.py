@@ -5,9 +5,27 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.whole_file import write_whole
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 
 Notebook = dict[str, Any]
+
+
+def find_notebook(path: Path) -> Path:
+    """Return a notebook's path, which may have been typed without .ipynb.
+
+    Raises:
+        CourseError: There is no such file, but one of nearly the same name.
+    """
+    with_suffix = path.with_name(f"{path.name}.ipynb") if path.name else path
+    if with_suffix.is_file() and not path.is_file():
+        return with_suffix
+    if not path.exists():
+        folder = path.parent
+        near = [str(one) for one in (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))]
+        begun = [one for one in near if Path(one).name.startswith(f"{path.name}_exercise.")]
+        if meant := did_you_mean(begun[0] if begun else str(path), near):
+            raise CourseError(f"there is no {path}{meant}")
+    return path
 
 
 def read_notebook(path: Path) -> Notebook:

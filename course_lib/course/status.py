@@ -10,14 +10,14 @@ from course_lib.course.contents import Progress, Week, load_weeks, progress
 from course_lib.course.course_file import shipped_course_file
 from course_lib.course.folder import DEFAULT_FOLDER
 from course_lib.course.state import State, find_student_folder
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 
 HEADINGS = ("week", "public checks", "points", "packed", "hand in by")
 HOURS_SHOWN = 72  # a deadline nearer than this is told in hours
 
 
 def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Table, str]:
-    """A line per week, and a sentence that says what to do next.
+    """Return a line per week, then what the packed files hold and what to do next.
 
     Args:
         folder: The student's folder; default: the one around the working directory, else ./my_course.
@@ -35,7 +35,8 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     rows = [(week, progress(week, state)) for week in load_weeks()]
     for week, so_far in rows:
         table.add_row(*_cells(week, so_far, now, zone))
-    return table, _next(rows)
+    packed = [_packed(week, so_far) for week, so_far in rows if so_far.packed]
+    return table, "\n".join([*packed, _next(rows)])
 
 
 def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
@@ -61,12 +62,29 @@ def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
     return f"{deadline:%d %b %H:%M}, {told}"
 
 
+def _packed(week: Week, so_far: Progress) -> str:
+    """Return what the file that was packed last holds, and whether it still is what the notebook is."""
+    file = so_far.file
+    if file is None:
+        return f"{week.exercise}: packed by an older version, which did not note what the file holds."
+    path, source = Path(file.file), Path(file.source).name
+    outcomes = "; ".join(f"{outcome}: {', '.join(names)}" for outcome, names in file.by_outcome.items())
+    said = [f"{path.name} holds {counted(len(file.tasks), 'task')} of {source}, when packed {outcomes}."]
+    if not path.is_file():
+        said.append(f"It is no longer at {path}.")
+    if so_far.changed:
+        said.append(f"{source} has changed since: course submit {source}")
+    return " ".join(said)
+
+
 def _next(rows: list[tuple[Week, Progress]]) -> str:
     """The first thing that is not done."""
     for week, so_far in rows:
         if so_far.open:
             begun = "go on with" if so_far.done else "begin with"
             return f"Next: {begun} {so_far.open[0]} in {week.exercise}; the lesson is {week.lesson}."
+        if week.exercise and so_far.changed:
+            return f"Next: hand in {week.name} again, it has changed: course submit {week.exercise}"
         if week.exercise and so_far.packed is None:
             return f"Next: hand in {week.name}: course submit {week.exercise}"
     return "All exercises are done and packed."

@@ -38,13 +38,13 @@ def read_cells(file: Path) -> list[Cell]:
     except (ValueError, KeyError, TypeError) as error:
         raise CourseError(f"{file} is no notebook of format 4. Save it again in JupyterLab.") from error
     return [
-        Cell(number, _python(source), bool(_MARK.match(source)) or "export" in meta.get("tags", ()))
+        Cell(number, without_magics(source), bool(_MARK.match(source)) or "export" in meta.get("tags", ()))
         for number, source, meta in sources
     ]
 
 
-def _python(source: str) -> str:
-    """Give a cell without magics; IPython knows what they are."""
+def without_magics(source: str) -> str:
+    """Return a cell as Python, its magics as calls and without its mark for export."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     manager = TransformerManager()  # type: ignore[no-untyped-call]  # IPython annotates little

@@ -7,8 +7,8 @@ import sys
 import tokenize
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 
-from course_lib.errors import CourseError
 from course_lib.export.statements import Statement
 
 _MAIN = '''def main(args=None):
@@ -27,13 +27,21 @@ MAX_LINE = 100  # characters, as ament_flake8 has it
 _MAIN_IMPORTS = ("import rclpy", "from rclpy.executors import ExternalShutdownException")
 
 
+class Main(Enum):
+    """Where a module's function `main` comes from."""
+
+    OWN = "the exported code"
+    MADE = "the template"
+    NONE = "nowhere: the module is not an executable"
+
+
 @dataclass(frozen=True)
 class NodeModule:
     """A class that becomes a module of the same name in small letters."""
 
     node: ast.ClassDef
     parts: Sequence[Statement]
-    has_main: bool
+    main: Main
 
     @property
     def class_name(self) -> str:
@@ -63,7 +71,7 @@ class NodeModule:
         """Write the module."""
         imports = {part.text for part in self.parts if part.is_import}
         body = [(part.node, part.text) for part in self.parts if not part.is_import]
-        if not self.has_main:
+        if self.main is Main.MADE:
             imports |= set(_MAIN_IMPORTS)
             main = _MAIN.format(name=self.class_name)
             body.append((ast.parse(main).body[0], main))
@@ -73,21 +81,7 @@ class NodeModule:
             is_block = isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
             text += ("\n\n" if is_block or was_block else "") + _tidy(part) + "\n"
             was_block = is_block
-        return text + "\n\nif __name__ == '__main__':\n    main()\n"
-
-
-def check_constructor(node: ast.ClassDef) -> None:
-    """Raise a CourseError if a class cannot be made without arguments, as main does."""
-    for item in node.body:
-        if isinstance(item, ast.FunctionDef) and item.name == "__init__":
-            positional = [*item.args.posonlyargs, *item.args.args][1:]
-            free = positional[: len(positional) - len(item.args.defaults)]
-            free += [a for a, d in zip(item.args.kwonlyargs, item.args.kw_defaults, strict=True) if d is None]
-            if free:
-                raise CourseError(
-                    f"{node.name}() needs {', '.join(one.arg for one in free)}, which nobody gives when the "
-                    "package starts it. Give defaults, or make them parameters: self.declare_parameter(…)."
-                )
+        return text if self.main is Main.NONE else text + "\n\nif __name__ == '__main__':\n    main()\n"
 
 
 def _sorted(imports: set[str]) -> str:

@@ -1,9 +1,11 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from typing import Any
 
+from course_lib.course.checked import keep_check
 from course_lib.course.identity import current_identity
 from course_lib.course.page import in_notebook, show
 from course_lib.course.state import student_state
@@ -46,7 +48,7 @@ def check(task_id: str, subject: Any) -> None:
     personal = personal_values(task, student)
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
     result = judge_task(task, *catalog.points(task), runs)
-    table = table_of(task, result, student)
+    table = table_of(task, result, student, _cells_of_this_kernel())
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         _show_ghost(task, runs[0].evidence)
@@ -60,10 +62,26 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
     _bind = bind
 
 
-def table_of(task: Task, result: TaskResult, student: str | None) -> Table:
-    """The result as a table, with the next hint if a check failed; progress and hints shown are kept."""
+def _cells_of_this_kernel() -> list[str]:
+    """Return the sources of the cells that were run in this kernel; none outside of one."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    history = getattr(shell, "history_manager", None)
+    return [] if history is None else list(history.input_hist_raw)
+
+
+def table_of(task: Task, result: TaskResult, student: str | None, cells: Sequence[str] = ()) -> Table:
+    """Return the result as a table, with the next hint if a check failed; keep progress and hints shown.
+
+    Args:
+        task: The task.
+        result: What the checks say.
+        student: Who asks.
+        cells: The sources that were run, by which later changes are noticed.
+    """
     state, notes = student_state(), []
     state.put("progress", task.id, {"score": result.score, "of": result.points})
+    keep_check(state, task.id, passed=result.passed and not result.untouched, cells=cells)
     if result.untouched:
         notes.append(FILL_IN)
     elif task.scenarios and not result.passed:

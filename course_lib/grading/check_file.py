@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from course_lib.course.exercise_file import find_notebook
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import shipped_catalog
@@ -18,6 +19,7 @@ def check_file(path: Path) -> bool:
     Raises:
         CourseError: It can't be read, or is no exercise of the course.
     """
+    path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
     tasks = catalog.of_week((notebook.exercise or "").split("_")[0])
     if not tasks:
@@ -27,7 +29,8 @@ def check_file(path: Path) -> bool:
     run = run_exercise(
         notebook.cells, tasks, catalog, student, hidden=False, files=working_files(path, notebook.cells)
     )
-    said = [*run.cell_errors, *(table_of(*pair, student) for pair in zip(tasks, run.results, strict=True))]
+    pairs = zip(tasks, run.results, strict=True)
+    said = [*run.cell_errors, *(table_of(*pair, student, notebook.cells) for pair in pairs)]
     if own and student != own:
         said.append(
             f"{path.name} names the student {student}, you are {own}. set_identity('{own}') stamps it."

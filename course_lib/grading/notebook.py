@@ -14,11 +14,15 @@ LOOKS_LIKE = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "
 
 @dataclass(frozen=True)
 class Notebook:
-    """What grading needs of a notebook: its code cells, the exercise that it is, the ID that it claims."""
+    """What grading needs of a notebook: its code cells, the exercise that it is, the ID that it claims.
+
+    `ran` has for each code cell whether the file says that it was run.
+    """
 
     cells: tuple[str, ...]
     exercise: str | None = None
     student: str | None = None
+    ran: tuple[bool, ...] = ()
 
 
 def parse_notebook(data: bytes, name: str) -> Notebook:
@@ -44,9 +48,12 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         raise CourseError(
             f"{name} is no notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
         )
-    code = tuple(_source(cell) for cell in cells if cell.get("cell_type") == "code")
+    code_cells = [cell for cell in cells if cell.get("cell_type") == "code"]
+    code = tuple(_source(cell) for cell in code_cells)
+    ran = tuple(bool(cell.get("execution_count", cell.get("prompt_number"))) for cell in code_cells)
     claims = _dict(_dict(content.get("metadata")).get("course"))
-    return Notebook(code, exercise_named(claims.get("exercise")) or exercise_named(name), claimed_id(claims))
+    exercise = exercise_named(claims.get("exercise")) or exercise_named(name)
+    return Notebook(code, exercise, claimed_id(claims), ran)
 
 
 def exercise_named(text: Any) -> str | None:

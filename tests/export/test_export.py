@@ -1,4 +1,5 @@
 import ast
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -160,3 +161,49 @@ def test_files_that_go_along_take_the_place_of_those_made_up(tmp_path: Path) -> 
     export(file, "my_package", tmp_path, extra=[tmp_path / "mine.rviz"])
     assert [path.name for path in (tmp_path / "my_package" / "rviz").iterdir()] == ["mine.rviz"]
     assert "'mine.rviz'" in (tmp_path / "my_package" / "launch" / "my_package.launch.py").read_text()
+
+
+BASE = "class Base(Node):\n    def __init__(self, name):\n        super().__init__(name)\n"
+HEIR = "class Heir(Base):\n    def __init__(self):\n        super().__init__('heir')\n"
+
+
+@pytest.mark.parametrize(
+    ("cells", "executables", "note"),
+    [
+        ((BASE, HEIR), {"heir"}, r"Base is .*base of Heir\. Its code is in heir\.py\."),
+        ((TALKER, TALKER.replace("Talker(Node)", "Loud(Talker)")), {"loud"}, "Talker is .*base of Loud"),
+        ((TALKER, BASE), {"talker"}, r"Base is .*needs name\. Its code is in base\.py\."),
+        (
+            (TALKER + "        Base('b')", BASE),
+            {"talker"},
+            r"Base is .*needs name\. Its code is in talker\.py",
+        ),
+        ((BASE, HEIR, "class Third(Base):\n    pass"), {"heir"}, "Third is .*needs name"),
+        (
+            (TALKER, "class Shape(Node):\n    @abstractmethod\n    def draw(self): ...", "from abc import *"),
+            {"talker"},
+            "Shape is .*leaves draw abstract",
+        ),
+    ],
+)
+def test_a_class_that_nobody_can_start_is_exported_as_code(
+    tmp_path: Path, cells: tuple[str, ...], executables: set[str], note: str
+) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", [NODE, *cells])
+    written = export(file, "my_package", tmp_path)
+    assert set(executables_of(tmp_path / "my_package" / "setup.py")) == executables
+    assert any(re.match(note, line) for line in written.notes), written.notes
+    assert lacks(tmp_path / "my_package").missing == ()
+    tests = {path.name for path in (tmp_path / "my_package" / "test").glob("test_*.py")}
+    assert {f"test_{name}.py" for name in executables} == tests - {
+        "test_copyright.py", "test_flake8.py", "test_pep257.py"
+    }  # fmt: skip
+
+
+def test_a_base_class_that_is_named_becomes_an_executable(tmp_path: Path) -> None:
+    file = write_notebook(
+        tmp_path / "n.ipynb", [NODE, TALKER, TALKER.replace("Talker(Node)", "Loud(Talker)")]
+    )
+    written = export(file, "my_package", tmp_path, nodes=["Talker", "Loud"])
+    assert set(executables_of(tmp_path / "my_package" / "setup.py")) == {"talker", "loud"}
+    assert written.notes == ()

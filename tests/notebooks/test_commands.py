@@ -1,0 +1,188 @@
+"""Every command that a lesson, an exercise or the README shows can be typed.
+
+Those in text are typed here. Those in code cells are run with their notebooks, by nbmake.
+"""
+
+import json
+import re
+import shlex
+import shutil
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib import cli
+from course_lib.course.files import checkout_root, exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.folder import prepare
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.tools.pipes import run_piped
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.rqt.rqt import rqt
+from course_lib.tools.run import run_beside
+from course_lib.tools.sources import DISCOVERY, GraphSource
+from tests.notebooks.commands import Shown, commands_of
+
+HERE = Path(__file__).parent
+EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
+DOCUMENTS = [checkout_root() / "README.md", *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
+SECONDS = 4.0  # [s] of robot time beside a ros2 command
+
+NOT_RUN = {  # command -> why
+    "%": "names the character",
+    "%ros2": "names the magic",
+    "%ros2 …": "names the magic",
+    "%rqt": "names the magic",
+    "%rqt …": "names the magic",
+    "course lab": "serves until it is stopped: tests/course/test_lab.py",
+    "ros2 run my_markers first_marker": "a package that the student writes on the robot",
+}
+NAMED = {  # commands of which a sentence gives the name only: their help is shown
+    "course submit",
+    "course view",
+    "ros2 param",
+    "ros2 param get",
+    "ros2 param set",
+    "ros2 pkg create",
+    "ros2 run",
+    "ros2 topic delay",
+    "ros2 topic echo",
+    "ros2 topic hz",
+}
+FILLED = {  # command with something to fill in -> the same, filled in
+    "%ros2 bag record -o folder --topics ...": "%ros2 bag record -o folder --topics /scan",
+    "%ros2 launch file.launch.py": "%ros2 launch robot.launch.py",
+    "%ros2 launch ros2_ws/src/my_dashboard/launch/my_dashboard.launch.py": "%ros2 launch robot.launch.py",
+    "%ros2 param set /node name value": "%ros2 param set /world rate 2.0",
+    "%rqt --perspective-file": "%rqt --perspective-file inspection.perspective",
+    "%rqt bag": "%rqt bag inspection",
+    "%rqt save": "%rqt save inspection.perspective",
+    'course mark graded ada week01_exercise TASK 8 --comment "…"': (
+        'course mark graded ada week01_exercise week01.red_cube 8 --comment "…"'
+    ),
+    "ros2 topic echo --once": "ros2 topic echo --once /scan",
+}
+RECORD = "course run my_node.py --seconds 5 --bag"
+FIRST = {  # what a document presupposes
+    "week05_configurations.ipynb": [f"{RECORD} my_bag"],
+    "week06_tooling.ipynb": [f"{RECORD} inspection", "%rqt save inspection.perspective"],
+    "week07_dashboard.ipynb": [f"{RECORD} dashboard_bag"],
+}
+LAYOUT = "Panels: []\nVisualization Manager:\n  Displays: []\n  Global Options:\n    Fixed Frame: world\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A student's folder, with the files that the commands take, and an instructor's downloads."""
+    folder = tmp_path / "my_course"
+    prepare(folder)
+    for solution in solutions_dir().glob("week*_solution.ipynb"):
+        shutil.copy(solution, folder / solution.name.replace("solution", "exercise"))
+    for name in ("my_node.py", "file.py"):
+        shutil.copy(HERE / "every_topic.py", folder / name)
+    shutil.copy(HERE / "robot.launch.py", folder)
+    shutil.copy(folder / "week07_dashboard.ipynb", folder / "my_lesson.ipynb")
+    for name in ("layout", "patrol", "dashboard"):
+        (folder / f"{name}.rviz").write_text(LAYOUT)
+    (folder / "robot_params.yaml").write_text("/**:\n  ros__parameters:\n    world_frame: world\n")
+    (folder / "ur10.urdf").write_text('<robot name="ur10"><link name="base_link"/></robot>')
+    with zipfile.ZipFile(folder / "moodle.zip", "w") as archive:
+        handed_in = (folder / "week01_exercise.ipynb").read_bytes()
+        archive.writestr("Ada_101_assignsubmission_file_/week01_exercise.ipynb", handed_in)
+    (folder / "moodle.csv").write_text("Identifier,Full name,ID number,Grade\nParticipant 101,Ada,ada,\n")
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "ros2_ws/src")  # where week 7 says cd ~/ros2_ws
+    return folder
+
+
+@pytest.fixture
+def type_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Type a command, in this process; a page that would be served is only made."""
+    monkeypatch.setattr("course_lib.displays.view.webbrowser.open", lambda _: True)
+    monkeypatch.setattr("course_lib.displays.view._serve", _serve_nothing)
+
+    def type_in(text: str) -> None:
+        if text.startswith("course "):
+            _run_course(text, monkeypatch)
+        elif text.startswith("%rqt"):
+            _run_rqt(text)
+        else:
+            _run_ros2(re.sub(r"^%?(timeout \S+ )?", "", text))
+
+    return type_in
+
+
+async def _serve_nothing(*_: object) -> None:
+    return
+
+
+def _run_course(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", shlex.split(text))
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert left.value.code == 0, text
+
+
+def _run_ros2(text: str) -> None:
+    def tool(graph: Graph) -> None:
+        source = GraphSource(graph, discovery=DISCOVERY)
+        run_piped(
+            text.removeprefix("ros2 "), lambda words, write: ros2(words, source, write), sys.stdout.write
+        )
+
+    assert run_beside([Path("my_node.py")], tool, seconds=SECONDS) == 0, text
+
+
+def _run_rqt(text: str) -> None:
+    with use_graph(Graph(notebook=True)):
+        rqt(text.split()[1:])
+
+
+def ready(shown: Shown) -> str | None:
+    """Return what to type for a command, or None where it is not run."""
+    if shown.text in NOT_RUN:
+        return None
+    return f"{shown.text} --help" if shown.text in NAMED else FILLED.get(shown.text, shown.text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
+def test_every_command_that_a_text_shows_runs(document: Path, type_in: Callable[[str], None]) -> None:
+    for text in FIRST.get(document.name, ()):
+        type_in(text)
+    for shown in commands_of(document):
+        typed = None if shown.in_cell else ready(shown)
+        if typed is not None:
+            type_in(typed)
+
+
+def test_no_entry_of_the_tables_is_out_of_use() -> None:
+    shown = {one.text for document in DOCUMENTS for one in commands_of(document)}
+    assert {*NOT_RUN, *NAMED, *FILLED} <= shown
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda path: path.stem)
+def test_the_cells_of_an_exercise_hold_no_command_that_its_solution_does_not_run(exercise: Path) -> None:
+    solution = solutions_dir() / exercise.name.replace("exercise", "solution")
+    in_cells = [{one.text for one in commands_of(path) if one.in_cell} for path in (exercise, solution)]
+    assert in_cells[0] <= in_cells[1]
+
+
+def test_commands_are_found_in_fences_in_sentences_and_in_cells(tmp_path: Path) -> None:
+    text = (
+        "Type `course check a.ipynb`, not `check`.\n```\npip install x && course lab  # now\n"
+        'ros2 topic pub --once /a std_msgs/msg/String "{data:\n b}"\n```\n```python\ncourse = 1\n```\n'
+    )
+    (tmp_path / "a.md").write_text(text)
+    assert [one.text for one in commands_of(tmp_path / "a.md")] == [
+        "course lab",
+        'ros2 topic pub --once /a std_msgs/msg/String "{data: b}"',
+        "course check a.ipynb",
+    ]
+    cells = [{"cell_type": "code", "source": "if True:\n    %timeout 2 ros2 topic hz /a\n!ls\nx = 5 %2"}]
+    (tmp_path / "a.ipynb").write_text(json.dumps({"nbformat": 4, "cells": cells}))
+    assert [one.text for one in commands_of(tmp_path / "a.ipynb")] == ["%timeout 2 ros2 topic hz /a", "!ls"]
