@@ -14,6 +14,7 @@ from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.seeding import seeded
 
 MAX_ERRORS = 20
+NOTHING_RETURNED = {"object": "nothing, because the call did not end"}  # unlike None, equal to no answer
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def _actions(part: Part, subject: Any, outcome: Outcome) -> list[Callable[[], No
         return [lambda: outcome.returns.append(plain(subject))]
 
     def call(args: Sequence[Any], kwargs: dict[str, Any]) -> None:
-        outcome.returns.append(None)  # so that a call that raises keeps its place
+        outcome.returns.append(NOTHING_RETURNED)  # so that a call that raises keeps its place
         outcome.returns[-1] = plain(_callable(subject, "a function")(*args, **kwargs))
 
     return [lambda a=args, k=kwargs: call(a, k) for args, kwargs in part.calls]  # type: ignore[misc]

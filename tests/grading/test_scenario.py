@@ -9,8 +9,10 @@ from std_msgs.msg import Float64
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.perform import NOTHING_RETURNED
 from course_lib.grading.scenario import run_here
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
+from course_lib.grading.vocabulary import expect_value
 
 # How a runaway thread is ended; nothing else raises in threads here.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
@@ -95,9 +97,18 @@ def test_a_main_or_a_factory_is_as_good_as_a_class(subject: Callable[..., Any]) 
 
 def test_every_call_keeps_its_place_and_errors_are_sentences() -> None:
     evidence = run(lambda x: 1 / x, "function", calls=(Call(2.0), Call(0.0), Call(4.0)))
-    assert evidence.returns == (0.5, None, 0.25)
+    assert evidence.returns == (0.5, NOTHING_RETURNED, 0.25)
     assert evidence.errors[0].startswith("ZeroDivisionError: float division by zero")
     assert "test_scenario.py, line" in evidence.errors[0]
+
+
+def test_a_call_that_raises_equals_no_answer_not_even_none() -> None:
+    evidence = run(lambda x: 1 / x, "function", calls=(Call(0.0),))
+    answers: tuple[Any, ...] = (None, {}, [], "")
+    for expected in answers:
+        verdict = expect_value(expected, name="the part").judge(evidence)
+        assert verdict.score == 0
+        assert verdict.message.startswith("the part is nothing, because the call did not end")
 
 
 def test_values_texts_and_files_are_handed_in(tmp_path: Any) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import fits, no_markers, shown, type_of
+from course_lib.grading.vocabulary.marker_state import INVISIBLE, fits, no_markers, shown, type_of, unseen
 from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
 
@@ -43,7 +43,7 @@ def expect_marker(
     lifetime: float | None = None,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """At the end the topic (Marker or MarkerArray) shows a marker with these properties.
+    """At the end the topic (Marker or MarkerArray) shows a marker with these properties, and it can be seen.
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale, points
     (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; lifetime in [s]; color RGB or
@@ -72,17 +72,21 @@ def expect_marker_count(
     *,
     type: str | None = None,  # noqa: A002 - the field's name in ROS
 ) -> Iterable[Problem]:
-    """At the end the topic shows exactly so many markers (of one type)."""
+    """At the end the topic shows exactly so many markers (of one type) that can be seen."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
-    there = sum(fits(marker, type, None, None) for marker in shown(evidence, topic))
+    reasons = [unseen(marker) for marker in shown(evidence, topic) if fits(marker, type, None, None)]
+    there, hidden = reasons.count(""), sorted(filter(None, reasons))
     of_type = f" of type {type}" if type else ""
     message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} at the end, expected {count}"
-    return [] if there == count else [Problem(message, "the count is wrong")]
+    why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
+    return [] if there == count else [Problem(message + why, "the count is wrong")]
 
 
 def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
     noun = f"the {type_of(marker).lower().replace('_', ' ')}"
+    if why := unseen(marker):
+        yield Problem(f"{noun} is invisible: {why}", INVISIBLE)
     for name, expected in wanted.items():
         if expected is not None:
             mistake, find = PROPERTIES[name]

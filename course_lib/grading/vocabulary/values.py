@@ -54,6 +54,8 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
                 yield from compare(*pair, tolerance, unit, f"[{index}] of {name}")
         case list(), _:
             yield Problem(f"{came}, expected a list of {len(expected)}", WRONG_KIND)
+        case dict(), {"object": str()} if "object" not in expected:  # see `plain`
+            yield Problem(f"{came}, expected a dict", WRONG_KIND)
         case dict(), dict():
             for key in expected:
                 if key in value:
@@ -86,5 +88,6 @@ def _words(text: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    is_object = isinstance(value, dict) and list(value) == ["object"]
+    text = str(value["object"]) if is_object else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
