@@ -221,3 +221,26 @@ def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: Make
     verdict = check.judge(evidence((1, TOPIC, cube())))
     assert verdict.message == "the cube's lifetime is 0.00 s, expected 1.00 s"
     assert verdict.mistake == "the lifetime of a marker is wrong"
+
+
+CORNERS = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
+
+
+@pytest.mark.parametrize(
+    ("order", "message"),
+    [
+        ((0, 1, 2, 3, 0), "as expected"),
+        ((2, 3, 0, 1, 2), "as expected"),
+        ((3, 2, 1, 0, 3), "as expected"),
+        ((0, 2, 1, 3, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 2, 1, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 2, 3), "the line strip does not come back to its first point"),
+    ],
+)
+def test_a_loop_starts_anywhere_and_goes_either_way_round(
+    evidence: MakeEvidence, cube: MakeCube, order: tuple[int, ...], message: str
+) -> None:
+    points = [Point(**dict(zip("xyz", CORNERS[index], strict=True))) for index in order]
+    came = evidence((1, TOPIC, cube(type=Marker.LINE_STRIP, points=points)))
+    assert expect_marker(TOPIC, loop=CORNERS).judge(came).message == message

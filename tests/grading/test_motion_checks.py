@@ -48,7 +48,11 @@ def test_the_asked_circle_passes(going_round: MakeRound) -> None:
         ({"height": 0.5}, "the marker is 0.50 m too low", "the path is at the wrong height"),
         ({"period": -10.0}, "the marker goes clockwise (from above)", "the direction of turning is wrong"),
         ({"period": 5.0}, "one turn takes 5.00 s, expected 10.00 s: 5.00 s too fast", "the time of one turn"),
-        ({"period": 0.23}, "the marker jumps by 157° from one message to the next: were degrees", "a marker"),
+        (
+            {"period": 0.23},
+            "the marker jumps by 157° from one message to the next: were degrees",
+            "a path jumps",
+        ),
         ({"period": 1e9}, "the marker stands still", "a marker does not move as expected"),
         ({"radius": math.nan}, "not at a place", "the path leaves the circle"),
     ],

@@ -107,7 +107,7 @@ def turning(
         return [Problem(f"{noun} stands still, expected it to go round", NOT_MOVING)]
     if (jump := max(map(abs, steps))) > LARGEST_STEP:
         message = f"{noun} jumps by {math.degrees(jump):.0f}° from one message to the next"
-        return [Problem(f"{message}: were degrees taken for radians?", NOT_MOVING)]
+        return [Problem(f"{message}: were degrees taken for radians?", "a path jumps instead of turning")]
     if counter_clockwise is not None and (turned > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
         message = f"{noun} goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"
