@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,9 @@ from course_lib.ros.graph import Sample
 
 if TYPE_CHECKING:
     from course_lib.recording import Recording
+
+
+FORMAL_SHARE = 0.1  # of the weight of a scenario's checks
 
 
 @dataclass(frozen=True)
@@ -136,3 +139,15 @@ class Check:
         A rate, a stamp or a frame is worth nothing as long as the published shape is wrong.
         """
         return replace(self, requires=(*self.requires, *checks))
+
+
+def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
+    """Return the checks of content, followed by the formal ones: rate, stamps, frame.
+
+    Args:
+        content: The first of them is the shape without which nothing formal scores.
+        formal: Get a tenth of the whole weight together, whatever they weigh each.
+    """
+    whole = sum(check.weight for check in content)
+    each = whole * FORMAL_SHARE / (1 - FORMAL_SHARE) / max(len(formal), 1)
+    return (*content, *(check.requiring(content[0]).worth(each) for check in formal))

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from course_lib.grading.evidence import Check, with_formal
 from course_lib.grading.task import Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
     expect_circle,
@@ -11,6 +12,7 @@ from course_lib.grading.vocabulary import (
     expect_message,
     expect_rate,
     expect_stamps,
+    expect_throughout,
 )
 
 TOPIC = "/visualization_marker"
@@ -37,6 +39,17 @@ def ghost(kind: int, position: Any, scale: Any, color: Any, number: int = 0) -> 
     return Message(TOPIC, "visualization_msgs/msg/Marker", fields)
 
 
+def steady(*content: Check, hz: float) -> tuple[Check, ...]:
+    """What counts is published all the time; the rate [Hz], the stamps and the frame are formal."""
+    always = expect_throughout(TOPIC).titled("published from beginning to end").worth(0)
+    formal = (
+        expect_marker(TOPIC, frame="map").titled("in the frame map"),
+        expect_rate(TOPIC, hz).titled(f"{hz:g} times a second" if hz > 1 else "once a second"),
+        expect_stamps(TOPIC).titled("stamped with the time of publishing"),
+    )
+    return (always, *with_formal([check.requiring(always) for check in content], *formal))
+
+
 RED_CUBE = Task(
     "week01.red_cube",
     title="A red cube on the ground",
@@ -51,15 +64,13 @@ RED_CUBE = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=3.0,  # [s]
+            seconds=6.0,  # [s]
             seed=1,
-            checks=(
-                expect_marker(TOPIC, type="CUBE", frame="map").titled("a cube in the frame map"),
-                expect_marker(TOPIC, position=(0.0, 0.0, 0.5), scale=(1.0, 1.0, 1.0)).titled(
-                    "1 m large, standing on the ground"
-                ),
+            checks=steady(
+                expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube, 1 m large"),
+                expect_marker(TOPIC, position=(0.0, 0.0, 0.5)).titled("above the origin, on the ground"),
                 expect_marker(TOPIC, color=(*RED, 0.8)).titled("red, alpha 0.8"),
-                expect_rate(TOPIC, 1.0).titled("once a second"),
+                hz=1.0,
             ),
         ),
     ),
@@ -79,15 +90,17 @@ BLUE_CYLINDER = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=3.0,  # [s]
+            seconds=6.0,  # [s]
             seed=1,
-            checks=(
-                expect_marker(TOPIC, type="CYLINDER", frame="map").titled("a cylinder in the frame map"),
-                expect_marker(TOPIC, scale=(0.4, 0.4, my("height"))).titled("0.4 m wide, of your height"),
+            checks=steady(
+                expect_marker(TOPIC, type="CYLINDER", scale=(0.4, 0.4, my("height"))).titled(
+                    "a cylinder, 0.4 m wide, of your height"
+                ),
                 expect_marker(TOPIC, position=(1.0, 0.0, my("height", times=0.5))).titled(
                     "on the ground at x = 1 m"
                 ),
-                expect_stamps(TOPIC).titled("stamped with the time of publishing"),
+                expect_marker(TOPIC, color=(*BLUE, 1.0)).titled("blue, alpha 1"),
+                hz=1.0,
             ),
         ),
     ),
@@ -110,20 +123,23 @@ TRAFFIC_LIGHT = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=3.0,  # [s]
+            seconds=6.0,  # [s]
             seed=1,
-            checks=(
+            checks=steady(
                 expect_marker_count(TOPIC, 3, type="SPHERE").titled("three spheres at once"),
                 *(
                     expect_marker(
                         TOPIC,
                         type="SPHERE",
                         ns="traffic_light",
+                        frame="map",
                         position=(0.0, 0.0, height),
+                        scale=(0.4, 0.4, 0.4),
                         color=(*color, 1.0),
                     ).titled(f"the {name} lamp")
                     for name, color, height in LAMPS
                 ),
+                hz=1.0,
             ),
         ),
     ),
@@ -148,12 +164,18 @@ PURPLE_CIRCLE = Task(
             "public",
             seconds=6.0,  # [s]
             seed=1,
-            checks=(
-                expect_rate(TOPIC, 10.0).titled("10 messages a second"),
-                expect_circle(TOPIC, radius=2.0).titled("a circle of radius 2 m"),
+            checks=steady(
                 expect_marker(TOPIC, type="SPHERE", scale=(0.5, 0.5, 0.5), color=(*PURPLE, 1.0)).titled(
                     "a purple sphere, 0.5 m large"
                 ),
+                expect_circle(TOPIC, radius=2.0, height=0.5).titled(
+                    "on a circle of radius 2 m, 0.5 m above the ground"
+                ),
+                expect_circle(TOPIC, radius=2.0, period=10.0, counter_clockwise=True).titled(
+                    "counter-clockwise, one turn in 10 s"
+                ),
+                expect_marker_count(TOPIC, 1).worth(0.25).titled("one sphere, without a trail"),
+                hz=10.0,
             ),
         ),
     ),
@@ -182,15 +204,20 @@ SQUARE_ROUTE = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=3.0,  # [s]
+            seconds=6.0,  # [s]
             seed=1,
-            checks=(
+            checks=steady(
                 expect_marker(TOPIC, type="LINE_STRIP", points=(*SQUARE, SQUARE[0])).titled(
                     "the corners of the square"
                 ),
-                expect_message(TOPIC, {"scale.x": 0.05, "color.a": 1.0}).titled(
-                    "a visible line, 0.05 m wide"
+                expect_marker(TOPIC, type="LINE_STRIP", loop=SQUARE).titled(
+                    "from corner to corner, and back to the first one"
                 ),
+                expect_message(TOPIC, {"scale.x": 0.05, "color.a": 1.0}).titled("0.05 m wide, alpha 1"),
+                expect_marker(TOPIC, type="LINE_STRIP", position=(0.0, 0.0, 0.0))
+                .worth(0.25)
+                .titled("the marker's own position is the origin"),
+                hz=1.0,
             ),
         ),
     ),

@@ -69,6 +69,20 @@ def test_each_way_to_swing_otherwise_is_named(
     assert mistake in verdict.mistake
 
 
+def test_one_message_is_no_swing_and_no_standing_still(evidence: MakeEvidence) -> None:
+    for check in (SWING, expect_joint_swing("lift", amplitude=0.0, hz=0.0, middle=1.0)):
+        verdict = check.judge(evidence(*swing()[-1:], seconds=4.0))
+        assert (verdict.score, verdict.mistake) == (0, "a joint is not published all the time")
+
+
+@pytest.mark.parametrize(("amplitude", "score"), [(0.5, 1), (28.6, 1), (0.0, 0)])
+def test_a_swing_may_be_of_whatever_amplitude_but_0(
+    evidence: MakeEvidence, amplitude: float, score: float
+) -> None:
+    check = expect_joint_swing("pan", amplitude=None, hz=0.5)
+    assert check.judge(evidence(*swing(amplitude))).score == score
+
+
 def test_a_joint_that_should_stand_still_must(evidence: MakeEvidence) -> None:
     verdict = expect_joint_swing("pan", amplitude=0.0, hz=0.0, middle=0.2).judge(evidence(*swing()))
     assert verdict.message == "pan moves by 0.50 rad, expected that it stands still"

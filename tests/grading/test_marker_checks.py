@@ -2,7 +2,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from std_msgs.msg import String
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.grading.evidence import Evidence
@@ -68,6 +69,44 @@ def test_a_message_says_what_came_and_what_was_expected(
 def test_an_invisible_cube_is_named_as_such(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__a=0.0))))
     assert "nobody can see it" in verdict.message
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"color__a": 0.0}, "color.a is 0"),
+        ({"color__a": float("nan")}, "color.a is 0"),
+        ({"scale__y": 0.0}, "scale.y is 0"),
+        ({"type": Marker.LINE_STRIP, "scale__x": 0.0}, "scale.x is 0"),
+        ({"type": Marker.LINE_STRIP, "scale__y": 0.0}, "it has no points"),
+        ({"type": Marker.TEXT_VIEW_FACING}, "its text is empty"),
+    ],
+)
+def test_an_invisible_marker_passes_no_check_and_counts_for_none(
+    evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], why: str
+) -> None:
+    came = evidence((1, TOPIC, cube(**changes)))
+    verdict = expect_marker(TOPIC, frame="map", position=(0, 0, 0.5)).judge(came)
+    assert (verdict.score, verdict.mistake) == (0, "a marker is invisible")
+    assert verdict.message.endswith(f"is invisible: {why}")
+    assert f"nobody can see 1 more: {why}" in expect_marker_count(TOPIC, 1).judge(came).message
+    assert expect_marker_count(TOPIC, 0).judge(came).score == 1
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"type": Marker.TEXT_VIEW_FACING, "text": "a", "scale__x": 0.0, "scale__y": 0.0},
+        {"type": Marker.LINE_STRIP, "points": [Point(), Point(x=1.0)], "scale__y": 0.0},
+        {"type": Marker.ARROW, "points": [Point(), Point(x=1.0)], "scale__z": 0.0},
+        {"type": Marker.POINTS, "points": [Point()], "colors": [ColorRGBA(a=1.0)], "color__a": 0.0},
+        {"type": Marker.MESH_RESOURCE, "mesh_use_embedded_materials": True, "color__a": 0.0},
+    ],
+)
+def test_a_marker_needs_no_more_than_rviz_to_be_seen(
+    evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any]
+) -> None:
+    assert expect_marker_count(TOPIC, 1).judge(evidence((1, TOPIC, cube(**changes)))).score == 1
 
 
 def test_a_color_up_to_255_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
@@ -182,3 +221,26 @@ def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: Make
     verdict = check.judge(evidence((1, TOPIC, cube())))
     assert verdict.message == "the cube's lifetime is 0.00 s, expected 1.00 s"
     assert verdict.mistake == "the lifetime of a marker is wrong"
+
+
+CORNERS = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
+
+
+@pytest.mark.parametrize(
+    ("order", "message"),
+    [
+        ((0, 1, 2, 3, 0), "as expected"),
+        ((2, 3, 0, 1, 2), "as expected"),
+        ((3, 2, 1, 0, 3), "as expected"),
+        ((0, 2, 1, 3, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 2, 1, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 0), "the line strip does not go round from corner to corner"),
+        ((0, 1, 2, 3), "the line strip does not come back to its first point"),
+    ],
+)
+def test_a_loop_starts_anywhere_and_goes_either_way_round(
+    evidence: MakeEvidence, cube: MakeCube, order: tuple[int, ...], message: str
+) -> None:
+    points = [Point(x=x, y=y, z=z) for x, y, z in (CORNERS[index] for index in order)]
+    came = evidence((1, TOPIC, cube(type=Marker.LINE_STRIP, points=points)))
+    assert expect_marker(TOPIC, loop=CORNERS).judge(came).message == message

@@ -7,7 +7,7 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.course.course_file import Late
-from course_lib.grading.evidence import Check, Evidence, Verdict
+from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
 from course_lib.grading.gradebook import write_gradebook
 from course_lib.grading.judge import CheckResult, Run, TaskResult, judge_task
 from course_lib.grading.marks import Mark, count_days_late, mark
@@ -133,3 +133,17 @@ def test_a_check_scores_only_where_the_checks_it_requires_pass() -> None:
 
     assert [check.score for check in result.checks] == [0.5, 0.0, 1.0]
     assert result.checks[1].message == "counts when this passes: a cube"
+
+
+def test_formal_checks_weigh_a_tenth_together_and_need_the_shape() -> None:
+    shape = Check("a cube", lambda evidence: Verdict(1.0 if evidence.samples else 0.0, ""))
+    color = Check("red", lambda evidence: Verdict(1.0, "as expected"), weight=2.0)
+    rate, stamps = (Check(name, lambda evidence: Verdict(1.0, "as expected")) for name in ("rate", "stamps"))
+    checks = with_formal((shape, color), rate, stamps)
+
+    run = Run(Scenario("public", checks=checks), Evidence("week01.demo", "public", 5.0))
+    result = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run])
+
+    assert [check.score for check in result.checks] == [0, 1, 0, 0]
+    assert sum(check.weight for check in checks[2:]) == pytest.approx(0.1 * sum(c.weight for c in checks))
+    assert with_formal((shape,)) == (shape,)

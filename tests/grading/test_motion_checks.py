@@ -19,13 +19,18 @@ CIRCLE = expect_circle(TOPIC, radius=2.0, height=1.0, period=10.0, counter_clock
 @pytest.fixture
 def going_round(evidence: MakeEvidence, cube: MakeCube) -> MakeRound:
     def make(
-        radius: float = 2.0, height: float = 1.0, period: float = 10.0, seconds: float = 4.0
+        radius: float = 2.0,
+        height: float = 1.0,
+        period: float = 10.0,
+        seconds: float = 4.0,
+        alpha: float = 1.0,
     ) -> Evidence:
         rows = []
         for tick in range(round(seconds * 10)):
             angle = math.tau * tick / 10 / period
             x, y = radius * math.cos(angle), radius * math.sin(angle)
             marker = cube(pose__position__x=x, pose__position__y=y, pose__position__z=height)
+            marker.color.a = alpha
             rows.append((tick / 10, TOPIC, marker))
         return evidence(*rows, seconds=seconds)
 
@@ -43,6 +48,11 @@ def test_the_asked_circle_passes(going_round: MakeRound) -> None:
         ({"height": 0.5}, "the marker is 0.50 m too low", "the path is at the wrong height"),
         ({"period": -10.0}, "the marker goes clockwise (from above)", "the direction of turning is wrong"),
         ({"period": 5.0}, "one turn takes 5.00 s, expected 10.00 s: 5.00 s too fast", "the time of one turn"),
+        (
+            {"period": 0.23},
+            "the marker jumps by 157° from one message to the next: were degrees",
+            "a path jumps",
+        ),
         ({"period": 1e9}, "the marker stands still", "a marker does not move as expected"),
         ({"radius": math.nan}, "not at a place", "the path leaves the circle"),
     ],
@@ -65,6 +75,11 @@ def test_without_a_period_half_a_turn_must_be_seen(going_round: MakeRound) -> No
 def test_another_marker_does_not_count(going_round: MakeRound) -> None:
     verdict = expect_circle(TOPIC, radius=2.0, type="SPHERE").judge(going_round())
     assert verdict.message == "no marker with type 'SPHERE' was added on /ball"
+
+
+def test_an_invisible_marker_goes_round_no_circle(going_round: MakeRound) -> None:
+    verdict = CIRCLE.judge(going_round(alpha=0.0))
+    assert (verdict.score, verdict.message) == (0, "the marker is invisible: color.a is 0")
 
 
 def test_a_piece_of_the_circle_at_the_end_is_not_going_round(going_round: MakeRound) -> None:

@@ -12,6 +12,7 @@ from course_lib.grading.vocabulary import (
     expect_message,
     expect_rate,
     expect_stamps,
+    expect_throughout,
     expect_topic,
 )
 from course_lib.ros.clock import START_NS
@@ -71,6 +72,22 @@ def test_a_rate_may_be_that_of_a_part(
 ) -> None:
     came = evidence(*ticks(1, 2, 3, 4, 4.5, 5), seconds=5.0)
     assert expect_rate("/tick", 1.0, begin=begin, end=end).judge(came).message == message
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ((1.0, 2.0, 3.0), "as expected"),
+        ((1.5, 3.0), "as expected"),
+        ((3.0,), "/tick was published only once in 3 s, expected messages from beginning to end"),
+        ((1.5,), "/tick was published only once in 3 s, expected messages from beginning to end"),
+        ((0.0, 3.0), "/tick is silent for 3.00 s in 3 s, expected messages from beginning to end"),
+    ],
+)
+def test_what_is_published_throughout_is_silent_for_half_of_the_time_at_most(
+    evidence: MakeEvidence, times: tuple[float, ...], message: str
+) -> None:
+    assert expect_throughout("/tick").judge(evidence(*ticks(*times))).message == message
 
 
 def test_a_field_in_a_list_is_named_by_its_place(evidence: MakeEvidence) -> None:

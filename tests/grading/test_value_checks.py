@@ -42,7 +42,7 @@ def test_equal_values_pass_in_whatever_form(evidence: MakeEvidence, value: Any, 
         ([1, 2], [1, 3], "[1] of the value is 2.00 m, expected 3.00 m: 1.00 m too little"),
         ("odom", "map", "the value is 'odom', expected 'map'"),
         (None, 1.0, "the value is None, expected a number"),
-        (object(), 1.0, "the value is {'object': 'a object'}, expected a number"),
+        (object(), 1.0, "the value is a object, expected a number"),
         ({}, {"x": 1}, "the value has no 'x'"),
         (3.0, [3.0], "the value is 3.0, expected a list of 1"),
         ([1], {"x": 1}, "the value is [1], expected a dict"),
@@ -68,7 +68,8 @@ def test_a_call_that_raised_returned_nothing_that_a_check_expects() -> None:
     scenario = Scenario("public", calls=(Call(0), Call(1)))
     task = Task("week01.inverse", "1 / x", "function", "inverse", ("a", "b", "c"), (scenario,))
     came = run_here(task, scenario, lambda x: {"x": 1 / x}, {})
-    for expected in (None, {}, RAISED, [], "", 0):
+    answers: tuple[Any, ...] = (None, {}, RAISED, [], "", 0)
+    for expected in answers:
         verdict = expect_value(expected).judge(came)
         assert (verdict.score, verdict.message) == (0, "the value is missing: the call raised an exception")
     assert expect_value({"x": 1}, call=1).judge(came).score == 1

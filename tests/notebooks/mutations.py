@@ -11,13 +11,19 @@ Replacement = str | Callable[[re.Match[str]], str]
 class Operator:
     """One kind of mistake: every place where the pattern matches gives one mutant.
 
-    `names` is what some message or kind of mistake must say of it (a regular expression).
+    Args:
+        name: Kind of mistake, and which.
+        pattern: Where it is made, a regular expression.
+        replacement: What stands there then.
+        names: What some message or kind of mistake must say of it, a regular expression.
+        only_other_inputs: Whether it is right for the inputs of the public scenario.
     """
 
     name: str
     pattern: str
     replacement: Replacement
     names: str
+    only_other_inputs: bool = False
 
 
 GEOMETRY = "position|[Dd]istance|size|scale|circle|point|width|height|line|at the end|turn|the part"
@@ -144,6 +150,7 @@ OPERATORS = (
         r"(self\.publisher\.publish\((marker|state)\))",
         r"(self.get_clock().now().nanoseconds < 1_700_000_006_500_000_000) and \1",
         "silent",
+        only_other_inputs=True,
     ),
 )
 

@@ -2,9 +2,6 @@
 
 import re
 import tomllib
-from collections.abc import Sequence
-from dataclasses import replace
-from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -12,20 +9,25 @@ from typing import Any
 import pytest
 
 from course_lib.course.exercise import exercise_path
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.grading.catalog import Catalog, load_catalog
-from course_lib.grading.exercise_run import ExerciseRun, run_exercise
-from course_lib.grading.judge import TaskResult
 from course_lib.grading.personal import give_values, personal_values
 from course_lib.grading.scenario import run_here
-from course_lib.grading.task import Task
+from tests.notebooks.graded import (
+    A_WHILE,
+    OPEN,
+    STUDENT,
+    WEEKS,
+    catalog,
+    cells_of,
+    judged,
+    judged_results,
+    marked,
+    run_of,
+    said,
+    solution,
+)
 from tests.notebooks.mutations import Operator, mutants
 
 ANSWERS = Path(__file__).parent / "answers"
-WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))
-STUDENT = "s1"
-A_WHILE = 100.0  # [s]
 
 
 def wrong_answers() -> dict[tuple[str, str], str]:
@@ -40,49 +42,6 @@ def wrong_answers() -> dict[tuple[str, str], str]:
 
 
 WRONG = wrong_answers()
-
-
-@cache
-def catalog() -> Catalog:
-    """The course's, with limits for a machine that has much else to do."""
-    made = load_catalog(exercises_dir(), solutions_dir())
-    limits = replace(made.course.limits, cell_seconds=A_WHILE, scenario_seconds=A_WHILE, total_seconds=600.0)
-    return replace(made, course=replace(made.course, limits=limits))
-
-
-def cells_of(path: Path) -> list[str]:
-    if path.suffix == ".py":
-        return [path.read_text()]
-    return [source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code"]
-
-
-def solution(week: str) -> Path:
-    return solutions_dir() / f"{week}_solution.ipynb"
-
-
-def marked(cells: Sequence[str], week: str) -> ExerciseRun:
-    return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
-
-
-@cache
-def run_of(path: Path) -> ExerciseRun:
-    """What came of a file: a solution, an exercise as it is handed out, or an answer."""
-    return marked(cells_of(path), path.name[:6])
-
-
-def judged(week: str) -> list[Task]:
-    """The tasks that checks decide; a person reads the others."""
-    return [task for task in catalog().of_week(week) if not task.rubric]
-
-
-def judged_results(run: ExerciseRun) -> list[TaskResult]:
-    return [result for task, result in zip(run.tasks, run.results, strict=True) if not task.rubric]
-
-
-def said(result: TaskResult, *, hidden: bool | None = None) -> str:
-    """All messages and kinds of mistake of the checks that failed."""
-    failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
-    return "\n".join(f"{check.message}\n{check.mistake}" for check in failed)
 
 
 @pytest.mark.parametrize("week", WEEKS)
@@ -154,6 +113,8 @@ def test_mutants_of_the_solution_lose_points_and_none_passes_the_hidden_checks(
             assert result.score < result.points
             assert said(result, hidden=True)
             assert re.search(operators[result.task].names, said(result)), said(result)
+            if week not in OPEN and not operators[result.task].only_other_inputs:
+                assert said(result, hidden=False), "a public check must not pass it"
         else:
             assert result.score == result.points
 

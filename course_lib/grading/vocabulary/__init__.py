@@ -7,7 +7,13 @@ from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_c
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.parameters import expect_parameters
 from course_lib.grading.vocabulary.paths import expect_path
-from course_lib.grading.vocabulary.topics import expect_message, expect_rate, expect_stamps, expect_topic
+from course_lib.grading.vocabulary.topics import (
+    expect_message,
+    expect_rate,
+    expect_stamps,
+    expect_throughout,
+    expect_topic,
+)
 from course_lib.grading.vocabulary.trajectories import expect_trajectory
 from course_lib.grading.vocabulary.transforms import expect_circling_frame, expect_transform
 from course_lib.grading.vocabulary.values import expect_text, expect_value
@@ -16,6 +22,6 @@ __all__ = [
     "expect_circle", "expect_circling_frame", "expect_display", "expect_drawn", "expect_fact",
     "expect_joint_states", "expect_joint_swing", "expect_layout", "expect_level", "expect_marker",
     "expect_marker_count", "expect_message", "expect_parameters", "expect_path", "expect_rate",
-    "expect_stamps", "expect_text", "expect_topic", "expect_trajectory", "expect_transform",
-    "expect_value",
+    "expect_stamps", "expect_text", "expect_throughout", "expect_topic", "expect_trajectory",
+    "expect_transform", "expect_value",
 ]  # fmt: skip

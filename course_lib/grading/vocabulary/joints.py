@@ -30,7 +30,7 @@ def expect_joint_swing(
     evidence: Evidence,
     joint: str,
     *,
-    amplitude: float,
+    amplitude: float | None,
     hz: float,
     phase: float = 0.0,
     middle: float = 0.0,
@@ -39,7 +39,8 @@ def expect_joint_swing(
 ) -> Iterable[Problem]:
     """The position of a joint is middle + amplitude * sin(2 pi hz t + phase), t from the first message.
 
-    Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still.
+    Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still, None
+    for a swing by whatever amplitude above the tolerance. It is published for half of the scenario at least.
     """
     states = heard(evidence, topic, STATE)
     found = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
@@ -48,6 +49,9 @@ def expect_joint_swing(
         message = f"no position of {joint} came on {topic}; the last message names {named}"
         return [Problem(message, "the position of a joint is missing")]
     times, positions = np.array(found).T
+    if (seen := times[-1] - times[0]) < evidence.seconds / 2:
+        message = f"{joint} was published for {number(seen, 's')} of {evidence.seconds:g} s"
+        return [Problem(message, "a joint is not published all the time")]
     if not np.isfinite(positions).all():
         return [Problem(f"a position of {joint} is not finite", "the position of a joint is not finite")]
     wave = 2 * math.pi * hz * (times - states[0][0])
@@ -80,7 +84,7 @@ def _differs(
     joint: str,
     wave: np.ndarray[Any, Any],
     positions: np.ndarray[Any, Any],
-    wanted: tuple[float, float, float, float],
+    wanted: tuple[float | None, float, float, float],
     tolerance: float,
 ) -> Iterator[Problem]:
     """Compare with the swing of the wanted frequency that fits the positions best."""
@@ -97,6 +101,10 @@ def _differs(
     if rest > max(tolerance, 0.05 * came):
         message = f"{joint} does not swing {number(hz)} times a second as a sine does"
         yield Problem(f"{message}: {number(rest, 'rad')} off", "a joint does not swing as it should")
+        return
+    if amplitude is None:
+        if came <= tolerance:
+            yield Problem(f"{joint} stands still, expected that it swings", "a joint stands still")
         return
     if not close(came, amplitude, tolerance):
         message = f"{joint} swings by {_angles(came, amplitude)}"

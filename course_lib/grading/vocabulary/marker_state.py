@@ -13,6 +13,14 @@ TYPES = (  # by the number in Marker.type
 )  # fmt: skip
 MARKER_MESSAGES = ("visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray")
 ADD, DELETE, DELETE_ALL = 0, 2, 3
+EACH_COLORED = ("LINE_STRIP", "LINE_LIST", "CUBE_LIST", "SPHERE_LIST", "POINTS", "TRIANGLE_LIST")
+NEEDED_SCALES = {
+    "LINE_STRIP": "x",
+    "LINE_LIST": "x",
+    "POINTS": "xy",
+    "TEXT_VIEW_FACING": "z",
+}  # else all three
+INVISIBLE = "a marker is invisible"
 
 
 def type_of(marker: Any) -> str:
@@ -63,3 +71,18 @@ def no_markers(evidence: Evidence, topic: str) -> Problem:
         return Problem(message, "a topic has the wrong message type")
     message = f"{topic} shows no marker at the end: all were deleted, or their lifetime is over"
     return Problem(message, "no marker is left at the end")
+
+
+def unseen(marker: Any) -> str:
+    """Return why nobody can see a marker, or "" where RViz draws it."""
+    kind = type_of(marker)
+    own = marker.mesh_use_embedded_materials and kind == "MESH_RESOURCE"
+    alphas = [color.a for color in marker.colors if kind in EACH_COLORED] or [marker.color.a]
+    if not own and not max(alphas) > 0:
+        return "color.a is 0"
+    needed = "xy" if kind == "ARROW" and marker.points else NEEDED_SCALES.get(kind, "xyz")
+    if none := [axis for axis in needed if not abs(getattr(marker.scale, axis)) > 0]:
+        return f"scale.{none[0]} is 0"
+    if kind == "TEXT_VIEW_FACING" and not marker.text.strip():
+        return "its text is empty"
+    return "it has no points" if kind in EACH_COLORED and not len(marker.points) else ""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import fits, no_markers, shown, type_of
+from course_lib.grading.vocabulary.marker_state import INVISIBLE, fits, no_markers, shown, type_of, unseen
 from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
 
@@ -40,14 +40,16 @@ def expect_marker(
     color: Sequence[float] | None = None,
     text: str | None = None,
     points: Points | None = None,
+    loop: Points | None = None,
     lifetime: float | None = None,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """At the end the topic (Marker or MarkerArray) shows a marker with these properties.
+    """At the end the topic (Marker or MarkerArray) shows a marker with these properties, and it can be seen.
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale, points
     (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; lifetime in [s]; color RGB or
-    RGBA from 0 to 1.
+    RGBA from 0 to 1. A line strip joins the corners of `loop` one after the other, from any of them and
+    either way round, and comes back to the first.
     """
     markers = shown(evidence, topic)
     if not markers:
@@ -59,7 +61,14 @@ def expect_marker(
         message = f"no marker with {' and '.join(sought)} on {topic}, there is: {there}"
         return [Problem(message, "ns or id of a marker is wrong")]
     wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw}
-    wanted |= {"scale": scale, "color": color, "text": text, "points": points, "lifetime": lifetime}
+    wanted |= {
+        "scale": scale,
+        "color": color,
+        "text": text,
+        "points": points,
+        "loop": loop,
+        "lifetime": lifetime,
+    }
     found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
     return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
 
@@ -72,17 +81,21 @@ def expect_marker_count(
     *,
     type: str | None = None,  # noqa: A002 - the field's name in ROS
 ) -> Iterable[Problem]:
-    """At the end the topic shows exactly so many markers (of one type)."""
+    """At the end the topic shows exactly so many markers (of one type) that can be seen."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
-    there = sum(fits(marker, type, None, None) for marker in shown(evidence, topic))
+    reasons = [unseen(marker) for marker in shown(evidence, topic) if fits(marker, type, None, None)]
+    there, hidden = reasons.count(""), sorted(filter(None, reasons))
     of_type = f" of type {type}" if type else ""
     message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} at the end, expected {count}"
-    return [] if there == count else [Problem(message, "the count is wrong")]
+    why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
+    return [] if there == count else [Problem(message + why, "the count is wrong")]
 
 
 def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
     noun = f"the {type_of(marker).lower().replace('_', ' ')}"
+    if why := unseen(marker):
+        yield Problem(f"{noun} is invisible: {why}", INVISIBLE)
     for name, expected in wanted.items():
         if expected is not None:
             mistake, find = PROPERTIES[name]
@@ -155,6 +168,19 @@ def _points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
         yield f" has a point at {numbers(strange[0])} m, where none belongs"
 
 
+def _loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
+    came = [(p.x, p.y, p.z) for p in marker.points]
+    if not came or not close(math.dist(came[0], came[-1]), 0.0, tolerance):
+        yield " does not come back to its first point"
+        return
+    turns = [[*expected[i:], *expected[: i + 1]] for i in range(len(expected))]
+    ways = [way for turn in turns for way in (turn, turn[::-1]) if len(way) == len(came)]
+    if not any(
+        all(close(math.dist(*pair), 0.0, tolerance) for pair in zip(came, way, strict=True)) for way in ways
+    ):
+        yield " does not go round from corner to corner"
+
+
 def _without_partner(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:
     return [p for p in points if not any(close(math.dist(p, other), 0.0, tolerance) for other in others)]
 
@@ -169,5 +195,6 @@ PROPERTIES: dict[str, tuple[str, Callable[[Any, Any, float], Iterator[str]]]] = 
     "color": ("the color of a marker is wrong", _color),
     "text": ("the text of a marker is wrong", _text),
     "points": ("the points of a marker are wrong", _points),
+    "loop": ("a line does not go round from corner to corner, and back", _loop),
     "lifetime": ("the lifetime of a marker is wrong", _lifetime),
 }

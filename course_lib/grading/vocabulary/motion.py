@@ -6,11 +6,12 @@ from itertools import pairwise
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import ADD, each, fits, no_markers
+from course_lib.grading.vocabulary.marker_state import ADD, INVISIBLE, each, fits, no_markers, unseen
 from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 
 PERIOD_TOLERANCE = 0.05  # fraction
 LEAST_TURN = math.pi  # [rad] seen of a circle before it counts as one
+LARGEST_STEP = math.pi / 2  # [rad] from message to message: beyond it nobody sees which way round it goes
 NOT_MOVING = "a marker does not move as expected"
 
 Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
@@ -31,7 +32,7 @@ def expect_circle(
     ns: str | None = None,
     id: int | None = None,  # noqa: A002 - the field's name in ROS
 ) -> Iterable[Problem]:
-    """A marker goes round a horizontal circle, for most of the scenario.
+    """A marker that can be seen goes round a horizontal circle, for most of the scenario.
 
     Radius, center (x, y), height (default: the first marker's) and the tolerance of radius and height in [m],
     in the marker's frame; the period of one turn in [s]; counter-clockwise as seen from above.
@@ -39,25 +40,33 @@ def expect_circle(
     added = [(s, m) for s, m in each(evidence, topic) if m.action == ADD]
     if not added:
         raise no_markers(evidence, topic)
-    path = [(s, _place(marker)) for s, marker in added if fits(marker, type, ns, id)]
-    if not path:
+    meant = [(s, marker) for s, marker in added if fits(marker, type, ns, id)]
+    path = [(s, _place(marker)) for s, marker in meant if not unseen(marker)]
+    if not meant:
         which = {"type": type, "ns": ns, "id": id}
         asked = ", ".join(f"{name} {value!r}" for name, value in which.items() if value is not None)
         message = f"no marker with {asked} was added on {topic}"
         return [Problem(message, "type, ns or id of a marker is wrong")]
+    if not path:
+        return [Problem(f"the marker is invisible: {unseen(meant[0][1])}", INVISIBLE)]
     plane = path[0][1][2] if height is None else height  # [m]
-    seen = path[-1][0] - path[0][0]  # [s]
-    if seen < evidence.seconds / 2:
-        message = f"the marker was seen to move for {number(seen, 's')} of {evidence.seconds:g} s"
-        return [Problem(message, NOT_MOVING)]
-    return off_circle(path, radius, center, plane, tolerance) or turning(
-        path, center, period, counter_clockwise
+    return (
+        too_short(path, evidence.seconds)
+        or off_circle(path, radius, center, plane, tolerance)
+        or turning(path, center, period, counter_clockwise)
     )
 
 
 def _place(marker: Any) -> tuple[float, float, float]:
     position = marker.pose.position
     return position.x, position.y, position.z
+
+
+def too_short(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:
+    """What is wrong with a path that was published for less than half of a scenario of `seconds` [s]."""
+    seen = path[-1][0] - path[0][0]  # [s]
+    message = f"{noun} was seen to move for {number(seen, 's')} of {seconds:g} s"
+    return [Problem(message, NOT_MOVING)] if seen < seconds / 2 else []
 
 
 def off_circle(
@@ -96,6 +105,9 @@ def turning(
     turned, seconds = sum(steps), path[-1][0] - path[0][0]
     if sum(abs(step) for step in steps) < 1e-3:
         return [Problem(f"{noun} stands still, expected it to go round", NOT_MOVING)]
+    if (jump := max(map(abs, steps))) > LARGEST_STEP:
+        message = f"{noun} jumps by {math.degrees(jump):.0f}° from one message to the next"
+        return [Problem(f"{message}: were degrees taken for radians?", "a path jumps instead of turning")]
     if counter_clockwise is not None and (turned > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
         message = f"{noun} goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"

@@ -70,6 +70,18 @@ def expect_rate(
     return []
 
 
+@word("{topic} is published from beginning to end")
+def expect_throughout(evidence: Evidence, topic: str) -> Iterable[Problem]:
+    """The topic is published more than once, and never silent for more than half of the scenario."""
+    times = sorted({seconds for seconds, _ in heard(evidence, topic)})  # [s]
+    gaps = [after - before for before, after in pairwise((0.0, *times, evidence.seconds))]  # [s]
+    if len(times) > 1 and max(gaps) <= evidence.seconds / 2 + 1e-6:
+        return []
+    often = "was published only once" if len(times) == 1 else f"is silent for {number(max(gaps), 's')}"
+    message = f"{topic} {often} in {evidence.seconds:g} s, expected messages from beginning to end"
+    return [Problem(message, "a topic is not published all the time")]
+
+
 @word("the stamps on {topic}")
 def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) -> Iterable[Problem]:
     """The stamps in the headers are the robot time of publishing, within a tolerance in [s].

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.markers import DIRECTIONS
-from course_lib.grading.vocabulary.motion import Path, off_circle, turning
+from course_lib.grading.vocabulary.motion import Path, off_circle, too_short, turning
 from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import type_name
@@ -66,7 +66,8 @@ def expect_circling_frame(
         return [Problem(message, "a frame has the wrong parent")]
     path: Path = [(seconds, pose.translation) for seconds, pose in poses]
     return (
-        off_circle(path, radius, (0.0, 0.0), path[0][1][2], tolerance, frame)
+        too_short(path, evidence.seconds, frame)
+        or off_circle(path, radius, (0.0, 0.0), path[0][1][2], tolerance, frame)
         or turning(path, (0.0, 0.0), period, counter_clockwise, frame)
         or list(_headed(poses, heading))
     )

@@ -90,5 +90,6 @@ def _words(text: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    is_object = isinstance(value, dict) and list(value) == ["object"]
+    text = str(value["object"]) if is_object else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,62 @@
+"""Running and judging whole notebooks, for the tests of all weeks' checks."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from course_lib.course.exercise_file import read_notebook, source
+from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.grading.catalog import Catalog, load_catalog
+from course_lib.grading.exercise_run import ExerciseRun, run_exercise
+from course_lib.grading.judge import TaskResult
+from course_lib.grading.task import Task
+
+WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))
+# Weeks whose public checks do not cover every requirement yet.
+OPEN = ("week02", "week03", "week04", "week05", "week06", "week07", "week08")
+STUDENT = "s1"
+A_WHILE = 100.0  # [s]
+
+
+@cache
+def catalog() -> Catalog:
+    """The course's, with limits for a machine that has much else to do."""
+    made = load_catalog(exercises_dir(), solutions_dir())
+    limits = replace(made.course.limits, cell_seconds=A_WHILE, scenario_seconds=A_WHILE, total_seconds=600.0)
+    return replace(made, course=replace(made.course, limits=limits))
+
+
+def cells_of(path: Path) -> list[str]:
+    if path.suffix == ".py":
+        return [path.read_text()]
+    return [source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code"]
+
+
+def solution(week: str) -> Path:
+    return solutions_dir() / f"{week}_solution.ipynb"
+
+
+def marked(cells: Sequence[str], week: str) -> ExerciseRun:
+    return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
+
+
+@cache
+def run_of(path: Path) -> ExerciseRun:
+    """What came of a file: a solution, an exercise as it is handed out, or an answer."""
+    return marked(cells_of(path), path.name[:6])
+
+
+def judged(week: str) -> list[Task]:
+    """The tasks that checks decide; a person reads the others."""
+    return [task for task in catalog().of_week(week) if not task.rubric]
+
+
+def judged_results(run: ExerciseRun) -> list[TaskResult]:
+    return [result for task, result in zip(run.tasks, run.results, strict=True) if not task.rubric]
+
+
+def said(result: TaskResult, *, hidden: bool | None = None) -> str:
+    """All messages and kinds of mistake of the checks that failed."""
+    failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
+    return "\n".join(f"{check.message}\n{check.mistake}" for check in failed)
