@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from course_lib.recording import Recording
 
 
+LIGHT = 0.05  # of a check's weight, where students can read its inputs
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What one scenario of one task brought out, all of it data.
@@ -124,3 +127,12 @@ class Check:
         A rate, a stamp or a frame is worth nothing as long as the published shape is wrong.
         """
         return replace(self, requires=(*self.requires, *checks))
+
+
+def lightly(*checks: Check) -> tuple[Check, ...]:
+    """Return the checks at a small part of their weight, for a scenario whose inputs students can read.
+
+    Hidden scenarios judge the same requirements with other inputs. An answer that was written for the public
+    inputs alone gets next to nothing then.
+    """
+    return tuple(check.worth(LIGHT * check.weight) for check in checks)
