@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 FORMAL_SHARE = 0.1  # of the weight of a scenario's checks
+LIGHT = 0.05  # of a check's weight, where students can read its inputs
 
 
 @dataclass(frozen=True)
@@ -151,3 +152,12 @@ def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
     whole = sum(check.weight for check in content)
     each = whole * FORMAL_SHARE / (1 - FORMAL_SHARE) / max(len(formal), 1)
     return (*content, *(check.requiring(content[0]).worth(each) for check in formal))
+
+
+def lightly(*checks: Check) -> tuple[Check, ...]:
+    """Return the checks at a small part of their weight, for a scenario whose inputs students can read.
+
+    Hidden scenarios judge the same requirements with other inputs. An answer that was written for the public
+    inputs alone gets next to nothing then.
+    """
+    return tuple(check.worth(LIGHT * check.weight) for check in checks)

@@ -2,12 +2,27 @@
 
 from collections.abc import Iterator
 
+from course_lib.grading.evidence import lightly
 from course_lib.grading.inputs import header, pose, scan, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import expect_display, expect_drawn, expect_layout, expect_value
+from course_lib.grading.vocabulary import (
+    expect_display,
+    expect_displays_on,
+    expect_drawn,
+    expect_layout,
+    expect_value,
+)
 
 GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
-SMALL_LAYOUT = """
+SEEN_FROM = (0.5, 50.0)  # [m] from which a person can be seen
+PLAIN = """
+Visualization Manager:
+  Displays:
+    - {Class: my_robot/Battery, Name: Charge, Enabled: true}
+    - {Class: rviz_default_plugins/Path, Name: Plan}
+    - {Class: rviz_default_plugins/Map, Name: Room, Enabled: false}
+"""
+GROUPS = """
 Visualization Manager:
   Displays:
     - {Class: rviz_default_plugins/Grid, Name: Floor, Enabled: true}
@@ -16,7 +31,16 @@ Visualization Manager:
       Enabled: true
       Displays:
         - {Class: rviz_default_plugins/LaserScan, Name: Laser, Enabled: true}
-        - {Class: rviz_default_plugins/Image, Name: Camera, Enabled: false}
+        - Class: rviz_common/Group
+          Name: Deep
+          Enabled: true
+          Displays:
+            - {Class: rviz_default_plugins/Image, Name: Camera, Enabled: true}
+    - Class: rviz_common/Group
+      Name: Off
+      Enabled: false
+      Displays:
+        - {Class: rviz_default_plugins/TF, Name: Frames, Enabled: true}
 """
 
 
@@ -62,13 +86,25 @@ ROBOT_LAYOUT = Task(
                 expect_layout(
                     fixed_frame="world", view="Orbit", view_properties={"Distance": my("distance")}
                 ).titled("Fixed Frame and view"),
+                expect_display("Grid", properties={"Plane Cell Count": 50}).titled("the grid"),
                 expect_display("TF", properties={"Show Names": True}).titled("TF with names"),
-                expect_display("MarkerArray", "/detections").titled("the detections"),
+                expect_display("MarkerArray", "/detections", properties={"Name": "Detections"}).titled(
+                    "the detections and their name"
+                ),
+                expect_drawn("MarkerArray", ROBOT).titled("the detections are drawn"),
                 expect_drawn("LaserScan", ROBOT, best_effort=BEST_EFFORT).titled("the scan is drawn"),
             ),
         ),
     ),
     personal={"distance": (6.0, 7.0, 8.0, 9.0, 11.0, 12.0)},  # [m]; 10 is the default
+)
+
+SENSOR = {"Topic/Reliability Policy": "Best Effort"}
+SCAN_SHOWN = expect_display("LaserScan", "/front/scan", properties=SENSOR)
+CLOUD_SHOWN = expect_display("PointCloud2", "/points", properties=SENSOR, call=1)
+NAMED = (
+    expect_display("LaserScan", "/front/scan", properties={"Name": "/front/scan"}),
+    expect_display("Path", "/plan", properties={"Name": "/plan"}),
 )
 
 LAYOUT_FOR = Task(
@@ -84,17 +120,27 @@ LAYOUT_FOR = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call("odom", {"/front/scan": "LaserScan", "/plan": "Path"}),),
-            checks=(
-                expect_layout(fixed_frame="odom").titled("the Fixed Frame"),
-                expect_display(
-                    "LaserScan", "/front/scan", properties={"Topic/Reliability Policy": "Best Effort"}
-                ).titled("the scan, with best effort"),
-                expect_display("Path", "/plan", properties={"Name": "/plan"}).titled("the path and its name"),
+            calls=(
+                Call("odom", {"/front/scan": "LaserScan", "/plan": "Path"}),
+                Call("map", {"/points": "PointCloud2"}),
+            ),
+            checks=lightly(
+                SCAN_SHOWN.titled("the scan, with best effort"),
+                CLOUD_SHOWN.titled("the point cloud, with best effort"),
+                expect_display("Path", "/plan", properties={"Topic/Reliability Policy": "Reliable"}).titled(
+                    "the path, which stays reliable"
+                ),
+                NAMED[0].titled("the scan's name"),
+                NAMED[1].titled("the path's name"),
+                expect_displays_on("/front/scan", "/plan").requiring(*NAMED),
+                expect_layout(fixed_frame="odom").titled("the Fixed Frame").requiring(SCAN_SHOWN),
+                expect_layout(fixed_frame="map", call=1).titled("another Fixed Frame").requiring(CLOUD_SHOWN),
             ),
         ),
     ),
 )
+
+MENDED_FRAME = expect_layout(fixed_frame="world").titled("the Fixed Frame")
 
 MENDED_LAYOUT = Task(
     "week05.mended_layout",
@@ -111,14 +157,28 @@ MENDED_LAYOUT = Task(
             "public",
             calls=(Call(),),
             checks=(
-                expect_layout(fixed_frame="world").titled("the Fixed Frame"),
-                expect_display("TF", properties={"Name": "Frames"}).titled("the frames are enabled"),
+                MENDED_FRAME,
+                expect_drawn("TF", ROBOT).titled("the frames are enabled"),
                 expect_drawn("LaserScan", ROBOT, best_effort=BEST_EFFORT).titled("the scan is drawn"),
                 expect_drawn("MarkerArray", ROBOT).titled("the people are drawn"),
+                expect_layout(view_within={"Distance": SEEN_FROM}).titled("the camera is near enough"),
+                expect_display("Grid", properties={"Name": "Floor", "Color": "100; 100; 200"})
+                .titled("the floor is as before")
+                .worth(0.2)
+                .requiring(MENDED_FRAME),
+                *(
+                    expect_display(kind, properties={"Name": name})
+                    .titled(f"the name {name} is as before")
+                    .worth(0.2)
+                    .requiring(MENDED_FRAME)
+                    for kind, name in (("TF", "Frames"), ("LaserScan", "Laser"), ("MarkerArray", "People"))
+                ),
             ),
         ),
     ),
 )
+
+HALF_FULL = expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar")
 
 BATTERY_BAR = Task(
     "week05.battery_bar",
@@ -133,10 +193,15 @@ BATTERY_BAR = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(0.5, 1.0), Call(0.1, 2.0)),
-            checks=(
-                expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar"),
+            calls=(Call(0.5, 1.0), Call(0.1, 2.0), Call(0.2, 1.0), Call(1.2, 1.0), Call(-0.1, 1.0)),
+            checks=lightly(
+                HALF_FULL,
                 expect_value([[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED], call=1, name="a nearly empty bar"),
+                expect_value([[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], GREEN], call=2, name="a bar at just 0.2"),
+                expect_value([[0.2, 0.2, 1.0], [0.0, 0.0, 0.5], GREEN], call=3, name="a charge above 1"),
+                expect_value(
+                    [[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED], call=4, name="a charge below 0"
+                ).requiring(HALF_FULL),
             ),
         ),
     ),
@@ -155,8 +220,15 @@ DISPLAYS_IN = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(SMALL_LAYOUT),),
-            checks=(expect_value([["Floor", "Grid"], ["Laser", "LaserScan"]], name="the list"),),
+            calls=(Call(PLAIN), Call(GROUPS)),
+            checks=lightly(
+                expect_value([["Charge", "Battery"], ["Plan", "Path"]], call=0, name="the list"),
+                expect_value(
+                    [["Floor", "Grid"], ["Laser", "LaserScan"], ["Camera", "Image"]],
+                    call=1,
+                    name="the list with groups",
+                ),
+            ),
         ),
     ),
 )

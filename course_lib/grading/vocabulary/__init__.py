@@ -2,7 +2,13 @@
 
 from course_lib.grading.vocabulary.diagnostics import expect_fact, expect_level
 from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing
-from course_lib.grading.vocabulary.layouts import expect_display, expect_drawn, expect_layout
+from course_lib.grading.vocabulary.layouts import (
+    expect_colors_apart,
+    expect_display,
+    expect_displays_on,
+    expect_drawn,
+    expect_layout,
+)
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.parameters import expect_parameters
@@ -19,9 +25,10 @@ from course_lib.grading.vocabulary.transforms import expect_circling_frame, expe
 from course_lib.grading.vocabulary.values import expect_text, expect_value
 
 __all__ = [
-    "expect_circle", "expect_circling_frame", "expect_display", "expect_drawn", "expect_fact",
-    "expect_joint_states", "expect_joint_swing", "expect_layout", "expect_level", "expect_marker",
-    "expect_marker_count", "expect_message", "expect_parameters", "expect_path", "expect_rate",
-    "expect_stamps", "expect_text", "expect_throughout", "expect_topic", "expect_trajectory",
-    "expect_transform", "expect_value",
+    "expect_circle", "expect_circling_frame", "expect_colors_apart", "expect_display",
+    "expect_displays_on", "expect_drawn", "expect_fact", "expect_joint_states",
+    "expect_joint_swing", "expect_layout", "expect_level", "expect_marker", "expect_marker_count",
+    "expect_message", "expect_parameters", "expect_path", "expect_rate", "expect_stamps",
+    "expect_text", "expect_throughout", "expect_topic", "expect_trajectory", "expect_transform",
+    "expect_value",
 ]  # fmt: skip

@@ -1,8 +1,10 @@
 """Expectations on layouts: the text of an .rviz file that was handed in, or returned by a function."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 from course_lib.displays.group import GROUP
@@ -23,6 +25,8 @@ from course_lib.viewer.scene import Scene
 
 TOPICS = ("Topic", "Description Topic", "Depth Map Topic")
 MAX_TEXT = 200_000  # characters of a layout that is looked at
+MOST_COLORS = 20  # of which each is compared with each
+USUAL_COLOR = "25; 255; 0"  # of a display whose color nobody changed
 
 
 @word("the layout has {class_name}")
@@ -50,19 +54,60 @@ def expect_layout(
     evidence: Evidence,
     *,
     fixed_frame: str | None = None,
-    view: str | None = None,
+    view: str | Sequence[str] | None = None,
     view_properties: Mapping[str, Any] | None = None,
+    view_within: Mapping[str, tuple[float, float]] | None = None,
     call: int = 0,
 ) -> Iterable[Problem]:
-    """The Fixed Frame, the class of the current view, and values of it by RViz's labels."""
+    """Expect the Fixed Frame, the class of the current view, and values of the view by RViz's labels.
+
+    Args:
+        evidence: With the layout.
+        fixed_frame: Its name.
+        view: RViz's short name of the class, or several of which one is expected.
+        view_properties: The exact values.
+        view_within: The least and the greatest value.
+        call: Which call returned the layout.
+    """
     found = _layout(evidence, call)
     frame, view_class = text_at(found.options, "Fixed Frame"), _class_of(found.view)
     if fixed_frame not in (None, frame):
         yield Problem(f"the Fixed Frame is {frame!r}, expected {fixed_frame!r}", "the Fixed Frame is wrong")
-    if view not in (None, view_class):
-        yield Problem(f"the view is {view_class!r}, expected {view!r}", "the view is of another class")
+    views = [view] if isinstance(view, str) else view
+    if views is not None and view_class not in views:
+        expected = " or ".join(map(repr, views))
+        yield Problem(f"the view is {view_class!r}, expected {expected}", "the view is of another class")
     else:
         yield from _values(found.view, view_properties or {}, "the view")
+        yield from _outside(found.view, view_within or {})
+
+
+@word("one display for each topic")
+def expect_displays_on(evidence: Evidence, *topics: str, call: int = 0) -> Iterable[Problem]:
+    """Expect exactly one enabled display on each of these topics, and no display on another topic."""
+    there = Counter(_topic_of(config) for config in _displays(_layout(evidence, call).displays))
+    for topic in dict.fromkeys([*topics, *filter(None, there)]):
+        if there[topic] != (topic in topics):
+            message = f"{there[topic]} enabled displays listen to {topic!r}, expected {int(topic in topics)}"
+            yield Problem(message, "a topic has no display, or more than one")
+
+
+@word("the displays {class_name} differ in color")
+def expect_colors_apart(
+    evidence: Evidence, class_name: str, by: float, *, call: int = 0
+) -> Iterable[Problem]:
+    """Expect colors that differ between any two displays of a class, in some channel, by `by` of 255."""
+    configs = _of_class(_layout(evidence, call), class_name)[:MOST_COLORS]
+    colors = [_color_of(config) for config in configs]
+    if len(colors) < 2:
+        message = f"the layout has one enabled display {class_name}, expected two"
+        return [Problem(message, "a display is missing, or not enabled")]
+    pairs = combinations(colors, 2)
+    if all(max(abs(a - b) for a, b in zip(one, other, strict=True)) >= by for one, other in pairs):
+        return []
+    listed_colors = listed(["; ".join(f"{channel:g}" for channel in color) for color in colors])
+    message = f"the colors of {class_name} are {listed_colors}: no channel differs by {by:g} or more"
+    return [Problem(message, "the colors of two displays do not differ clearly")]
 
 
 @word("{class_name} draws, with no warning")
@@ -164,7 +209,29 @@ def _class_of(config: Config) -> str:
 
 def _topic_of(config: Config) -> str:
     topic = next((config[label] for label in TOPICS if label in config), None)
-    return text_at(topic, "Value") if isinstance(topic, Mapping) else str(topic)
+    return text_at(topic, "Value") if isinstance(topic, Mapping) else str(topic or "")
+
+
+def _color_of(config: Config) -> tuple[float, ...]:
+    """Return red, green and blue of a display, 0 to 255; raise the problem if there are none."""
+    text = text_at(config, "Color") or USUAL_COLOR
+    try:
+        red, green, blue = (float(part) for part in text.split(";"))
+    except ValueError as error:
+        raise Problem(
+            f"the color is {text!r}, expected like '25; 255; 0'", "a color is not a color"
+        ) from error
+    return red, green, blue
+
+
+def _outside(config: Config, within: Mapping[str, tuple[float, float]]) -> Iterator[Problem]:
+    for label, (low, high) in within.items():
+        value = _typed(config.get(label), low)
+        if not isinstance(value, int | float):
+            yield Problem(f"the view has no {label}", "a value of the view is missing")
+        elif not low <= value <= high:
+            message = f"{label!r} of the view is {value:g}, expected {low:g} to {high:g}"
+            yield Problem(message, "the camera is where nothing can be seen")
 
 
 def _values(config: Config, properties: Mapping[str, Any], what: str) -> Iterator[Problem]:

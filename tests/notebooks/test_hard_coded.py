@@ -1,0 +1,73 @@
+"""An answer that is made of what the public scenarios show earns next to nothing."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from course_lib.grading.judge import Run, judge_task
+from course_lib.grading.task import Scenario, Task, resolve
+from course_lib.ros.clock import START_NS
+from tests.notebooks.test_answers import catalog, judged, run_of, solution
+
+MOST = 0.1  # of a task's points
+WEEKS = ("week05",)
+
+
+def asked(scenario: Scenario, personal: Mapping[str, Any]) -> list[str]:
+    return [repr(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
+
+
+def has_inputs(task: Task) -> bool:
+    """Return whether there is more to a public scenario than the task itself says."""
+    return any(s.inputs or any(c.args or c.kwargs for c in s.calls) for s in task.scenarios)
+
+
+def replays(runs: list[Run]) -> Iterator[list[Run]]:
+    """Return the hidden runs as they were, if the code had repeated a public run's answers or messages."""
+    public, hidden = [run for run in runs if not run.hidden], [run for run in runs if run.hidden]
+    known = {
+        question: answer
+        for run in public
+        for question, answer in zip(
+            asked(run.scenario, run.evidence.personal), run.evidence.returns, strict=False
+        )
+    }
+    for shown in public:
+        made = []
+        for run in hidden:
+            end_ns = START_NS + round(run.scenario.seconds * 1e9)
+            samples = tuple(s for s in shown.evidence.samples if s.stamp_ns <= end_ns)
+            returns = tuple(known.get(q) for q in asked(run.scenario, run.evidence.personal))
+            made.append(replace(run, evidence=replace(run.evidence, samples=samples, returns=returns)))
+        yield [*public, *made]
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_what_a_public_run_shows_is_worth_at_most_a_tenth_when_it_is_hard_coded(week: str) -> None:
+    runs, earned = run_of(solution(week)).runs, {}
+    for task in judged(week):
+        if has_inputs(task):
+            for one in replays([run for run in runs if run.evidence.task == task.id]):
+                result = judge_task(task, *catalog().points(task), one)
+                if result.fraction > MOST:
+                    earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
+    assert earned == {}
+
+
+@pytest.mark.parametrize("week", WEEKS)
+@pytest.mark.parametrize("answer", [None, [], 0.0, 1.0, "", {}, [0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+def test_one_answer_to_all_questions_is_worth_at_most_a_tenth(week: str, answer: Any) -> None:
+    runs, earned = run_of(solution(week)).runs, {}
+    for task in judged(week):
+        if task.kind == "function":
+            made = [
+                replace(run, evidence=replace(run.evidence, returns=(answer,) * len(run.evidence.returns)))
+                for run in runs
+                if run.evidence.task == task.id
+            ]
+            result = judge_task(task, *catalog().points(task), made)
+            if result.fraction > MOST:
+                earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
+    assert earned == {}
