@@ -6,6 +6,7 @@ Threads that the baton does not know (Jupyter's own) run as ever, by the wall cl
 """
 
 import _thread
+import itertools
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ from contextlib import contextmanager
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.program_thread import ProgramThread, StoppedProgram, StoppedThread, always
+from course_lib.ros.program_thread import ProgramThread, StoppedProgram, StoppedThread, Wait, always
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -33,12 +34,12 @@ class Baton:
         self._polls_in_cells = 0  # a cell may loop over calls of the kit
         self._waiting: list[ProgramThread] = []
         self._holder: ProgramThread | None = None
-        self._made = 0
+        self._numbers = itertools.count(1)  # of threads, in the order of their making
         self._mutex = _thread.allocate_lock()
 
     def governs(self, ident: int | None = None) -> bool:
-        """Say whether a thread, by default the calling one, belongs to the program."""
-        return (ident or _thread.get_ident()) in self._threads
+        """Return whether a thread, by default the calling one, belongs to the program."""
+        return (_thread.get_ident() if ident is None else ident) in self._threads
 
     @contextmanager
     def known(self) -> Iterator[None]:
@@ -49,7 +50,8 @@ class Baton:
             me.depth += 1
         else:
             thread = threading.current_thread()
-            me = self.new_thread(thread.name, main=thread is threading.main_thread())
+            main = thread is threading.main_thread()
+            me = self.new_thread(thread.name, main=main, visits=not main)
             me.polls = self._polls_in_cells if me.main and current_graph().notebook else 0
             self.enter(me)
         try:
@@ -72,14 +74,13 @@ class Baton:
             if me is not None:
                 self._threads[ident] = me
 
-    def new_thread(self, name: str, *, main: bool = False) -> ProgramThread:
-        """Give a thread its place in the order of threads."""
-        self._made += 1
-        return ProgramThread(self._made, name=name, main=main)
+    def new_thread(self, name: str, *, main: bool = False, visits: bool = False) -> ProgramThread:
+        """Make a thread's place in the order of threads."""
+        return ProgramThread(next(self._numbers), name=name, main=main, visits=visits)
 
     def line_up(self, thread: ProgramThread) -> None:
         """Let a thread that has just been started wait for its first turn."""
-        thread.graph, thread.ready, thread.what = current_graph(), always, "its start"
+        thread.wait = Wait(current_graph(), always, "its start")
         self._waiting.append(thread)
 
     def drop_out(self, thread: ProgramThread) -> None:
@@ -90,7 +91,7 @@ class Baton:
         """Make the calling thread a program thread; returns when it has the baton."""
         with self._mutex:
             self._threads[_thread.get_ident()] = me
-            if me.graph is None:
+            if me.wait is None:
                 self.line_up(me)
             self._give(None, me)
         self._await_turn(me)
@@ -101,8 +102,9 @@ class Baton:
         with self._mutex:
             me.done = True
             del self._threads[_thread.get_ident()]
-            heir = None  # without the main thread time stands still
-            if not me.main:
+            if me.main:  # without the main thread time stands still
+                heir = next((t for t in self._waiting if t.can_visit()), None)
+            else:
                 heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
             self._give(me, heir)
 
@@ -121,16 +123,19 @@ class Baton:
         me.polls = 0
         if graph.ended:
             self._count_wait_after_end(me)
+        outer, me.wait = me.wait, Wait(graph, ready, what, events_help=events_help)
         alarm = None
         if until_ns is not None:
-            alarm = graph.call_at(until_ns, me.pass_deadline, node=THREADS, entity=me.index)
-        me.graph, me.ready, me.what, me.events_help = graph, ready, what, events_help
-        me.has_deadline = alarm is not None
+            me.wait.has_deadline = True
+            alarm = graph.call_at(until_ns, me.wait.pass_deadline, node=THREADS, entity=me.index)
         try:
-            self._waiting.append(me)
+            if outer is None:  # else it is inside an event, while an outer wait lets events happen
+                self._waiting.append(me)
             self._run_others(me, graph)
         finally:
-            self._stop_waiting(me)
+            me.wait = outer
+            if outer is None:
+                self._stop_waiting(me)
             if alarm is not None:
                 alarm.cancel()
         _raise_pending(me)
@@ -154,13 +159,13 @@ class Baton:
     def let_others_finish(self) -> None:
         """After the end of a run: let the other threads return from their waits and come to their ends."""
         graph, me = current_graph(), self._threads[_thread.get_ident()]
-        while any(thread.graph is graph for thread in self._waiting):
+        while any(thread.waits_in(graph) for thread in self._waiting):
             me.waits_after_end = 0
             self.wait(_never, until_ns=None, what="the others' ends")
 
     def interrupt(self, thread: threading.Thread) -> None:
         """Raise KeyboardInterrupt in a thread of the program, in its present wait or its next one."""
-        for ident, program_thread in self._threads.items():
+        for ident, program_thread in list(self._threads.items()):
             if ident == thread.ident:
                 program_thread.raises = KeyboardInterrupt()
 
@@ -189,15 +194,20 @@ class Baton:
         return min(able, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 
     def _events_can_help(self, graph: Graph) -> bool:
-        return any(t.events_help or t.has_deadline for t in self._waiting if t.graph is graph)
+        waits = [t.wait for t in self._waiting if t.wait is not None and t.wait.graph is graph]
+        return any(wait.events_help or wait.has_deadline for wait in waits)
 
     def _name_deadlock(self, me: ProgramThread, graph: Graph) -> None:
-        waits = ", ".join(f'thread "{t.name}" waits for {t.what}' for t in self._waiting if t.graph is graph)
+        waits = ", ".join(
+            f'thread "{t.name}" waits for {t.wait.what}'
+            for t in self._waiting
+            if t.wait is not None and t.wait.graph is graph
+        )
         error = DeadlockError(
             f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or another "
             "thread; give it a time limit, or let another thread spin."
         )
-        main = next((t for t in self._waiting if t.main and t.graph is graph), me)
+        main = next((t for t in self._waiting if t.main and t.waits_in(graph)), me)
         main.raises = error
 
     def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
@@ -233,8 +243,7 @@ class Baton:
     def _stop_waiting(self, me: ProgramThread) -> None:
         if me in self._waiting:
             self._waiting.remove(me)
-        me.graph, me.ready, me.events_help = None, always, True
-        me.has_deadline = me.deadline_passed = False
+        me.wait = None
 
 
 def _raise_pending(me: ProgramThread) -> None:

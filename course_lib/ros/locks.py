@@ -26,7 +26,7 @@ class ProgramLock:
     def __init__(self, *, returns_at_end: bool = False) -> None:
         self._real = _thread.allocate_lock()
         self._returns_at_end = returns_at_end
-        self._owner = 0  # identifier of the thread that took it last
+        self._owner: int | None = None  # identifier of the thread that holds it, once that is noted
         self._taken_by_program = False
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
@@ -38,7 +38,9 @@ class ProgramLock:
         return taken
 
     def release(self) -> None:
-        """Release the lock."""
+        """Release the lock; the former owner is forgotten before anyone can take it."""
+        if self._real.locked():
+            self._owner, self._taken_by_program = None, False
         self._real.release()
 
     def locked(self) -> bool:
@@ -48,16 +50,25 @@ class ProgramLock:
     def _wait(self, timeout: float) -> bool:
         until_ns = None if timeout < 0 else current_graph().now_ns + round(timeout * 1e9)
         while not self._real.acquire(False):
-            if not self._taken_by_program and not baton.governs(self._owner):
-                wall.sleep(BRIEFLY)  # whoever has it goes by the wall clock
+            if self._is_held_outside():
+                wall.sleep(BRIEFLY)
                 continue
-            free = baton.wait(self._is_free, until_ns=until_ns, what="a lock", events_help=False)
-            if not free and (until_ns is not None or self._returns_at_end):
+            able = baton.wait(self._can_be_tried, until_ns=until_ns, what="a lock", events_help=False)
+            if not able and (until_ns is not None or self._returns_at_end):
                 return False
         return True
 
-    def _is_free(self) -> bool:
-        return not self._real.locked()
+    def _is_held_outside(self) -> bool:
+        """Return whether the holder goes by the wall clock: it does not belong to the program now.
+
+        A thread of the program that has just taken the lock has noted it before another one can look.
+        """
+        if self._taken_by_program:
+            return False
+        return self._owner is None or not baton.governs(self._owner)
+
+    def _can_be_tried(self) -> bool:
+        return not self._real.locked() or self._is_held_outside()
 
     def _at_fork_reinit(self) -> None:
         self._real = _thread.allocate_lock()
@@ -88,8 +99,11 @@ class SimpleQueue(_RealSimpleQueue[Any]):
 
 
 def _made_for_the_program() -> bool:
-    """Whether the program may use what is made here: also what a cell makes, between calls of the kit."""
-    return baton.governs() or threading.current_thread() is threading.main_thread()
+    """Return whether the program may use what is made here: also what a cell makes, between calls of the kit.
+
+    `current_thread()` would make an object with locks for a thread that Python has not started.
+    """
+    return baton.governs() or _thread.get_ident() == threading.main_thread().ident
 
 
 def make_waiter() -> Any:

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import TYPE_CHECKING
@@ -35,14 +35,14 @@ def run_files(
     """Run Python, launch files and notebooks as if each were started alone; they share the current graph.
 
     `args` is what each finds in `sys.argv` behind its name; `beside` is started last; `own` are executables
-    that launch files may start beside those of packages. A CourseError says which file cannot be run.
-    Returns the first exit code that is not 0.
+    that launch files may start beside those of packages. Notebooks without other programs work in their
+    folder, as in Jupyter. A CourseError says which file cannot be run. Returns the first exit code that is not 0.
     """
     standin_path.install()
     virtual_time.install()
     programs: list[Process] = [_program(file, args, own or {}) for file in files]
     programs += beside
-    with _interpreter_kept(), seeded(seed), baton.known():
+    with _interpreter_kept(), _folder_of_notebooks(programs), seeded(seed), baton.known():
         if len(programs) == 1:
             programs[0].run()
         else:
@@ -104,7 +104,9 @@ class NotebookProgram(Process):
         except OSError as error:
             raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
         except (ValueError, KeyError, TypeError) as error:
-            raise CourseError(f"{file} is no notebook of format 4. Save it again in JupyterLab.") from error
+            raise CourseError(
+                f"{file} is not a notebook of format 4. Save it again in JupyterLab."
+            ) from error
 
     def work(self) -> None:
         """Run the cells; IPython shows what one raises."""
@@ -113,6 +115,13 @@ class NotebookProgram(Process):
             if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
                 self.exit_code = 1
                 return
+
+
+def _folder_of_notebooks(programs: Sequence[Process]) -> AbstractContextManager[None]:
+    """Work in the folder of the programs, where all are notebooks of one folder."""
+    folders = {p.file.resolve().parent if isinstance(p, NotebookProgram) else None for p in programs}
+    folder = folders.pop() if len(folders) == 1 else None
+    return nullcontext() if folder is None else chdir(folder)
 
 
 @contextmanager

@@ -19,33 +19,61 @@ def always() -> bool:
     return True
 
 
-class ProgramThread:
-    """Where a thread of the program stands in their order, and whether it can go on."""
+class Wait:
+    """One wait of a program thread: what ends it, and what a deadlock message calls it."""
 
-    def __init__(self, index: int, *, name: str, main: bool) -> None:
+    __slots__ = ("deadline_passed", "events_help", "graph", "has_deadline", "ready", "what")
+
+    def __init__(
+        self, graph: Graph, ready: Callable[[], bool], what: str, *, events_help: bool = True
+    ) -> None:
+        self.graph = graph
+        self.ready = ready
+        self.what = what
+        self.events_help = events_help
+        self.has_deadline = False
+        self.deadline_passed = False
+
+    def pass_deadline(self) -> None:
+        """Note that the deadline has come: the event that ends the wait."""
+        self.deadline_passed = True
+
+
+class ProgramThread:
+    """The place of one thread in the order of threads, and its wait.
+
+    Args:
+        index: Its place in the order.
+        name: What a deadlock message calls it.
+        main: It is Python's main thread.
+        visits: An ordinary thread that belongs to the program for the time of one `with baton.known()`.
+    """
+
+    def __init__(self, index: int, *, name: str, main: bool, visits: bool = False) -> None:
         self.index = index
         self.name = name
         self.main = main
-        self.turn = _thread.allocate_lock()  # held; released by whoever hands over the baton
+        self.visits = visits
+        self.turn = _thread.allocate_lock()  # held; released by the thread that hands over the baton
         self.turn.acquire()
-        self.graph: Graph | None = None  # the run it waits in; None while it is running
-        self.ready: Callable[[], bool] = always
-        self.has_deadline = False
-        self.deadline_passed = False
-        self.what = ""
-        self.events_help = True
+        self.wait: Wait | None = None  # the innermost one; None while it is running
         self.depth = 1
         self.polls = 0
         self.waits_after_end = 0
         self.raises: BaseException | None = None
         self.done = False
 
-    def can_run(self, graph: Graph) -> bool:
-        """Say whether its wait is over."""
-        if self.graph is not graph:
-            return False
-        return self.deadline_passed or graph.ended or self.raises is not None or self.ready()
+    def waits_in(self, graph: Graph) -> bool:
+        """Return whether it waits in a run."""
+        return self.wait is not None and self.wait.graph is graph
 
-    def pass_deadline(self) -> None:
-        """Note that its deadline has come: the event that ends its wait."""
-        self.deadline_passed = True
+    def can_run(self, graph: Graph) -> bool:
+        """Return whether it waits in a run, and its wait is over."""
+        wait = self.wait
+        if wait is None or wait.graph is not graph:
+            return False
+        return wait.deadline_passed or graph.ended or self.raises is not None or wait.ready()
+
+    def can_visit(self) -> bool:
+        """Return whether it is a visitor whose wait is over, in whichever run."""
+        return self.visits and self.wait is not None and self.can_run(self.wait.graph)

@@ -3,11 +3,12 @@
 import re
 import shlex
 import sys
-from _thread import interrupt_main
+import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
+from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
@@ -43,7 +44,10 @@ def ros2_magic(line: str) -> None:
 
 
 def timeout_magic(line: str) -> None:
-    """Run a `ros2` command for so many seconds of robot time, then do what ■ does, as Linux's timeout."""
+    """Run a `ros2` command for so many seconds of robot time, then end it as ■ does, like Linux's timeout.
+
+    No signal is sent: `course run` counts those as the user's Ctrl+C, and rclpy shuts down at one.
+    """
     from IPython.core.error import UsageError
 
     found = re.fullmatch(r"([\d.]+)s?\s+ros2\s+(.+)", line.strip())
@@ -51,9 +55,9 @@ def timeout_magic(line: str) -> None:
         raise UsageError(
             f"%timeout {line}: write the seconds, then the command: %timeout 5 ros2 topic hz /scan"
         )
-    graph = current_graph()
+    graph, thread = current_graph(), threading.current_thread()
     due_ns = graph.now_ns + round(float(found[1]) * 1e9)
-    alarm = graph.call_at(due_ns, interrupt_main, node=0, entity=0)
+    alarm = graph.call_at(due_ns, lambda: baton.interrupt(thread), node=0, entity=0)
     try:
         ros2_magic(found[2])
     finally:

@@ -1,10 +1,12 @@
+import _thread
 import queue
 import threading
 import time
+from typing import Any
 
 import pytest
 
-from course_lib.ros import virtual_time, wall
+from course_lib.ros import locks, virtual_time, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, use_graph
 
@@ -64,6 +66,81 @@ def test_a_lock_that_an_ordinary_thread_holds_is_waited_for_by_the_wall_clock() 
             assert graph.now_ns == start_ns
 
 
+class JustTaken:
+    """A real lock whose next taker stops before it has noted that it has it."""
+
+    def __init__(self, real: Any) -> None:
+        self._real, self.stops = real, True
+        self.taken, self.go_on = _thread.allocate_lock(), _thread.allocate_lock()
+        self.taken.acquire()
+        self.go_on.acquire()
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        taken: bool = self._real.acquire(blocking, timeout)
+        if taken and self.stops:
+            self.stops = False
+            self.taken.release()
+            self.go_on.acquire()
+        return taken
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+
+@pytest.mark.parametrize("program_had_it_before", [False, True])
+def test_a_lock_that_an_ordinary_thread_has_just_taken_is_no_deadlock(
+    program_had_it_before: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    virtual_time.install()
+    lock = locks.ProgramLock()
+    real_sleep, ends = wall.sleep, _thread.allocate_lock()
+
+    def take_and_release() -> None:
+        with ends, lock:
+            pass
+
+    def sleep(seconds: float) -> None:  # the waiting thread has looked at the lock
+        if just_taken.go_on.locked():
+            just_taken.go_on.release()
+        real_sleep(seconds)
+
+    monkeypatch.setattr(wall, "sleep", sleep)
+    with use_graph(Graph()), baton.known():
+        if program_had_it_before:
+            with lock:
+                pass
+        lock._real = just_taken = JustTaken(lock._real)  # type: ignore[assignment]  # it acts as one
+        _thread.start_new_thread(take_and_release, ())
+        just_taken.taken.acquire()
+        with lock:
+            assert not just_taken.stops
+        ends.acquire()
+
+
+def test_a_lock_that_a_visitor_keeps_beyond_its_visit_is_no_deadlock() -> None:
+    virtual_time.install()
+    lock = locks.ProgramLock()
+    held, visited, ended = (_thread.allocate_lock() for _ in range(3))
+    held.acquire(), visited.acquire(), ended.acquire()
+
+    def visit() -> None:
+        with lock:
+            held.release()
+            with baton.known():  # it comes in when the main thread waits for the lock
+                visited.release()
+            wall.sleep(0.05)
+        ended.release()
+
+    with use_graph(Graph()), baton.known():
+        _thread.start_new_thread(visit, ())
+        held.acquire()
+        while not baton._waiting:
+            wall.sleep(0.001)
+        with lock:
+            assert not visited.locked()
+        ended.acquire()
+
+
 def test_a_lock_behaves_as_python_s_own() -> None:
     virtual_time.install()
     lock = threading.Lock()
@@ -74,3 +151,19 @@ def test_a_lock_behaves_as_python_s_own() -> None:
     lock.release()
     with pytest.raises(RuntimeError, match="release unlocked lock"):
         lock.release()
+
+
+def test_a_thread_that_python_did_not_start_can_make_a_lock() -> None:
+    virtual_time.install()
+    ended, made = _thread.allocate_lock(), []
+    ended.acquire()
+
+    def make() -> None:
+        try:
+            made.append((threading.Lock(), threading.RLock(), threading.current_thread()))
+        finally:
+            ended.release()
+
+    _thread.start_new_thread(make, ())
+    ended.acquire()
+    assert made

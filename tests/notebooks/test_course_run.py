@@ -1,0 +1,46 @@
+"""`course run` runs every lesson and every solution to its end."""
+
+from pathlib import Path
+
+import pytest
+
+from course_lib.course.files import lessons_dir, solutions_dir
+from course_lib.tools.run import run
+from tests.export.conftest import write_notebook
+from tests.test_cli import course
+
+LESSONS, SOLUTIONS = sorted(lessons_dir().glob("*.ipynb")), sorted(solutions_dir().glob("*.ipynb"))
+TIMED = [
+    "%load_ext course_lib",
+    "import rclpy\nrclpy.init()",
+    "%timeout 1 ros2 topic hz /nothing",
+    "%timeout 1 ros2 topic hz /nothing",
+    "print('ok:', rclpy.ok())",
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("notebook", [*LESSONS, *SOLUTIONS], ids=lambda path: path.stem)
+def test_a_notebook_runs_to_its_end(
+    notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COURSE_STRICT", "1" if notebook in SOLUTIONS else "0")
+    copy = tmp_path / notebook.name  # it writes files beside itself
+    copy.write_bytes(notebook.read_bytes())
+    code = run([copy], seconds=None, seed=0, bag=None, args=(), real_time=False)
+    shown = capfd.readouterr()
+    assert (code, "Traceback" in shown.out + shown.err) == (0, False), shown
+
+
+def test_a_timeout_is_not_counted_as_the_user_s_ctrl_c(tmp_path: Path) -> None:
+    write_notebook(tmp_path / "timed.ipynb", TIMED)
+    done = course("run", "timed.ipynb", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.count("Stopped after 1.0 s of robot time.\n") == 2
+    assert done.stdout.endswith("ok: True\n")
+
+
+def test_a_notebook_works_in_its_own_folder_as_in_jupyter(tmp_path: Path) -> None:
+    (tmp_path / "lessons").mkdir()
+    write_notebook(tmp_path / "lessons" / "where.ipynb", ["from pathlib import Path\nprint(Path.cwd().name)"])
+    assert course("run", "lessons/where.ipynb", cwd=tmp_path).stdout == "lessons\n"
