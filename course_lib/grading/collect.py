@@ -16,12 +16,13 @@ from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.arrivals import Arrival, arrivals
 from course_lib.grading.gradebook import harmless
+from course_lib.grading.ids import ID_FROM, PLATFORM, ROSTER
 from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.received import LIST, TIMESTAMP
 from course_lib.grading.table import printable
 
 KEPT = (".ipynb", ".zip", ".rviz", ".yaml", ".yml", ".py")
-COLUMNS = ("file", "received", "late", "name", "handed_in_as")
+COLUMNS = ("file", "received", "late", "name", "handed_in_as", ID_FROM)
 NBGRADERS = "submitted"  # its folder around the students'
 NUMBERS = {"ID": "{}", "Identifier": "Participant {}"}  # a platform's column of its number of a student
 # How platforms name what was handed in. Moodle keeps times, Canvas only says what it takes for late.
@@ -106,6 +107,7 @@ def _sender(arrival: Arrival, zone: ZoneInfo, ids: Mapping[str, str]) -> Sender:
         if match := MOODLE.fullmatch(part) or CANVAS.fullmatch(part):
             student = ids.get(match["number"], "") or normalise(_default(match))
             row = {"name": match["name"], "late": "yes" if match.groupdict().get("late") else ""}
+            row[ID_FROM] = ROSTER if match["number"] in ids else PLATFORM
             if match.re is MOODLE:
                 row["received"] = _in(zone, arrival.time).isoformat()
             return Sender(student, Path(student, (match["file"] or part) if is_last else parts[-1]), row)

@@ -9,7 +9,6 @@ from course_lib.grading.catalog import Catalog
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.job import Job, plan
 from course_lib.grading.judge import Run, TaskResult, judge_task
-from course_lib.grading.personal import personal_values
 from course_lib.grading.runner import CellLog, Session
 from course_lib.grading.task import Task
 from course_lib.grading.usage import Usage
@@ -68,8 +67,7 @@ def run_exercise(
 
 def run_scenarios(job: Job) -> ExerciseRun:
     """Run all scenarios; nothing is judged yet."""
-    personal = {step.task.id: personal_values(step.task, job.student) for step in job.steps}
-    with closing(Session(job.cells, personal, job.limits, files=job.files)) as session:
+    with closing(Session(job.cells, job.personal, job.limits, files=job.files)) as session:
         runs = [Run(s.scenario, session.run(s.task, s.scenario), s.hidden) for s in job.steps]
     return ExerciseRun((), tuple(runs), session.log, session.isolation, usage=session.usage)
 

@@ -11,6 +11,8 @@ from typing import Any
 
 from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
+from course_lib.grading.attention import concerns
+from course_lib.grading.copies import compare_class
 from course_lib.grading.executors import executors, flow
 from course_lib.grading.grade_one import (
     Course,
@@ -26,6 +28,7 @@ from course_lib.grading.grade_one import (
 )
 from course_lib.grading.grade_progress import Row, broken_lines, counts, say, task_lines, watched
 from course_lib.grading.gradebook import results_in
+from course_lib.grading.ids import with_ids
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.job import Job
 from course_lib.grading.out_folder import OutError, sole_use, writing
@@ -78,7 +81,8 @@ def grade(
         CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
     """
     course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
-    chosen = _chosen(find_submissions(submissions, catalog_of(course).course.counts), only)
+    found = with_ids(find_submissions(submissions, catalog_of(course).course.counts), submissions)
+    chosen = _chosen(found, only)
     with sole_use(out):
         batches, work = _plan(chosen, course)
         if resume:
@@ -92,6 +96,8 @@ def grade(
         except KeyboardInterrupt:
             say("Interrupted. Nothing is lost: the same command with --resume goes on.")
             raise
+        with writing(out):
+            compare_class(found, out, course.exercises, catalog_of(course).course.time_zone)
         _finish(rows, batches, out, course)
     return all(row["status"] in GRADED for row in rows)
 
@@ -212,4 +218,6 @@ def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Co
     say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
+    for concern in concerns(results_in(out), out):
+        say(f"Look at: {concern.line(out)}")
     say(f"Wrote {' and '.join(files)}")

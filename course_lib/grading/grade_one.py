@@ -75,7 +75,7 @@ def prepared(submission: Submission, course: Course) -> tuple[Submission, Job | 
         return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
     steps = tuple(step.unjudged() for step in plan(tasks, catalog, hidden=True))
     limits = catalog.course.limits
-    job = Job(notebook.cells, submission.claimed, steps, limits, dict(submission.files), course.sandbox)
+    job = Job(notebook.cells, submission.values_of, steps, limits, dict(submission.files), course.sandbox)
     return replace(bare, key=job.key), job
 
 

@@ -10,6 +10,7 @@ import msgpack
 from course_lib.course.course_file import Limits
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.jail.isolation import Need
+from course_lib.grading.personal import personal_values
 from course_lib.grading.task import Scenario, Task
 
 ANSWER = (Scenario("answer"),)  # a task that a person marks may have no scenario, and yet its text is needed
@@ -35,7 +36,7 @@ class Job:
 
     Args:
         cells: Its code.
-        student: The ID that it claims; personal values derive from it.
+        student: The ID that personal values derive from; None is a guest.
         steps: The scenarios in order.
         limits: What it may use.
         files: What was handed in beside it, by path.
@@ -50,10 +51,15 @@ class Job:
     need: Need = "any"
 
     @property
+    def personal(self) -> dict[str, dict[str, Any]]:
+        """The student's own values, by task."""
+        return {step.task.id: personal_values(step.task, self.student) for step in self.steps}
+
+    @property
     def key(self) -> str:
-        """The same for what has the same evidence: identical files, of the same inputs."""
+        """The same for what has the same evidence: identical files, inputs and personal values."""
         steps = [step.unjudged() for step in self.steps]
-        content = [self.cells, self.student, sorted(self.files.items()), steps]
+        content = [self.cells, self.personal, sorted(self.files.items()), steps]
         return hashlib.sha256(msgpack.packb(content, default=_by_field)).hexdigest()[:32]
 
 

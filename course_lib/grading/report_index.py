@@ -10,6 +10,8 @@ from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
 from course_lib.course.whole_file import write_whole
+from course_lib.grading.attention import concerns, flags
+from course_lib.grading.copies import alike_in
 from course_lib.grading.gradebook import results_in, write_gradebook
 from course_lib.grading.table import fill
 from course_lib.grading.usage import read_usage
@@ -30,11 +32,12 @@ def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
 def write_index(out: Path, zone: ZoneInfo) -> Path:
     """Write OUT/reports/index.html from all that OUT/results holds, times in a zone."""
     results = list(results_in(out))
-    failures = _failures(results)
+    failures, alike = _failures(results), alike_in(out)
     page = fill(
         "index.html",
         headings=[heading for _, heading in COLUMNS],
-        lines=[_line(result, out, zone) for result in results],
+        lines=[{**_line(result, out, zone), "flags": flags(result, alike)} for result in results],
+        concerns=concerns(results, out),
         counts=sorted(Counter(result["row"]["status"] for result in results).items()),
         isolations=Counter(result["isolation"] for result in results).most_common(),
         failures=[row for row in failures if row["failed"]],

@@ -11,6 +11,7 @@ from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.hand_marks import HandMark, apply_marks, marks_path, read_marks
+from course_lib.grading.ids import MISMATCH
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks import Mark, mark
 from course_lib.grading.submission import Submission
@@ -119,6 +120,11 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
     pairs = zip(tasks, results, strict=True)
     if any(one.waits or (task["rubric"] and one.manual is None) for task, one in pairs):
         row["status"] = "needs_marking"
+    if results and content.get("id_flag") == MISMATCH:
+        row["reason"] = ", ".join(filter(None, (row["reason"], MISMATCH)))
+        row["message"] = f"{content['id_note']}; {row['message']}"
+        if not marks:  # a person who gave marks has seen it
+            row["status"] = "needs_marking"
     return {name: row[name] for name in COLUMNS}
 
 

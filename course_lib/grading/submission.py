@@ -21,7 +21,9 @@ from course_lib.grading.working_files import working_files
 RECEIPT = "receipt.json"
 SUFFIXES = (".ipynb", ".zip")
 RESERVED = (".html", ".js")  # files that lie beside the students' folders of reports
-PLAIN = ("student", "exercise", "claimed", "sha256", "problem", "key", "twins")  # fields of plain data
+PLAIN = (  # fields of plain data
+    "student", "exercise", "claimed", "sha256", "problem", "key", "twins", "values_of", "id_flag", "id_note",
+)  # fmt: skip
 NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
 
 
@@ -36,12 +38,15 @@ class Submission:
         received: When, and how that is known.
         notebook: Its cells and claims; None if it can't be read.
         files: Texts that came with it, by their paths from its folder.
-        claimed: The ID that the file itself names; personal values derive from it.
+        claimed: The ID that the file itself names.
         sha256: Of the notebook, and of its files if it has any.
         problem: Why it can't be graded, or "".
         key: Of its evidence, if it can be graded.
         twins: Others who handed in the same file.
         rivals: Files and folders that say to be this same student's: somebody may have taken the ID.
+        values_of: The student whose personal values count; None is a guest.
+        id_flag: What is wrong with the ID that the file names, in two or three words, or "".
+        id_note: The same as a sentence.
     """
 
     student: str
@@ -56,6 +61,9 @@ class Submission:
     key: str = ""
     twins: tuple[str, ...] = ()
     rivals: tuple[str, ...] = ()
+    values_of: str | None = None
+    id_flag: str = ""
+    id_note: str = ""
 
     @property
     def notes(self) -> list[str]:
@@ -63,11 +71,7 @@ class Submission:
         notes = [f"the same file as that of {', '.join(self.twins)}"] if self.twins else []
         if self.rivals:
             notes.append(f"this counts, of what says to be {self.student}'s in {', '.join(self.rivals)}")
-        if not self.sha256 or self.claimed == self.student:
-            return notes
-        if self.claimed is None:
-            return [*notes, "the file names no student: personal values are those of a guest"]
-        return [*notes, f"the file names {self.claimed}, but {self.student} handed it in"]
+        return [*notes, self.id_note] if self.id_note else notes
 
     def as_plain(self) -> dict[str, Any]:
         """What a result file says of it."""
@@ -82,7 +86,7 @@ class Submission:
     def from_plain(cls, content: Mapping[str, Any]) -> "Submission":
         """The one of a result file, without its notebook; its evidence is stored."""
         when = Received(datetime.fromisoformat(content["received"]), content["received_from"])
-        same = {name: content[name] for name in PLAIN}
+        same = {name: content[name] for name in PLAIN if name in content}
         return cls(path=Path(content["file"]), received=when, **{**same, "twins": tuple(content["twins"])})
 
 

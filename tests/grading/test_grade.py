@@ -116,7 +116,7 @@ def test_the_same_submission_gives_the_same_files_again(
     files = [path.relative_to(tmp_path / "one") for path in (tmp_path / "one").rglob("*.*") if path.is_file()]
     differ = ("index.html", ".lock")  # the index tells CPU and memory
     files = [path for path in files if not path.name.endswith((".usage.json", *differ))]
-    assert len(files) == 8
+    assert len(files) == 10
     for file in files:
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 

@@ -1,0 +1,169 @@
+"""Whose personal values count, and what shows that a file names another student."""
+
+import csv
+import re
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from course_lib.grading.collect import collect
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course, catalog_of
+from course_lib.grading.ids import MISMATCH, NO_ID, UNVERIFIED, with_ids
+from course_lib.grading.job import Job, plan
+from course_lib.grading.lms import fill_lms
+from course_lib.grading.mark_by_hand import mark_by_hand
+from course_lib.grading.personal import personal_values
+from course_lib.grading.submission import find_submissions
+
+WriteNotebook = Callable[..., Path]
+NAME = "week01_exercise.ipynb"
+
+
+def judged(top: Path) -> dict[str, tuple[str | None, str]]:
+    """By student: whose personal values count, and the flag."""
+    return {one.student: (one.values_of, one.id_flag) for one in with_ids(find_submissions(top), top)}
+
+
+def rows(out: Path) -> dict[str, dict[str, str]]:
+    with (out / "gradebook.csv").open(newline="") as file:
+        return {row["student"]: row for row in csv.DictReader(file)}
+
+
+def answer(number: int) -> str:
+    return f"answer = {2 * number}"
+
+
+def own_number(course: Course, student: str | None) -> int:
+    return int(personal_values(catalog_of(course).task("week01.answer"), student)["n"])
+
+
+@pytest.fixture
+def strangers(course: Course) -> tuple[str, str]:
+    """Two students whose personal values differ."""
+    names = [f"s{number}" for number in range(20)]
+    other = next(name for name in names if own_number(course, name) != own_number(course, names[0]))
+    return names[0], other
+
+
+def test_the_folder_decides_whatever_id_the_file_names(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    for folder, claims in {"ada": "ada", "bob": "ada", "cleo": " CLEO ", "dora": "nobody"}.items():
+        write_notebook(tmp_path / folder / NAME, "x = 1", student=claims)
+    write_notebook(tmp_path / "emil" / NAME, "x = 1")
+    assert judged(tmp_path) == {
+        "ada": ("ada", ""),
+        "bob": ("bob", MISMATCH),
+        "cleo": ("cleo", ""),
+        "dora": ("dora", MISMATCH),
+        "emil": ("emil", NO_ID),
+    }
+
+
+def test_the_number_of_a_platform_is_not_an_id(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "participant4101" / NAME, "x = 1", student="ada")
+    write_notebook(tmp_path / "Participant_4102" / NAME, "x = 1")
+    write_notebook(tmp_path / "Cleo M_4103_assignsubmission_file_" / NAME, "x = 1", student="cleo")
+    assert judged(tmp_path) == {
+        "participant4101": ("ada", UNVERIFIED),
+        "participant_4102": (None, NO_ID),
+        "cleom_4103_assignsubmission_file_": ("cleo", UNVERIFIED),
+    }
+
+
+def test_two_platform_numbers_with_one_id_are_a_mismatch(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    for folder, claims in {"participant1": "ada", "participant2": "ada", "participant3": "cleo"}.items():
+        write_notebook(tmp_path / folder / NAME, "x = 1", student=claims)
+    assert judged(tmp_path) == {
+        "participant1": ("ada", MISMATCH),
+        "participant2": ("ada", MISMATCH),
+        "participant3": ("cleo", UNVERIFIED),
+    }
+
+
+@pytest.mark.parametrize("name", ["{}_{}_assignsubmission_file_", "{0}_{1}_99_week01_exercise.ipynb"])
+def test_a_roster_makes_ids_of_a_platforms_numbers(
+    tmp_path: Path, write_notebook: WriteNotebook, name: str
+) -> None:
+    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
+        for number, claims in {4101: "ada", 4102: "ada", 4103: "cleo"}.items():
+            path = name.format(f"name{number}", number)
+            notebook = write_notebook(tmp_path / "one" / NAME, f"x = {number}", student=claims)
+            archive.write(notebook, path if path.endswith(".ipynb") else f"{path}/{NAME}")
+    known = "Identifier,ID number\nParticipant 4101,ada\nParticipant 4102,bob\n"
+    if name.endswith(".ipynb"):  # Canvas
+        known = known.replace("Identifier", "ID").replace("Participant ", "")
+    (tmp_path / "roster.csv").write_text(known)
+    collect(tmp_path / "class.zip", tmp_path / "in", ZoneInfo("UTC"), tmp_path / "roster.csv", "ID number")
+    found = judged(tmp_path / "in")
+    assert {key: found[key] for key in ("ada", "bob")} == {"ada": ("ada", ""), "bob": ("bob", MISMATCH)}
+    (unknown,) = found.keys() - {"ada", "bob"}
+    assert unknown.endswith("4103")
+    assert found[unknown] == ("cleo", UNVERIFIED)
+
+
+def test_a_friends_file_is_judged_with_the_values_of_who_handed_it_in(
+    course: Course,
+    right: str,
+    strangers: tuple[str, str],
+    tmp_path: Path,
+    write_notebook: WriteNotebook,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    ada, bob = strangers
+    constant = re.sub("answer = .*", answer(own_number(course, ada)), right)
+    for folder in strangers:
+        path = write_notebook(tmp_path / "in" / folder / NAME, constant, student=ada)
+        path.with_name("timestamp.txt").write_text("2026-10-01 12:00:00 UTC")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    made = rows(tmp_path / "out")
+    assert (made[ada]["final"], made[ada]["status"], made[ada]["reason"]) == ("110.0", "graded", "")
+    assert (made[bob]["final"], made[bob]["status"], made[bob]["reason"]) == (
+        "100.0",
+        "needs_marking",
+        MISMATCH,
+    )
+    assert f"the file names {ada}, but {bob} handed it in" in made[bob]["message"]
+    said = capsys.readouterr().out.splitlines()
+    assert any(line.startswith(f"Look at: {MISMATCH}: 1 submission ({bob} week01_exercise)") for line in said)
+    index = (tmp_path / "out/reports/index.html").read_text()
+    assert index.count(f"<strong>{MISMATCH}</strong>") == 1
+
+
+def test_a_held_back_mark_goes_out_after_a_person_has_looked(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    out, lms = tmp_path / "out", tmp_path / "lms.csv"
+    write_notebook(tmp_path / "in/bob" / NAME, right, student="ada")
+    write_notebook(tmp_path / "in/cleo" / NAME, right, student="cleo")
+    grade(tmp_path / "in", out, jobs=1, course=course)
+    lms.write_text("Name,ID,Grade\nBob,bob,\nCleo,cleo,\n")
+
+    def filled() -> list[str]:
+        fill_lms(out, lms, tmp_path / "to.csv", exercise="week01_exercise", column="Grade", id_column="ID")
+        return [line.rsplit(",", 1)[1] for line in (tmp_path / "to.csv").read_text().splitlines()[1:]]
+
+    assert filled()[0] == ""
+    said = mark_by_hand(out, "bob", "week01_exercise", "week01.half", "40", comment="typo", course=course)
+    assert said.endswith("graded")
+    assert filled()[0] != ""
+    assert f"<strong>{MISMATCH}</strong>" in (out / "reports/index.html").read_text()
+
+
+def test_identical_files_run_once_for_equal_personal_values(
+    course: Course, strangers: tuple[str, str]
+) -> None:
+    tasks = list(catalog_of(course).tasks.values())
+    steps = plan(tasks, catalog_of(course), hidden=True)
+    limits = catalog_of(course).course.limits
+    same = next(
+        name
+        for name in (f"t{number}" for number in range(99))
+        if own_number(course, name) == own_number(course, strangers[0])
+    )
+    keys = [Job(("x = 1",), student, steps, limits).key for student in (*strangers, same)]
+    assert keys[0] == keys[2] != keys[1]
