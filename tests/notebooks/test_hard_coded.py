@@ -9,7 +9,7 @@ import pytest
 from course_lib.grading.judge import Run, judge_task
 from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.ros.clock import START_NS
-from tests.notebooks.test_answers import catalog, judged, run_of, solution
+from tests.notebooks.graded import catalog, judged, run_of, solution
 
 MOST = 0.1  # of a task's points
 WEEKS = ("week05",)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.notebooks.test_answers import cells_of, judged_results, marked, solution
+from tests.notebooks.graded import cells_of, judged_results, marked, solution
 
 TABLES = sorted((Path(__file__).parent / "near_misses").glob("week*.toml"))
 Miss = Mapping[str, str]
