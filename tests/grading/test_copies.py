@@ -16,7 +16,8 @@ from course_lib.grading.gradebook import results_in
 from course_lib.grading.ids import with_ids
 from course_lib.grading.submission import find_submissions
 from tests.grading.test_report_pages import page as page  # a fixture
-from tests.notebooks.graded import ANSWERS, cells_of, solution
+from tests.notebooks.graded import cells_of, solution
+from tests.notebooks.test_answers import ANSWERS
 
 WriteNotebook = Callable[..., Path]
 NAME = "week01_exercise.ipynb"

@@ -13,7 +13,8 @@ from course_lib.grading.copies import handed_out
 from course_lib.grading.copies_page import Work
 from course_lib.grading.fingerprint import fingerprint, normalised
 from course_lib.grading.similarity import Comparison, compare
-from tests.notebooks.graded import ANSWERS, WEEKS, cells_of, solution
+from tests.notebooks.graded import WEEKS, cells_of, solution
+from tests.notebooks.test_answers import ANSWERS
 
 INDEPENDENT = ("other_right", "first_try", "second_try")
 Disguise = Callable[[list[str]], list[str]]
