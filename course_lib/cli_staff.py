@@ -31,13 +31,26 @@ def collect(
     roster: Annotated[
         Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
     ] = None,
-    id_column: Annotated[str, typer.Option(help="The heading of that ID in --roster.")] = "ID number",
+    id_column: Annotated[
+        str, typer.Option(help="The heading of that ID in --roster; default: found by what is in it.")
+    ] = "",
+    times: Annotated[
+        list[Path] | None,
+        typer.Option(help="More times of submission: CSV, or JSON of Canvas's API; may be given again."),
+    ] = None,
+    time_zone: Annotated[
+        str, typer.Option(help="The zone of the platform's times; default: the course's.")
+    ] = "",
 ) -> None:
     """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
-    from course_lib.course.course_file import shipped_course_file
+    from course_lib.course.course_file import shipped_course_file, zone_named
     from course_lib.grading.collect import collect as sort
 
-    done = sort(source, out, shipped_course_file().time_zone, roster, id_column)
+    course = shipped_course_file()
+    zone = zone_named(time_zone) if time_zone else course.zone
+    done = sort(source, out, zone, roster, id_column, times or ())
+    if course.zone_note and not time_zone:
+        typer.echo(course.zone_note)
     for line in (*done.refused, *sorted(done.notes), done.summary(out)):
         typer.echo(line)
     raise typer.Exit(NOT_PASSED if done.refused else 0)

@@ -78,7 +78,10 @@ def grade(
         CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
     """
     course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
-    chosen = _chosen(find_submissions(submissions, catalog_of(course).course.counts), only)
+    settings = catalog_of(course).course
+    chosen = _chosen(find_submissions(submissions, settings.counts, settings.zone), only)
+    if settings.zone_note:
+        say(settings.zone_note)
     with sole_use(out):
         batches, work = _plan(chosen, course)
         if resume:
@@ -205,7 +208,7 @@ def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Co
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = map(str, write_tables(out, catalog_of(course).course.time_zone))
+        files = map(str, write_tables(out, catalog_of(course).course.zone))
     for line in task_lines(results_in(out)):
         say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))

@@ -55,7 +55,7 @@ def mark_by_hand(
         given = add_mark(marks_path(out, student, exercise), tasks[task], number, row, comment)
         course = course or Course(exercises_dir(), solutions_dir())
         renew_report(Submission.from_plain(result), course, out)
-        write_tables(out, catalog_of(course).course.time_zone)
+        write_tables(out, catalog_of(course).course.zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
     return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
