@@ -28,7 +28,7 @@ NO_TIMES = {
     "canvas": "Canvas's zip has no times of submission, only LATE: add --times SUBMISSIONS.json, the API's "
     "list of the assignment's submissions",
     "anonymous": "Canvas hid the students (anon_…), so no mark finds its way back: turn off anonymous "
-    "grading and download again, or add --times SUBMISSIONS.json, the API's list with user_id and anonymous_id",
+    "grading and download again, or add --times SUBMISSIONS.json, with user_id and anonymous_id",
 }
 
 

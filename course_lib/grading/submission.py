@@ -164,8 +164,8 @@ def _base(one: Submission, *, whole: bool = False) -> str:
     """Return what a file's name has besides exercise and ID, without the number of the try unless `whole`."""
     rest = re.sub(r"^week\d\d(_exercise)?", "", one.path.stem, flags=re.IGNORECASE)
     for known in filter(None, (one.claimed, one.student)):
-        rest = rest.casefold().replace(known, "").rstrip("_")
-    return rest if whole else _try(rest)[0]
+        rest = rest.casefold().replace(known, "")
+    return (rest if whole else _try(rest)[0]).strip(" _-")
 
 
 def _try(name: str) -> tuple[str, int]:

@@ -109,7 +109,9 @@ def test_the_platforms_csv_gives_numbers_their_ids(sort: Sort, tmp_path: Path) -
 
 
 def test_who_is_not_in_the_platforms_csv_is_named(sort: Sort, tmp_path: Path) -> None:
-    files = {f"{name}_assignsubmission_file_/{NAME}": notebook(name) for name in ("Ada L_12345", "Bob_8")}
+    files: Bytes = {
+        f"{name}_assignsubmission_file_/{NAME}": notebook(name) for name in ("Ada L_12345", "Bob_8")
+    }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 8,b\n")
     done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
