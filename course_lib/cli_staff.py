@@ -100,13 +100,17 @@ def mark(
     id_column: Annotated[str, typer.Option(help="With --lms: the heading of the students' IDs.")] = "",
     to: Annotated[Path | None, typer.Option(help="With --lms: write it here, otherwise unchanged.")] = None,
     raw: Annotated[bool, typer.Option("--raw", help="The scores before the late policy.")] = False,
+    cap: Annotated[
+        bool, typer.Option("--cap", help="No mark above the platform's maximum, where it refuses a bonus.")
+    ] = False,
 ) -> None:
     """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
     from course_lib.grading.lms import fill_lms
     from course_lib.grading.mark_by_hand import mark_by_hand
 
     if lms is not None and to is not None and exercise and column and id_column and not given:
-        lines = fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw)
+        names = {"exercise": exercise, "column": column, "id_column": id_column}
+        lines = fill_lms(out, lms, to, **names, raw=raw, cap=cap)
     elif lms is None and len(given or ()) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
         lines = [mark_by_hand(out, *given or (), row=row, comment=comment)]
     else:

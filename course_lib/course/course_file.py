@@ -128,7 +128,8 @@ def machine_zone() -> ZoneInfo:
     from tzlocal import get_localzone
 
     try:
-        return ZoneInfo(str(get_localzone()))
+        zone = get_localzone()
+        return zone if isinstance(zone, ZoneInfo) else ZoneInfo(str(zone))
     except Exception as error:  # tzlocal raises what zoneinfo, the registry or a file of settings does
         raise CourseError(
             f'this machine does not tell its time zone ({error}). Write one like time_zone = "Europe/Paris" '
