@@ -31,13 +31,26 @@ def collect(
     roster: Annotated[
         Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
     ] = None,
-    id_column: Annotated[str, typer.Option(help="The heading of that ID in --roster.")] = "ID number",
+    id_column: Annotated[
+        str, typer.Option(help="The heading of that ID in --roster; default: found by what is in it.")
+    ] = "",
+    times: Annotated[
+        list[Path] | None,
+        typer.Option(help="More times of submission: CSV, or JSON of Canvas's API; may be given again."),
+    ] = None,
+    time_zone: Annotated[
+        str, typer.Option(help="The zone of the platform's times; default: the course's.")
+    ] = "",
 ) -> None:
     """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
-    from course_lib.course.course_file import shipped_course_file
+    from course_lib.course.course_file import shipped_course_file, zone_named
     from course_lib.grading.collect import collect as sort
 
-    done = sort(source, out, shipped_course_file().time_zone, roster, id_column)
+    course = shipped_course_file()
+    zone = zone_named(time_zone) if time_zone else course.zone
+    done = sort(source, out, zone, roster, id_column, times or ())
+    if course.zone_note and not time_zone:
+        typer.echo(course.zone_note)
     for line in (*done.refused, *sorted(done.notes), done.summary(out)):
         typer.echo(line)
     raise typer.Exit(NOT_PASSED if done.refused else 0)
@@ -87,13 +100,17 @@ def mark(
     id_column: Annotated[str, typer.Option(help="With --lms: the heading of the students' IDs.")] = "",
     to: Annotated[Path | None, typer.Option(help="With --lms: write it here, otherwise unchanged.")] = None,
     raw: Annotated[bool, typer.Option("--raw", help="The scores before the late policy.")] = False,
+    cap: Annotated[
+        bool, typer.Option("--cap", help="No mark above the platform's maximum, where it refuses a bonus.")
+    ] = False,
 ) -> None:
     """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
     from course_lib.grading.lms import fill_lms
     from course_lib.grading.mark_by_hand import mark_by_hand
 
     if lms is not None and to is not None and exercise and column and id_column and not given:
-        lines = fill_lms(out, lms, to, exercise=exercise, column=column, id_column=id_column, raw=raw)
+        names = {"exercise": exercise, "column": column, "id_column": id_column}
+        lines = fill_lms(out, lms, to, **names, raw=raw, cap=cap)
     elif lms is None and len(given or ()) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
         lines = [mark_by_hand(out, *given or (), row=row, comment=comment)]
     else:

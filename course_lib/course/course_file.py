@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo, available_timezones
 
 from course_lib.course.files import exercises_dir
 from course_lib.course.identity import normalise
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 
 POINTS_PER_WEEK = 100
 Counts = Literal["last", "best"]
@@ -75,8 +75,8 @@ class CourseFile:
     """All of course.toml."""
 
     title: str
-    time_zone: ZoneInfo
     weeks: Mapping[str, Week]
+    time_zone: ZoneInfo | None = None  # the machine's
     late: Late = Late()
     limits: Limits = Limits()
     counts: Counts = "last"  # of several submissions
@@ -85,10 +85,56 @@ class CourseFile:
         if strange := [week for week in self.weeks if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
+    @property
+    def zone(self) -> ZoneInfo:
+        """The zone of deadlines and of local times.
+
+        Raises:
+            CourseError: course.toml names none, and the machine's can't be told.
+        """
+        return self.time_zone or machine_zone()
+
+    @property
+    def zone_note(self) -> str:
+        """A line on the zone where nobody has chosen it, or ""."""
+        if self.time_zone is not None:
+            return ""
+        return f"Local times are {self.zone.key}, this machine's zone: course.toml names no time_zone."
+
     def deadline(self, week: str, student: str) -> datetime | None:
-        """A week's deadline for one student, with the course's time zone."""
+        """Return a week's deadline for one student, with the course's time zone."""
         local = self.weeks[week].extensions.get(student, self.weeks[week].deadline)
-        return local and local.replace(tzinfo=self.time_zone)
+        return local and local.replace(tzinfo=self.zone)
+
+
+def zone_named(name: str) -> ZoneInfo:
+    """Return a zone.
+
+    Raises:
+        CourseError: There is none of this name; the message has the nearest.
+    """
+    if name not in available_timezones():
+        meant = did_you_mean(name, available_timezones(), 3) or '. Write one like "Europe/Paris".'
+        raise CourseError(f"there is no time zone {name!r}{meant}")
+    return ZoneInfo(name)
+
+
+def machine_zone() -> ZoneInfo:
+    """Return the zone that the operating system is set to.
+
+    Raises:
+        CourseError: It can't be told.
+    """
+    from tzlocal import get_localzone
+
+    try:
+        zone = get_localzone()
+        return zone if isinstance(zone, ZoneInfo) else ZoneInfo(str(zone))
+    except Exception as error:  # tzlocal raises what zoneinfo, the registry or a file of settings does
+        raise CourseError(
+            f'this machine does not tell its time zone ({error}). Write one like time_zone = "Europe/Paris" '
+            "into exercises/course.toml"
+        ) from error
 
 
 def read_course_file(path: Path) -> CourseFile:
@@ -123,6 +169,7 @@ KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
 }
 KINDS[datetime | None] = KINDS[datetime]
+KINDS[ZoneInfo | None] = KINDS[ZoneInfo]
 
 
 def _read(kind: Any, value: Any, where: str) -> Any:

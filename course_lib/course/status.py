@@ -30,7 +30,7 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     if found is None:
         place = folder or Path.cwd()
         raise CourseError(f"{place} holds no {DEFAULT_FOLDER} of yours: type course lab first")
-    now, zone, state = now or datetime.now(UTC), shipped_course_file().time_zone, State(found)
+    now, zone, state = now or datetime.now(UTC), shipped_course_file().zone, State(found)
     table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
     rows = [(week, progress(week, state)) for week in load_weeks()]
     for week, so_far in rows:

@@ -3,122 +3,159 @@
 import os
 import stat
 import zipfile
+from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from io import BytesIO
 from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import MAX_BYTES
 from course_lib.grading.submission import RECEIPT
+from course_lib.grading.unzip import opened_zip, read_member
 
 MAX_DEPTH = 3  # of archives in archives
 MAX_NAME = 200  # [B] of each part of a path
-MAX_INNER_FILES = 1000  # of an archive in an archive
-MAX_INNER_BYTES = 100_000_000  # of all its files
+MAX_PATH = 1000  # [B]
+MAX_UNPACKED_FILES = 1000  # of one student, out of all archives
+MAX_UNPACKED_BYTES = 100_000_000  # of one student, out of all archives, those in between included
 JUNK = ("__MACOSX", "Thumbs.db")
 
 Refuse = Callable[[str, str], None]  # gets a file's name, and why
+Owner = Callable[[tuple[str, ...]], str]  # of a path: whose archives share a limit
 
 
 @dataclass(frozen=True)
 class Arrival:
-    """A file: its path as it was named, archives included; its content; its time, local without a zone."""
+    """A file.
+
+    Args:
+        parts: Its path as it was named, archives included.
+        data: Its content.
+        time: As the file system or the innermost archive has it: whoever wrote that set it.
+    """
 
     parts: tuple[str, ...]
     data: bytes
     time: datetime
 
 
-def arrivals(top: Path, refuse: Refuse) -> Iterator[Arrival]:
-    """All files of a folder or a zip, also those in zips in it; each one that is refused is told.
+@dataclass
+class Arrivals:
+    """A reader of one folder or zip.
 
-    Raises:
-        CourseError: There is no such folder, or no zip.
+    Args:
+        refuse: Called for each file that is left out.
+        owner: Whose a path is; the limits on what archives unpack to hold for each owner in total.
     """
-    if top.is_dir():
-        for path in _walk(top, refuse):
-            yield from _opened(path, refuse, 0)
-        return
-    try:
-        with zipfile.ZipFile(top) as archive:
-            for arrival in _members(archive, (), None, refuse):
-                yield from _opened(arrival, refuse, 1)
-    except (OSError, zipfile.BadZipFile) as error:
-        raise CourseError(f"{top} is no folder and no zip: {error}. Name what the platform gave.") from error
 
+    refuse: Refuse
+    owner: Owner = lambda parts: parts[0]
+    _files: Counter[str] = field(default_factory=Counter)
+    _bytes: Counter[str] = field(default_factory=Counter)
+    _full: set[str] = field(default_factory=set)
 
-def _walk(top: Path, refuse: Refuse) -> Iterator[Arrival]:
-    for folder, folders, names in os.walk(top):
-        here = Path(folder)
-        links = [name for name in folders if (here / name).is_symlink()]
-        folders[:] = sorted(name for name in folders if not _is_junk(name))
-        for path in (here / name for name in sorted([*names, *links]) if not _is_junk(name)):
-            parts = path.relative_to(top).parts
-            try:
-                if problem := _bad_path(parts) or _bad_kind(path.lstat().st_mode):
-                    refuse("/".join(parts), problem)
-                    continue
-                with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
-                    data = file.read(MAX_BYTES + 1)
-                    time = datetime.fromtimestamp(os.fstat(file.fileno()).st_mtime, UTC)
-                if _fits(parts, data, refuse):
-                    yield Arrival(parts, data, time)
-            except OSError as error:
-                refuse("/".join(parts), f"can't be read: {error.strerror}")
+    def read(self, top: Path) -> Iterator[Arrival]:
+        """Yield all files of a folder or a zip, also those in zips in it.
 
-
-def _opened(arrival: Arrival, refuse: Refuse, depth: int) -> Iterator[Arrival]:
-    """The file itself, or what is in it if it is an archive that `course submit` did not write."""
-    name = "/".join(arrival.parts)
-    if not arrival.parts[-1].lower().endswith(".zip"):
-        yield arrival
-        return
-    try:
-        with zipfile.ZipFile(BytesIO(arrival.data)) as archive:
-            names = archive.namelist()
-            if RECEIPT in names:
-                yield arrival
-            elif depth >= MAX_DEPTH or len(names) > MAX_INNER_FILES:
-                refuse(
-                    name, "archives too deep in each other" if depth >= MAX_DEPTH else f"{len(names)} files"
-                )
-            else:
-                for inner in _members(archive, arrival.parts, arrival.time, refuse):
-                    yield from _opened(inner, refuse, depth + 1)
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        refuse(name, f"is no zip that can be read: {error}")
-
-
-def _members(
-    archive: zipfile.ZipFile, above: tuple[str, ...], time: datetime | None, refuse: Refuse
-) -> Iterator[Arrival]:
-    """The files of an archive; with the time of the archive that the platform knows, if it has one."""
-    room = MAX_INNER_BYTES if above else None
-    known: set[str] = set()
-    for info in archive.infolist():
-        inner = tuple(info.orig_filename.split("/"))
-        if info.is_dir() or any(map(_is_junk, inner)):
-            continue
-        parts = (*above, *inner)
-        again = "the archive has this name twice" if info.filename in known else ""
-        known.add(info.filename)
-        if problem := again or _bad_path(inner) or _bad_kind(info.external_attr >> 16):
-            refuse("/".join(parts), problem)
-            continue
-        try:
-            with archive.open(info) as member:
-                data = member.read(MAX_BYTES + 1)  # what the archive says of its sizes need not be true
-        except Exception as error:  # a broken or locked archive raises a dozen kinds; none is more than "no"
-            refuse("/".join(parts), f"can't be unpacked: {error}")
-            continue
-        room = None if room is None else room - len(data)
-        if room is not None and room < 0:
-            refuse("/".join(above), f"its files have more than {MAX_INNER_BYTES} bytes")
+        Raises:
+            CourseError: `top` is not a folder or a zip.
+        """
+        if top.is_dir():
+            for arrival in self._walk(top):
+                yield from self._opened(arrival, 0)
             return
-        if _fits(parts, data, refuse):
-            yield Arrival(parts, data, time or _time(info))
+        try:
+            with zipfile.ZipFile(top) as archive:
+                for arrival in self._members(archive, ()):
+                    yield from self._opened(arrival, 1)
+        except (OSError, zipfile.BadZipFile) as error:
+            raise CourseError(
+                f"{top} is not a folder and not a zip: {error}. Name what the platform gave."
+            ) from error
+
+    def _walk(self, top: Path) -> Iterator[Arrival]:
+        for folder, folders, names in os.walk(top):
+            here = Path(folder)
+            links = [name for name in folders if (here / name).is_symlink()]
+            folders[:] = sorted(name for name in folders if not _is_junk(name))
+            for path in (here / name for name in sorted([*names, *links]) if not _is_junk(name)):
+                parts = path.relative_to(top).parts
+                try:
+                    if problem := _bad_path(parts) or _bad_kind(path.lstat().st_mode):
+                        self.refuse("/".join(parts), problem)
+                        continue
+                    with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
+                        data = file.read(MAX_BYTES + 1)
+                        time = datetime.fromtimestamp(os.fstat(file.fileno()).st_mtime, UTC)
+                except OSError as error:
+                    self.refuse("/".join(parts), f"can't be read: {error.strerror}")
+                else:
+                    if self._fits(parts, data):
+                        yield Arrival(parts, data, time)
+
+    def _opened(self, arrival: Arrival, depth: int) -> Iterator[Arrival]:
+        """Yield the file, or what is in it if it is an archive that `course submit` did not write."""
+        if not arrival.parts[-1].lower().endswith(".zip"):
+            yield arrival
+            return
+        try:
+            with opened_zip(arrival.data) as archive:
+                if RECEIPT in archive.namelist():
+                    yield arrival
+                elif depth >= MAX_DEPTH:
+                    raise CourseError("archives too deep in each other")
+                else:
+                    for inner in self._members(archive, arrival.parts):
+                        yield from self._opened(inner, depth + 1)
+        except CourseError as error:
+            self.refuse("/".join(arrival.parts), str(error))
+
+    def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
+        known: set[str] = set()
+        for info in archive.infolist():
+            inner = tuple(info.orig_filename.split("/"))
+            if info.is_dir() or any(map(_is_junk, inner)):
+                continue
+            parts = (*above, *inner)
+            again = "the archive has this name twice" if info.filename in known else ""
+            known.add(info.filename)
+            if problem := again or _bad_path(inner) or _bad_kind(info.external_attr >> 16):
+                self.refuse("/".join(parts), problem)
+                continue
+            owner = self.owner(parts)
+            if owner in self._full:
+                continue
+            try:
+                data = self._unpacked(archive, info, owner)
+            except CourseError as error:
+                self.refuse("/".join(parts), str(error))
+                continue
+            if self._fits(parts, data):
+                yield Arrival(parts, data, _time(info))
+
+    def _unpacked(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, owner: str) -> bytes:
+        """Unpack a file within what its owner has left.
+
+        Raises:
+            CourseError: It can't be unpacked, or the owner has nothing left: the rest is not looked at.
+        """
+        self._files[owner] += 1
+        left = MAX_UNPACKED_BYTES - self._bytes[owner]
+        data = read_member(archive, info, min(MAX_BYTES, left))
+        self._bytes[owner] += len(data)
+        if len(data) > left or self._files[owner] > MAX_UNPACKED_FILES:
+            self._full.add(owner)
+            raise CourseError(
+                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES} bytes or "
+                f"{MAX_UNPACKED_FILES} files: this file and what follows of {owner} is left out"
+            )
+        return data
+
+    def _fits(self, parts: tuple[str, ...], data: bytes) -> bool:
+        if len(data) > MAX_BYTES:
+            self.refuse("/".join(parts), f"it has more than {MAX_BYTES} bytes")
+        return len(data) <= MAX_BYTES
 
 
 def _time(info: zipfile.ZipInfo) -> datetime:
@@ -133,7 +170,9 @@ def _is_junk(name: str) -> bool:
 
 
 def _bad_path(parts: tuple[str, ...]) -> str:
-    """What is wrong with a path, or ""."""
+    """Return what is wrong with a path, or ""."""
+    if sum(len(part.encode("utf-8", "replace")) for part in parts) > MAX_PATH:
+        return f"its path is longer than {MAX_PATH} bytes"
     for part in parts:
         if part in ("", "..") or "\\" in part or (len(part) > 1 and part[1] == ":"):
             return "its path leads elsewhere"
@@ -145,11 +184,5 @@ def _bad_path(parts: tuple[str, ...]) -> str:
 
 
 def _bad_kind(mode: int) -> str:
-    """Why it is no file, or ""; archives made elsewhere than on Unix say nothing of it."""
+    """Return why it is not a file, or ""; archives made elsewhere than on Unix do not record the kind."""
     return "" if stat.S_IFMT(mode) in (0, stat.S_IFREG) else "it is a link or a device"
-
-
-def _fits(parts: tuple[str, ...], data: bytes, refuse: Refuse) -> bool:
-    if len(data) > MAX_BYTES:
-        refuse("/".join(parts), f"it has more than {MAX_BYTES} bytes")
-    return len(data) <= MAX_BYTES

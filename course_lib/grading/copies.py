@@ -47,7 +47,8 @@ def compare_class(found: Iterable[Submission], out: Path, exercises: Path, zone:
         if one.notebook is not None and not one.problem:
             earlier = works[one.exercise].get(one.student)
             cells = _code(one.notebook.cells, one.files, earlier.cells if earlier else ())
-            works[one.exercise][one.student] = Work(cells, one.received.time.isoformat())
+            time = one.received.time
+            works[one.exercise][one.student] = Work(cells, time.isoformat() if time else "")
     for exercise, fresh in works.items():
         known = {**_graded_before(out, exercise), **fresh}
         runs = {name: given.own_runs(work) for name, work in known.items()}

@@ -19,13 +19,15 @@ Kind = Literal["same", "own", "given"]
 
 @dataclass(frozen=True)
 class Work:
-    """One student's code, and when it was received, in UTC."""
+    """One student's code, and when it was received, in UTC; "" if no time is known."""
 
     cells: tuple[str, ...]
     received: str
 
     def received_in(self, zone: ZoneInfo) -> str:
         """Return the time in a zone, to the minute."""
+        if not self.received:
+            return "time unknown"
         return datetime.fromisoformat(self.received).astimezone(zone).isoformat(" ", "minutes")
 
 

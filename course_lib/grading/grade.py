@@ -81,8 +81,11 @@ def grade(
         CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
     """
     course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
-    found = with_ids(find_submissions(submissions, catalog_of(course).course.counts), submissions)
+    settings = catalog_of(course).course
+    found = with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
     chosen = _chosen(found, only)
+    if settings.zone_note:
+        say(settings.zone_note)
     with sole_use(out):
         batches, work = _plan(chosen, course)
         if resume:
@@ -97,7 +100,7 @@ def grade(
             say("Interrupted. Nothing is lost: the same command with --resume goes on.")
             raise
         with writing(out):
-            compare_class(found, out, course.exercises, catalog_of(course).course.time_zone)
+            compare_class(found, out, course.exercises, catalog_of(course).course.zone)
         _finish(rows, batches, out, course)
     return all(row["status"] in GRADED for row in rows)
 
@@ -211,7 +214,7 @@ def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Co
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = map(str, write_tables(out, catalog_of(course).course.time_zone))
+        files = map(str, write_tables(out, catalog_of(course).course.zone))
     for line in (*task_lines(results_in(out)), *broken_lines(results_in(out))):
         say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))

@@ -1,6 +1,7 @@
 """Runs one submission into stored evidence, and judges it from there: mark, report, result."""
 
 import hashlib
+import json
 import math
 import threading
 from collections.abc import Sequence
@@ -16,7 +17,6 @@ from course_lib.grading.hand_marks import marks_path, read_marks
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.jail.launch import WorkerError, shared_template
 from course_lib.grading.job import Job, plan
-from course_lib.grading.marks import count_days_late
 from course_lib.grading.out_folder import writing
 from course_lib.grading.report import write_report
 from course_lib.grading.result import Result, Status, row_of
@@ -133,7 +133,7 @@ def judge_one(attempts: Sequence[Submission], course: Course, out: Path, fault: 
 
 def identity(submission: Submission) -> dict[str, str]:
     """By what a submission is known again: what is in it, and when it came."""
-    return {"key": submission.key, "received": submission.received.time.isoformat()}
+    return {"key": submission.key, "received": json.dumps(submission.received.as_plain())}
 
 
 def _attempt(result: Result) -> dict[str, Any]:
@@ -153,7 +153,7 @@ def _result(submission: Submission, course: Course, out: Path, fault: str) -> Re
         kind, _, text = fault.partition(": ")
         return Result(submission, "grader_error", kind, text)
     if not submission.key:
-        reason = "wrong exercise" if submission.sha256 else "unreadable"
+        reason = submission.reason or ("wrong exercise" if submission.sha256 else "unreadable")
         return Result(submission, "rejected", reason, submission.problem)
     try:
         return _judged(submission, course, out)
@@ -167,10 +167,12 @@ def _judged(submission: Submission, course: Course, out: Path) -> Result:
     tasks = catalog.of_week(week)
     stored = evidence_path(out, submission.key).read_bytes()
     run = judge_exercise(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
-    days = count_days_late(submission.received.time, catalog.course.deadline(week, submission.student), late)
+    deadline, received = catalog.course.deadline(week, submission.student), submission.received
+    days, remark = received.days_late(deadline, late), received.remark(deadline, late)
+    notes = tuple(received.contradictions(deadline, late))
     reason = next((task.stopped for task in run.results if task.stopped), run.log.limit)  # which limit
     status: Status = "limit" if reason else "graded"
-    return Result(submission, status, reason, "", run, days, late.percent_per_day)
+    return Result(submission, status, reason, "", run, days, late.percent_per_day, notes=notes, remark=remark)
 
 
 def _stored(result: Result, course: Course, out: Path) -> dict[str, Any]:
@@ -182,7 +184,8 @@ def _stored(result: Result, course: Course, out: Path) -> dict[str, Any]:
         except OSError:
             raise
         except Exception as error:  # the marks are right without a report, and must not be lost with it
-            result = replace(result, notes=(f"no report: {type(error).__name__}: {error}",))
+            problem = f"no report: {type(error).__name__}: {error}"
+            result = replace(result, notes=(*result.notes, problem))
         result.write(out)
     return row_of(result.content(), marks)
 

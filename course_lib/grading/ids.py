@@ -9,10 +9,10 @@ from pathlib import Path
 
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.received import LIST
+from course_lib.grading.received import ID_FROM, LIST
 from course_lib.grading.submission import Submission
 
-ID_FROM, ROSTER, PLATFORM = "id_from", "roster", "platform"  # a column of received.csv, and its values
+ROSTER, PLATFORM = "roster", "platform"  # in the column ID_FROM of received.csv
 MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"
 PLATFORM_NAME = re.compile(r"participant_?\d+|.+_\d+_assignsubmission_.*")  # Moodle's, before a roster
 

@@ -13,7 +13,7 @@ from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.table import printable
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
-MAXIMUM = "Maximum Grade"  # Moodle's column of it
+MAXIMUM = "maximum grade"  # Moodle's column of it, in English
 FINAL = ("graded", "limit")
 KINDS = {
     "score": "scores before the late policy",
@@ -22,7 +22,15 @@ KINDS = {
 
 
 def fill_lms(
-    out: Path, lms: Path, target: Path, *, exercise: str, column: str, id_column: str, raw: bool = False
+    out: Path,
+    lms: Path,
+    target: Path,
+    *,
+    exercise: str,
+    column: str,
+    id_column: str,
+    raw: bool = False,
+    cap: bool = False,
 ) -> list[str]:
     """Fill one column with the marks of an exercise and write the file again, otherwise unchanged.
 
@@ -34,6 +42,7 @@ def fill_lms(
         column: Its heading there.
         id_column: The heading of the students' IDs.
         raw: Whether the score before the late policy counts, as the platform has a policy of its own.
+        cap: Whether a mark above the platform's maximum becomes that maximum.
 
     Returns:
         What was done, and who is missing on either side: a line each.
@@ -47,6 +56,9 @@ def fill_lms(
         raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
     ids = _ids(file, id_place)
     what = "score" if raw else "final"
+    most = _maxima(file, place)
+    if cap:
+        marks = {key: _capped(mark, what, most) for key, mark in marks.items()}
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
         raise CourseError(
@@ -57,7 +69,7 @@ def fill_lms(
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
     missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
     lines = [
-        *_points_lines(file, place, marks.values(), what),
+        *_points_lines(most, marks.values(), what),
         *(f"{lms.name}: {line}" for line in rows),
         *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
     ]
@@ -119,13 +131,32 @@ def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) 
     return "the row is too short" if is_short else ""
 
 
-def _points_lines(file: LmsFile, place: int, marks: Iterable[dict[str, str]], what: str) -> list[str]:
-    """Notes if the platform counts other points than the exercise has, or if a bonus leads beyond them."""
-    cells = [row for row in range(1, len(file.rows)) if file.text(row, 0) == POINTS_POSSIBLE]
-    most = {file.text(row, place) for row in cells}
-    if MAXIMUM in file.headings:
-        most |= {file.text(row, file.headings.index(MAXIMUM)) for row in range(1, len(file.rows))}
-    there = {float(text.replace(",", ".")) for text in most if re.fullmatch(r"\d+([.,]\d+)?", text)}
+def _maxima(file: LmsFile, place: int) -> set[float]:
+    """Return the most points that the platform gives: Canvas's in a row, Moodle's in a column.
+
+    In other languages Moodle's column is known by its place behind the marks, with one number in all rows.
+    """
+    rows = range(1, len(file.rows))
+    most = {file.text(row, place) for row in rows if file.text(row, 0) == POINTS_POSSIBLE}
+    headings = [heading.casefold() for heading in file.headings]
+    if MAXIMUM in headings:
+        most |= {file.text(row, headings.index(MAXIMUM)) for row in rows}
+    elif not most:
+        behind = {file.text(row, place + 1) for row in rows if any(file.rows[row])}
+        most = behind if len(behind) == 1 else set()
+    return {float(text.replace(",", ".")) for text in most if re.fullmatch(r"\d+([.,]\d+)?", text)}
+
+
+def _capped(mark: dict[str, str], what: str, most: set[float]) -> dict[str, str]:
+    """Return a mark of at most the platform's maximum; the exercise's where the CSV does not have it."""
+    if mark["status"] not in FINAL:
+        return mark
+    limit = max(most) if most else float(mark["max_score"])
+    return {**mark, what: str(min(float(mark[what]), limit))}
+
+
+def _points_lines(there: set[float], marks: Iterable[dict[str, str]], what: str) -> list[str]:
+    """Return notes if the platform counts other points than the exercise, or if a bonus leads beyond them."""
     rated = [mark for mark in marks if mark["status"] in FINAL]
     ours = {float(mark["max_score"]) for mark in rated}
     lines = []
@@ -134,6 +165,7 @@ def _points_lines(file: LmsFile, place: int, marks: Iterable[dict[str, str]], wh
         lines.append(f"note: the platform gives {given} points, gradebook.csv {own}")
     if there and (above := sum(float(mark[what]) > max(there) for mark in rated)):
         lines.append(
-            f"note: {counted(above, 'mark')} above the platform's {max(there):g}: it may refuse them"
+            f"note: {counted(above, 'mark')} above the platform's {max(there):g}: it may refuse them; "
+            "--cap makes each the maximum"
         )
     return lines

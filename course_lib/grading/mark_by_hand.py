@@ -1,9 +1,11 @@
 """`course mark`: points and comments of a person, at once in gradebook, index and report."""
 
+from collections.abc import Collection
 from pathlib import Path
 
 from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.errors import CourseError
+from course_lib.course.identity import normalise
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.grade_one import Course, catalog_of, renew_report
 from course_lib.grading.hand_marks import add_mark, marks_path
 from course_lib.grading.out_folder import sole_use, writing
@@ -23,13 +25,13 @@ def mark_by_hand(
     comment: str = "",
     course: Course | None = None,
 ) -> str:
-    """Keep what a person gives; says what the mark is now.
+    """Keep what a person gives, and return a line with the mark as it is now.
 
     Args:
         out: The folder that `course grade` wrote.
         student: As it stands in the gradebook.
         exercise: "week05_exercise".
-        task: "week05.essay".
+        task: "week05.essay", or "essay".
         points: A number: for the row, else for the whole task instead of what the checks give.
         row: Of the rubric: its number from 1, or how it begins.
         comment: For the student.
@@ -41,21 +43,54 @@ def mark_by_hand(
     try:
         number = float(points)
     except ValueError as error:
-        raise CourseError(f"{points!r} are no points: expected a number") from error
+        raise CourseError(f"{points!r} is not a number of points") from error
+    student = _known(student, out / "results", "student")
+    exercise = _known(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
-    if not path.is_file():
-        raise CourseError(f"{path} is not there: see {out / 'gradebook.csv'} for students and exercises")
     with sole_use(out), writing(out):
         result = read_result(path)
         tasks = {known["task"]: known for known in result.get("tasks", ())}
-        if task not in tasks:
-            raise CourseError(
-                f"{exercise} of {student} has no task {task!r}, only {', '.join(tasks) or 'none'}"
-            )
+        task = _task(task, tasks, f"{exercise} of {student}")
         given = add_mark(marks_path(out, student, exercise), tasks[task], number, row, comment)
         course = course or Course(exercises_dir(), solutions_dir())
         renew_report(Submission.from_plain(result), course, out)
-        write_tables(out, catalog_of(course).course.time_zone)
+        write_tables(out, catalog_of(course).course.zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
     return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
+
+
+def _known(name: str, folder: Path, what: str) -> str:
+    """Return the name of a student or an exercise as the results have it.
+
+    Raises:
+        CourseError: There is none; names the nearest.
+    """
+    known = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
+    spelled = {_spelled(one): one for one in known}
+    for spelling in (_spelled(name), _spelled(f"{name}_{what}")):
+        if spelling in spelled:
+            return spelled[spelling]
+    meant = did_you_mean(_spelled(name), spelled, 3) or f"; there is {', '.join(known[:10]) or 'none'}."
+    raise CourseError(f"{folder} has no {what} {name!r}{meant}")
+
+
+def _spelled(name: str) -> str:
+    try:
+        return normalise(name)
+    except CourseError:
+        return name
+
+
+def _task(name: str, tasks: Collection[str], of: str) -> str:
+    """Return a task's id, also by what follows its dot.
+
+    Raises:
+        CourseError: There is none; names the nearest.
+    """
+    short = {task.split(".", 1)[-1]: task for task in tasks}
+    found = name if name in tasks else short.get(name)
+    if found is None:
+        meant = did_you_mean(name, [*short, *tasks], 3) or f"; there is {', '.join(short) or 'none'}."
+        raise CourseError(f"{of} has no task {name!r}{meant}")
+    return found

@@ -24,13 +24,13 @@ def write_report(result: Result, out: Path, course: CourseFile) -> None:
     runs = run.runs if run else ()
     tasks = [_shown(marks, figures(task, runs, room), _by_hand(task, marks, runs)) for task, marks in pairs]
     week = submission.exercise.split("_")[0]
-    zone = course.time_zone
+    zone, time = course.zone, submission.received.time
     page = fill(
         "report.html",
         **vars(result),
         mark=result.mark,
         **{name: getattr(submission, name) for name in ("student", "exercise", "received")},
-        received_at=submission.received.time.astimezone(zone).isoformat(" ", "minutes"),
+        received_at=time and time.astimezone(zone).isoformat(" ", "minutes"),
         deadline=course.deadline(week, submission.student) if week in course.weeks else None,
         zone=zone.key,
         percent=result.percent_per_day,

@@ -53,11 +53,11 @@ def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
     usage = read_usage(out, result["attempts"][-1]["key"])
     row = {**result["row"], **(asdict(usage) if usage else {})}
     place = f"{row['student']}/{row['exercise']}.html"
-    received = datetime.fromisoformat(result["received"]).astimezone(zone)
+    time = result["received"] and datetime.fromisoformat(result["received"]).astimezone(zone)
     return {
         "link": quote(place) if (out / "reports" / place).is_file() else "",
         "cells": [f"{v:g}" if isinstance(v, float) else v for v in (row.get(key, "") for key, _ in COLUMNS)],
-        "received": received.isoformat(" ", "minutes"),
+        "received": time.isoformat(" ", "minutes") if time else "unknown",
         "notes": result["notes"],
     }
 

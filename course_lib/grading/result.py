@@ -36,6 +36,7 @@ class Result:
         percent_per_day: What each of them costs.
         notes: For staff.
         rules: A hash of the course file and the checks of that time.
+        remark: What the gradebook says of a time of receipt that is not certain.
         attempts: What was handed in, all of it if the best counts, with the mark of each.
     """
 
@@ -49,6 +50,7 @@ class Result:
     notes: tuple[str, ...] = ()
     attempts: tuple[dict[str, Any], ...] = ()
     rules: str = ""
+    remark: str = ""
 
     @property
     def isolation(self) -> str:
@@ -115,7 +117,8 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
     results = [apply_marks(_task(task), task["rubric"], marks) for task in tasks]
     if results:
         full = sum(one.score >= one.points for one in results)
-        row["message"] = f"{full} of {len(results)} tasks have full marks"
+        said = f"{full} of {len(results)} tasks have full marks"
+        row["message"] = "; ".join(filter(None, (said, content.get("remark"))))
         row |= asdict(mark(results, content["days_late"], Late(content["percent_per_day"])))
     pairs = zip(tasks, results, strict=True)
     if any(one.waits or (task["rubric"] and one.manual is None) for task, one in pairs):

@@ -4,21 +4,23 @@ import hashlib
 import json
 import os
 import re
-import zipfile
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
+from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
 from course_lib.errors import CourseError
 from course_lib.grading.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
-from course_lib.grading.received import Received, received
+from course_lib.grading.received import Ledger, Received
+from course_lib.grading.unzip import opened_zip, read_member
 from course_lib.grading.working_files import working_files
 
 RECEIPT = "receipt.json"
+UTC = ZoneInfo("UTC")
 SUFFIXES = (".ipynb", ".zip")
 RESERVED = (".html", ".js")  # files that lie beside the students' folders of reports
 PLAIN = (  # fields of plain data
@@ -47,6 +49,8 @@ class Submission:
         values_of: The student whose personal values count; None is a guest.
         id_flag: What is wrong with the ID that the file names, in two or three words, or "".
         id_note: The same as a sentence.
+        others: The student's other files of the exercise, which do not count.
+        reason: A word for the problem, where it is not the file's.
     """
 
     student: str
@@ -64,6 +68,13 @@ class Submission:
     values_of: str | None = None
     id_flag: str = ""
     id_note: str = ""
+    others: tuple[str, ...] = ()
+    reason: str = ""
+
+    @property
+    def is_exercise(self) -> bool:
+        """Whether it is an exercise with something in it."""
+        return not self.problem and self.notebook is not None and any(map(str.strip, self.notebook.cells))
 
     @property
     def notes(self) -> list[str]:
@@ -71,6 +82,9 @@ class Submission:
         notes = [f"the same file as that of {', '.join(self.twins)}"] if self.twins else []
         if self.rivals:
             notes.append(f"this counts, of what says to be {self.student}'s in {', '.join(self.rivals)}")
+        if self.others:
+            notes.append(f"{self.path.name} counts, not {', '.join(self.others)}")
+        notes += self.received.notes
         return [*notes, self.id_note] if self.id_note else notes
 
     def as_plain(self) -> dict[str, Any]:
@@ -78,43 +92,99 @@ class Submission:
         return {
             **{name: getattr(self, name) for name in PLAIN},
             "file": str(self.path),
-            "received": self.received.time.isoformat(),
-            "received_from": self.received.source,
+            **self.received.as_plain(),
         }
 
     @classmethod
     def from_plain(cls, content: Mapping[str, Any]) -> "Submission":
         """The one of a result file, without its notebook; its evidence is stored."""
-        when = Received(datetime.fromisoformat(content["received"]), content["received_from"])
         same = {name: content[name] for name in PLAIN if name in content}
+        when = Received.from_plain(content)
         return cls(path=Path(content["file"]), received=when, **{**same, "twins": tuple(content["twins"])})
 
 
-def find_submissions(top: Path, counts: Counts = "last") -> list[Submission]:
-    """The newest submission of each student and exercise; all of them, the oldest first, if the best counts.
+def find_submissions(top: Path, counts: Counts = "last", zone: ZoneInfo = UTC) -> list[Submission]:
+    """Return the newest submission of each student and exercise; all, the oldest first, if the best counts.
+
+    Args:
+        top: One folder per student, or files that `course submit` wrote.
+        counts: Which of several submissions counts.
+        zone: Of times in received.csv that do not name theirs.
 
     Raises:
-        CourseError: `top` is no folder, or holds no submission.
+        CourseError: `top` is not a folder, holds no submission, or its received.csv is not a table.
     """
     if not top.is_dir():
         raise CourseError(
-            f"{top} is no folder. Name the one with a folder per student; what a platform gave first goes "
+            f"{top} is not a folder. Name the one with a folder per student; what a platform gave first goes "
             "through course collect"
         )
-    found = [read_submission(path, top) for path in _files(top)]
-    if not found:
+    ledger = Ledger.read(top, zone)
+    groups = defaultdict[tuple[str, str], list[Submission]](list)
+    for path in _files(top):
+        one = read_submission(path, ledger)
+        groups[one.student, one.exercise].append(one)
+    if not groups:
         raise CourseError(f"{top} holds no submission: expected STUDENT/week01_exercise.ipynb in it")
-    found.sort(key=lambda one: (one.student, one.exercise, one.received.time, _again(one.path)))
-    places = defaultdict[tuple[str, str], set[str]](set)
-    for one in found:
-        places[one.student, one.exercise].add(one.path.relative_to(top).parts[0])
-    rivals = {owner: tuple(sorted(names)) for owner, names in places.items() if len(names) > 1}
-    found = [replace(one, rivals=rivals.get((one.student, one.exercise), ())) for one in found]
-    newest = {(one.student, one.exercise): one for one in found}
-    return found if counts == "best" else list(newest.values())
+    ordered = [in_order(groups[key], top) for key in sorted(groups)]
+    return [one for group in ordered for one in (group if counts == "best" else group[-1:])]
 
 
-def read_submission(path: Path, top: Path) -> Submission:
+def in_order(group: Sequence[Submission], top: Path) -> list[Submission]:
+    """Sort one student's files of one exercise, the one that counts last.
+
+    A file that is not the exercise never displaces one that is. Newer is what was received later by trusted
+    times, else what has the higher number in its name. A file that only claims the student's ID displaces
+    none that lies in the student's folder; where several such files claim it, none counts.
+    """
+    owned = [one for one in group if len(one.path.relative_to(top).parts) > 1]
+    timed = all(one.received.is_trusted for one in owned or group)
+    order = sorted(group, key=lambda one: (one in owned, one.is_exercise, *_age(one, top, timed)))
+    places = {one.path.relative_to(top).parts[0] for one in group}
+    last = replace(
+        order[-1],
+        rivals=tuple(sorted(places)) if len(places) > 1 else (),
+        others=tuple(_named(one, top) for one in order[:-1]),
+    )
+    claims = {} if owned else {_base(one): one.sha256 for one in order if one.is_exercise}
+    if len(set(claims.values())) > 1:
+        named = " and ".join(sorted(one.path.name for one in order if one.is_exercise))
+        problem = f"{named} name {last.student}: put each into the folder of the student who handed it in"
+        return [replace(last, notebook=None, problem=problem, reason="claimed twice")]
+    return [*order[:-1], last]
+
+
+def _age(one: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
+    """Return what sorts one student's files from the oldest to the newest."""
+    time = one.received.time if timed else None
+    folders = one.path.relative_to(top).parts[1:-1]
+    tries = max((_try(folder)[1] for folder in folders), default=0)
+    name, number = _try(_base(one, whole=True))
+    written = one.received.receipt.timestamp() if one.received.receipt else one.path.stat().st_mtime
+    return (time.timestamp() if time else 0.0, tries, number, name != "", written, one.path.as_posix())
+
+
+def _base(one: Submission, *, whole: bool = False) -> str:
+    """Return what a file's name has besides exercise and ID, without the number of the try unless `whole`."""
+    rest = re.sub(r"^week\d\d(_exercise)?", "", one.path.stem, flags=re.IGNORECASE)
+    for known in filter(None, (one.claimed, one.student)):
+        rest = rest.casefold().replace(known, "")
+    return (rest if whole else _try(rest)[0]).strip(" _-")
+
+
+def _try(name: str) -> tuple[str, int]:
+    """Split off the number by which platforms and browsers mark another try: "(1)", "-2", "copy 3"."""
+    rest = re.sub(r"^week\d\d", "", name, flags=re.IGNORECASE)
+    number = re.search(r"\W*(?:copy|kopie|copie|copia|v|try|attempt)?\W*(\d{1,3})\W*$", rest, re.IGNORECASE)
+    return (rest[: number.start()], int(number[1])) if number else (rest, 0)
+
+
+def _named(one: Submission, top: Path) -> str:
+    name = one.path.relative_to(top).as_posix()
+    return f"{name} ({one.problem})" if one.problem else name
+
+
+def read_submission(path: Path, ledger: Ledger) -> Submission:
     """Read one file; what is wrong with it is in its `problem`."""
     receipt: Mapping[str, Any] = {}
     notebook, claimed, sha256, problem = None, None, "", ""
@@ -124,19 +194,18 @@ def read_submission(path: Path, top: Path) -> Submission:
         data, receipt = unpack(path)
         notebook = parse_notebook(data, str(receipt.get("exercise", path.name)))
         exercise, claimed = notebook.exercise, notebook.student or claimed_id(receipt)
-        beside = path.parent != top or path.suffix.lower() == ".zip"
+        beside = path.parent != ledger.top or path.suffix.lower() == ".zip"
         files = working_files(path, notebook.cells) if beside else {}
         sha256 = content_hash(data, files)
         problem = "" if exercise else f"{path.name} {NO_EXERCISE}"
     except CourseError as error:
         problem = str(error)
-    folders = path.relative_to(top).parts[:-1]
+    folders = path.relative_to(ledger.top).parts[:-1]
     student = claimed_id({"student": folders[0]}) or folders[0] if folders else claimed or path.stem
     if student.lower().endswith(RESERVED):
         student += "_"
-    when = received(path, top, receipt)
     about = (notebook, files, claimed, sha256, problem)
-    return Submission(student, exercise or path.name, path, when, *about)
+    return Submission(student, exercise or path.name, path, ledger.received(path, receipt), *about)
 
 
 def content_hash(data: bytes, files: Mapping[str, str]) -> str:
@@ -152,32 +221,26 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
         CourseError: The file is missing, a folder, or no file that `course submit` wrote.
     """
     try:
+        with path.open("rb") as file:
+            data = file.read(2 * MAX_BYTES + 1)
         if path.suffix.lower() != ".zip":
-            with path.open("rb") as file:
-                return file.read(MAX_BYTES + 1), {}
-        if path.stat().st_size > 2 * MAX_BYTES:  # a list of its files may be as long
+            return data[: MAX_BYTES + 1], {}
+        if len(data) > 2 * MAX_BYTES:
             raise ValueError(f"it has more than {2 * MAX_BYTES} bytes")
-        with zipfile.ZipFile(path) as archive:
+        with opened_zip(data) as archive:
             receipt = json.loads(_member(archive, RECEIPT))
             return _member(archive, f"{receipt['exercise']}.ipynb"), receipt
     except OSError as error:
         raise CourseError(f"{path} can't be read: {error.strerror or error}. Name a notebook.") from error
-    except Exception as error:  # a broken or locked archive raises a dozen kinds; none is more than "no"
+    except (CourseError, ValueError, LookupError, TypeError, RecursionError) as error:
         raise CourseError(f"{path.name} is not a file that `course submit` wrote ({error})") from error
 
 
-def _member(archive: zipfile.ZipFile, name: str) -> bytes:
-    with archive.open(name) as member:
-        data = member.read(MAX_BYTES + 1)  # what the archive says of its sizes need not be true
+def _member(archive: ZipFile, name: str) -> bytes:
+    data = read_member(archive, name, MAX_BYTES)
     if len(data) > MAX_BYTES:
-        raise ValueError(f"{name} is larger than {MAX_BYTES} bytes")
+        raise CourseError(f"{name} is larger than {MAX_BYTES} bytes")
     return data
-
-
-def _again(path: Path) -> int:
-    """The number at the end of a name, with which platforms and `course collect` mark another try, or 0."""
-    number = re.search(r"-(\d+)$", path.stem)
-    return int(number[1]) if number else 0
 
 
 def _files(top: Path) -> Iterator[Path]:

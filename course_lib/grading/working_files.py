@@ -1,12 +1,12 @@
 """Files that a notebook names and that lie beside it: layouts, parameters, launch files."""
 
 import re
-import zipfile
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
+from course_lib.grading.unzip import opened_zip, read_member
 
 SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
 FOLDER = "files/"  # in what `course submit` writes
@@ -29,7 +29,7 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
             text = data.decode("utf-8", "replace")  # may be three times as long then
             if len(files) < MAX_FILES and len(text.encode()) <= MAX_BYTES:
                 files[name] = text
-    except Exception as error:  # a broken or locked archive raises a dozen kinds
+    except (OSError, CourseError) as error:
         raise CourseError(f"{path.name}: the files with the notebook can't be read: {error}") from error
     return files
 
@@ -46,12 +46,11 @@ def _beside(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
 
 
 def _packed(path: Path) -> Iterator[tuple[str, bytes]]:
-    with zipfile.ZipFile(path) as archive:
+    with opened_zip(path.read_bytes()) as archive:
         for info in archive.infolist()[: 2 * MAX_FILES]:
             name = info.filename.removeprefix(FOLDER)
             if name != info.filename and _is_fine(name):
-                with archive.open(info) as member:
-                    yield name, member.read(MAX_BYTES + 1)
+                yield name, read_member(archive, info, MAX_BYTES)
 
 
 def _is_fine(name: str) -> bool:

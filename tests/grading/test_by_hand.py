@@ -109,14 +109,22 @@ def test_the_last_word_counts_and_all_are_kept_with_who_and_when(kinds: Course, 
     assert all(entry["by"] and entry["at"].endswith("+00:00") for entry in entries)
 
 
+def test_a_task_goes_by_its_short_name_and_a_student_by_any_spelling(kinds: Course, tmp_path: Path) -> None:
+    said = mark_by_hand(tmp_path / "out", "ADA", "week05", "essay", "40", course=kinds)
+    assert said == "ada week05_exercise: 40 for week05.essay; now 80, graded"
+
+
 @pytest.mark.parametrize(
     ("student", "task", "points", "row", "message"),
     [
-        ("bob", "week05.essay", "1", "", "is not there: see .*gradebook.csv"),
-        ("ada", "week05.poem", "1", "", "has no task 'week05.poem', only week05.essay"),
+        ("bob", "week05.essay", "1", "", "has no student 'bob'; there is ada"),
+        ("adda", "week05.essay", "1", "", "has no student 'adda'. Did you mean ada"),
+        ("../out", "week05.essay", "1", "", "has no student '../out'"),
+        ("ada", "week05.poem", "1", "", "has no task 'week05.poem'. Did you mean week05"),
+        ("ada", "esay", "1", "", "has no task 'esay'. Did you mean essay"),
         ("ada", "week05.essay", "41", "", "expected 0 to 40"),
         ("ada", "week05.essay", "nan", "", "expected 0 to 40"),
-        ("ada", "week05.essay", "many", "", "expected a number"),
+        ("ada", "week05.essay", "many", "", "is not a number of points"),
         ("ada", "week05.essay", "16", "2", "16 points for an example: expected 0 to 15"),
         ("ada", "week05.essay", "1", "3", r"the rubric has 1 names the parts \(5\); 2 an example"),
         ("ada", "week05.motto", "1", "1", "no rows: leave out --row"),

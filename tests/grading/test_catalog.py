@@ -51,7 +51,7 @@ MALFORMED = {
         ("[weeks.week01]", "[weeks.week01", "can't be read"),
         ('"Europe/Paris"', "[1]", "time_zone: [1], expected a name such as"),
         ("time_zone", "title = 3 #", "can't be read"),
-        ('time_zone = "Europe/Paris"', "", "the key 'time_zone' is missing"),
+        ('title = "A course"', "", "the key 'title' is missing"),
         ("weeks.week01", "weeks.week1", "week1, expected a name like week01"),
         ("cell_seconds = 30", "cell_seconds = 0", "0, expected a number above 0"),
     ],

@@ -226,7 +226,7 @@ def test_resume_judges_again_what_was_judged_by_other_checks(
 def test_a_folder_without_submissions_is_refused(course: Course, tmp_path: Path, name: str) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "file.txt").write_text("")
-    with pytest.raises(CourseError, match=r"no folder|no submission"):
+    with pytest.raises(CourseError, match=r"not a folder|no submission"):
         grade(tmp_path / name, tmp_path / "out", course=course)
 
 

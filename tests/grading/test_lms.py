@@ -52,11 +52,11 @@ Fill = Callable[..., tuple[bytes, list[str]]]
 def fill(out: Path) -> Fill:
     """Fills a file of these bytes and returns the new ones, and the lines."""
 
-    def do(data: bytes, column: str, id_column: str, raw: bool = False) -> tuple[bytes, list[str]]:
+    def do(data: bytes, column: str, id_column: str, **more: bool) -> tuple[bytes, list[str]]:
         (out / "lms.csv").write_bytes(data)
         source, target = out / "lms.csv", out / "filled.csv"
         lines = fill_lms(
-            out, source, target, exercise="week01_exercise", column=column, id_column=id_column, raw=raw
+            out, source, target, exercise="week01_exercise", column=column, id_column=id_column, **more
         )
         return target.read_bytes(), lines
 
@@ -105,7 +105,35 @@ def test_other_points_than_the_exercise_has_are_noted(fill: Fill) -> None:
 def test_marks_above_what_the_platform_gives_are_noted(fill: Fill) -> None:
     _, lines = fill(MOODLE.replace("100,00", "60,50").encode(), "Grade", "ID number")
     assert "note: the platform gives 60.5 points, gradebook.csv 100" in lines
-    assert "note: 1 mark above the platform's 60.5: it may refuse them" in lines
+    assert "note: 1 mark above the platform's 60.5: it may refuse them; --cap makes each the maximum" in lines
+
+
+GERMAN = MOODLE.replace("Maximum Grade", "Bestwertung").replace('"Grade"', '"Bewertung"')
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "id_column"),
+    [
+        (MOODLE.replace("100,00", "60,50"), "Grade", "ID number"),
+        (MOODLE.replace("100,00", "60,50").replace("Maximum Grade", "Maximum grade"), "Grade", "ID number"),
+        (GERMAN.replace("100,00", "60,50"), "Bewertung", "ID number"),
+        (CANVAS.replace("100.0,100.0", "60.5,20"), "Week 1", "SIS Login ID"),
+    ],
+)
+def test_with_cap_no_mark_is_above_the_platforms_maximum(
+    fill: Fill, text: str, column: str, id_column: str
+) -> None:
+    filled, lines = fill(text.encode(), column, id_column, cap=True)
+    assert b"81.45" not in filled
+    assert filled.count(b"60.5") == 1 + text.count("60.5")
+    assert not any("may refuse" in line for line in lines)
+
+
+def test_with_cap_a_csv_without_a_maximum_takes_that_of_the_exercise(fill: Fill, out: Path) -> None:
+    book = (out / "gradebook.csv").read_text().replace("81.45", "110.0")
+    (out / "gradebook.csv").write_text(book)
+    filled, _ = fill(b"id,mark\nada1,\nbob2,\n", "mark", "id", cap=True)
+    assert filled == b"id,mark\nada1,100\nbob2,50\n"
 
 
 def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:

@@ -4,6 +4,7 @@ import zipfile
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from zoneinfo import ZoneInfo
 
 import pytest
 
@@ -96,13 +97,13 @@ def test_an_id_that_is_a_path_never_names_a_folder(tmp_path: Path, write_noteboo
     assert find_submissions(tmp_path)[0].student == "week01_exercise"
 
 
-def test_the_newest_of_two_counts(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_a_files_own_time_is_no_time_of_receipt(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     for name, second in (("week01_exercise.ipynb", 100), ("week01_exercise_v2.ipynb", 50)):
         path = write_notebook(tmp_path / "ada" / name, "x = 1")
         os.utime(path, (second, second))
     (found,) = find_submissions(tmp_path)
-    assert found.path.name == "week01_exercise.ipynb"
-    assert found.received.source == "file time"
+    assert found.path.name == "week01_exercise_v2.ipynb"
+    assert (found.received.time, found.received.source) == (None, "unknown")
 
 
 def test_links_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
@@ -141,27 +142,63 @@ def test_the_time_of_receipt_and_its_source_are_known(
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     (found,) = find_submissions(tmp_path)
-    assert found.received.time.astimezone(UTC).replace(microsecond=0) == datetime(
-        2026, 10, 11, time, tzinfo=UTC
-    )
+    assert found.received.time is not None
+    assert found.received.time.replace(microsecond=0) == datetime(2026, 10, 11, time, tzinfo=UTC)
     assert found.received.source == source
 
 
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("received.csv", "file,received\nada/week01_exercise.ipynb,2026-10-11T10:00:00\n"),
-        ("received.csv", "name,time\na,b\n"),
-        ("ada/timestamp.txt", "yesterday"),
+        ("received.csv", "file,received\nada/week01_exercise.ipynb,yesterday\n"),
+        ("received.csv", "file,received\nada/week01_exercise.ipynb,03/08/2026 23:59\n"),
+        ("ada/timestamp.txt", "haha"),
+        ("ada/timestamp.txt", "2026-10-11 10:00:00 Mars/Base"),
+        ("ada/timestamp.txt", "9999-12-31 23:59:59 UTC"),
+        ("ada/timestamp.txt", "\0" * 500),
+        ("ada/received.csv", "file,received\nweek01_exercise.ipynb,2020-01-01T00:00:00Z\n"),
+        ("ada/received.csv", "\0broken"),
     ],
 )
-def test_a_time_that_cannot_be_read_is_named(
+def test_a_bad_time_is_a_note_of_that_one_and_the_class_goes_on(
     tmp_path: Path, write_notebook: WriteNotebook, name: str, text: str
 ) -> None:
-    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    for student in ("ada", "bob"):
+        write_notebook(tmp_path / student / "week01_exercise.ipynb", "x = 1", student=student)
     (tmp_path / name).write_text(text)
-    with pytest.raises(CourseError, match=Path(name).name):
+    ada, bob = find_submissions(tmp_path)
+    assert (ada.received.time, ada.received.source, ada.problem) == (None, "unknown", "")
+    assert len(ada.notes) == 1
+    assert Path(name).name in ada.notes[0]
+    assert not bob.notes
+
+
+def test_a_stamp_that_is_a_link_is_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", "x = 1", student="ada")
+    (tmp_path / "stamp").write_text("2026-10-11 10:00:00 UTC")
+    (tmp_path / "in/ada/timestamp.txt").symlink_to(tmp_path / "stamp")
+    (found,) = find_submissions(tmp_path / "in")
+    assert found.received.time is None
+    assert "it is a link" in found.notes[0]
+
+
+def test_a_list_at_the_top_without_its_columns_is_refused(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / "received.csv").write_text("name,time\na,b\n")
+    with pytest.raises(CourseError, match=r"received.csv has no column 'file'"):
         find_submissions(tmp_path)
+
+
+@pytest.mark.parametrize("written", ["2026-10-11T10:00:00+02:00", "2026-10-11 10:00", "11.10.2026 10:00"])
+def test_an_instructor_may_write_local_time_as_a_spreadsheet_does(
+    tmp_path: Path, write_notebook: WriteNotebook, written: str
+) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / "received.csv").write_text(f"file;received\nada/week01_exercise.ipynb;{written}\n")
+    (found,) = find_submissions(tmp_path, zone=ZoneInfo("Europe/Paris"))
+    assert found.received.time == datetime(2026, 10, 11, 8, tzinfo=UTC)
 
 
 def test_folders_and_claims_have_one_spelling(tmp_path: Path, write_notebook: WriteNotebook) -> None:
@@ -206,4 +243,4 @@ def test_a_receipt_of_no_possible_time_is_not_believed(tmp_path: Path, write_not
     with zipfile.ZipFile(tmp_path / "in/a.zip", "w") as archive:
         archive.writestr("week01_exercise.ipynb", content["week01_exercise.ipynb"])
         archive.writestr("receipt.json", json.dumps(receipt))
-    assert find_submissions(tmp_path / "in")[0].received.source == "file time"
+    assert find_submissions(tmp_path / "in")[0].received.source == "unknown"

@@ -201,7 +201,7 @@ def test_a_receipt_from_the_end_of_time_is_not_believed(time: str, tmp_path: Pat
         archive.writestr("receipt.json", receipt)
         archive.writestr("week01_exercise.ipynb", book())
     (found,) = find_submissions(tmp_path)
-    assert (found.problem, found.received.source) == ("", "file time")
+    assert (found.problem, found.received.source) == ("", "unknown")
 
 
 def test_a_file_in_capitals_is_not_lost(tmp_path: Path) -> None:
@@ -213,7 +213,7 @@ def test_who_takes_the_id_of_another_is_noted(tmp_path: Path) -> None:
     for name in ("a.ipynb", "b.ipynb"):
         hand_in(tmp_path / name, metadata={"course": {"student": "ada", "exercise": "week01_exercise"}})
     (found,) = find_submissions(tmp_path)
-    assert found.notes == ["this counts, of what says to be ada's in a.ipynb, b.ipynb"]
+    assert "this counts, of what says to be ada's in a.ipynb, b.ipynb" in found.notes
 
 
 def test_files_beside_a_notebook_are_not_more_than_a_worker_takes(tmp_path: Path) -> None:

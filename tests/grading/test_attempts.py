@@ -1,0 +1,108 @@
+"""Which of several files counts, and whose it is."""
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.submission import find_submissions
+from tests.grading.platforms import NAME, notebook, zipped
+
+
+def put(top: Path, files: Mapping[str, bytes]) -> None:
+    for name, data in files.items():
+        (top / name).parent.mkdir(parents=True, exist_ok=True)
+        (top / name).write_bytes(data)
+
+
+def packed(code: str, student: str, time: str = "2026-03-01T00:00:00+00:00") -> bytes:
+    receipt = {"exercise": "week01_exercise", "student": student, "time": time}
+    return zipped({"receipt.json": json.dumps(receipt).encode(), NAME: notebook(code, student=student)})
+
+
+@pytest.mark.parametrize(
+    ("older", "newer"),
+    [
+        ("week01_exercise.ipynb", "week01_exercise (1).ipynb"),
+        ("week01_exercise (2).ipynb", "week01_exercise (10).ipynb"),
+        ("week01_exercise.ipynb", "week01_exercise-2.ipynb"),
+        ("week01_exercise-2.ipynb", "week01_exercise-3.ipynb"),
+        ("week01_exercise.ipynb", "week01_exercise copy.ipynb"),
+        ("week01_exercise copy 2.ipynb", "week01_exercise copy 3.ipynb"),
+        ("week01_exercise - Copy.ipynb", "week01_exercise - Copy (2).ipynb"),
+        ("week01_exercise-Copy1.ipynb", "week01_exercise-Copy2.ipynb"),
+        ("week01_exercise.ipynb", "week01_exercise - Kopie.ipynb"),
+        ("week01_exercise.ipynb", "week01_exercise_v2.ipynb"),
+        ("week01_exercise_ada7.ipynb", "week01_exercise_ada7 (1).ipynb"),
+        ("attempt 2/week01_exercise.ipynb", "attempt 10/week01_exercise.ipynb"),
+        ("first/week01_exercise.ipynb", "week01_exercise (1).ipynb"),
+    ],
+)
+def test_the_platforms_numbering_says_which_file_is_newer(tmp_path: Path, older: str, newer: str) -> None:
+    put(tmp_path, {f"ada7/{older}": notebook("x = 1"), f"ada7/{newer}": notebook("x = 2")})
+    os.utime(tmp_path / "ada7" / newer, (1, 1))  # the time of a copy tells nothing
+    (found,) = find_submissions(tmp_path)
+    assert found.path == tmp_path / "ada7" / newer
+    assert f"{found.path.name} counts, not ada7/{older}" in found.notes
+
+
+def test_trusted_times_go_before_the_numbering(tmp_path: Path) -> None:
+    put(tmp_path, {f"ada/{NAME}": notebook("x = 1"), "ada/week01_exercise (1).ipynb": notebook("x = 2")})
+    (tmp_path / "received.csv").write_text(
+        f"file,received\nada/{NAME},2026-03-02 10:00\nada/week01_exercise (1).ipynb,2026-03-01 10:00\n"
+    )
+    assert find_submissions(tmp_path)[0].path.name == NAME
+
+
+@pytest.mark.parametrize("bad", [b"", b"{]", b"<html>", b"PK", notebook(" \n"), b'{"cells": [1]}'])
+def test_a_newer_file_that_is_not_the_exercise_displaces_nothing_and_is_named(
+    tmp_path: Path, bad: bytes
+) -> None:
+    put(tmp_path, {f"ada/{NAME}": notebook(), "ada/week01_exercise (1).ipynb": bad})
+    (found,) = find_submissions(tmp_path)
+    assert (found.path.name, found.problem) == (NAME, "")
+    assert any("not ada/week01_exercise (1).ipynb" in note for note in found.notes)
+
+
+def test_where_no_file_is_the_exercise_the_newest_is_named(tmp_path: Path) -> None:
+    put(tmp_path, {f"ada/{NAME}": b"{]", "ada/week01_exercise (1).ipynb": b"<html>"})
+    assert "web page" in find_submissions(tmp_path)[0].problem
+
+
+def test_a_receipt_with_anothers_id_replaces_nobodys_work(tmp_path: Path) -> None:
+    late = "2026-03-09T00:00:00+00:00"
+    put(tmp_path, {
+        f"ada/{NAME}": notebook("mine"),
+        "bob/week01_exercise_ada.zip": packed("stolen", "ada", late),
+        "week01_exercise_ada (1).zip": packed("forged", "ada", late),
+    })  # fmt: skip
+    ada, bob = find_submissions(tmp_path)
+    assert (ada.student, ada.path.parent.name, bob.student, bob.claimed) == ("ada", "ada", "bob", "ada")
+    assert any("not week01_exercise_ada (1).zip" in note for note in ada.notes)
+
+
+def test_of_two_files_that_claim_one_id_neither_replaces_the_other(course: Course, tmp_path: Path) -> None:
+    put(tmp_path / "in", {"a.zip": packed("x = 1", "ada"), "b.zip": packed("x = 2", "ada")})
+    assert not grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    _, row = (tmp_path / "out/gradebook.csv").read_text().splitlines()
+    assert row.startswith("ada,week01_exercise,,,,,,rejected,claimed twice,")
+    assert "a.zip and b.zip name ada" in row
+
+
+def test_of_one_students_tries_without_a_platform_the_newest_counts(tmp_path: Path) -> None:
+    names = ("week01_exercise_ada.zip", "week01_exercise_ada (1).zip")
+    put(tmp_path, {name: packed(f"x = {n}", "ada") for n, name in enumerate(names)})
+    (found,) = find_submissions(tmp_path)
+    assert (found.path.name, found.problem) == (names[1], "")
+    assert len(found.rivals) == 2
+
+
+def test_if_the_best_counts_all_that_are_the_exercise_are_judged(tmp_path: Path) -> None:
+    put(tmp_path, {f"ada/{NAME}": notebook("x = 1"), "ada/week01_exercise (1).ipynb": b"{]",
+                   "ada/week01_exercise (2).ipynb": notebook("x = 2")})  # fmt: skip
+    names = [one.path.name for one in find_submissions(tmp_path, "best")]
+    assert names == ["week01_exercise (1).ipynb", NAME, "week01_exercise (2).ipynb"]

@@ -1,0 +1,124 @@
+"""Archives that unpack to more than they seem to hold."""
+
+import struct
+import zipfile
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+
+from course_lib.grading import arrivals, unzip
+from course_lib.grading.arrivals import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
+from course_lib.grading.collect import Collection, collect
+from course_lib.grading.submission import UTC, find_submissions
+from tests.grading.platforms import NAME, notebook, zipped
+
+MEGABYTE = 1_000_000
+
+
+def zips_in_a_zip(zips: int = 6, files: int = 10, size: int = 19 * MEGABYTE) -> bytes:
+    inner = zipped({f"{n}.py": b"\0" * size for n in range(files)})
+    return zipped({f"{n}.zip": inner for n in range(zips)})
+
+
+def lying_size(size: int) -> bytes:
+    """A file that claims another size than it has, in both of an archive's directories."""
+    data = bytearray(zipped({"a.py": b"\0" * 30 * MEGABYTE}))
+    struct.pack_into("<I", data, data.index(b"PK\x03\x04") + 22, size)
+    struct.pack_into("<I", data, data.index(b"PK\x01\x02") + 24, size)
+    return bytes(data)
+
+
+def overlapping(count: int) -> bytes:
+    """Many entries of the directory that lead to the same data."""
+    data = zipped({"a.py": b"\0" * 15 * MEGABYTE})
+    place, end = data.index(b"PK\x01\x02"), data.index(b"PK\x05\x06")
+    entry = data[place:end]
+    body = data[:place] + b"".join(entry.replace(b"a.py", f"{n:03}y".encode()) for n in range(count))
+    return body + struct.pack("<4sHHHHIIH", b"PK\x05\x06", 0, 0, count, count, len(body) - place, place, 0)
+
+
+def compressed_by(method: int) -> bytes:
+    data = BytesIO()
+    with zipfile.ZipFile(data, "w", method) as archive:
+        archive.writestr("a.py", b"\0" * 60 * MEGABYTE)
+    return data.getvalue()
+
+
+BOMBS: dict[str, Callable[[], bytes]] = {
+    "zips in a zip": zips_in_a_zip,
+    "many files": lambda: zipped({f"{n}.zip": zipped({f"{m}.py": b"" for m in range(90)}) for n in range(5)}),
+    "a long directory": lambda: zipped({f"{n}.py": b"" for n in range(25_000)}),
+    "a size too small": lambda: lying_size(10),
+    "a size too large": lambda: lying_size(2**31),
+    "overlapping entries": lambda: overlapping(300),
+    "bzip2": lambda: compressed_by(zipfile.ZIP_BZIP2),
+    "LZMA": lambda: compressed_by(zipfile.ZIP_LZMA),
+}
+
+
+def total(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+PLACES = ("ada/bomb.zip", "Ada_7_assignsubmission_file_/bomb.zip", "ada_7_70_bomb.zip")
+CASES = [(PLACES[0], kind) for kind in BOMBS] + [(place, "zips in a zip") for place in PLACES[1:]]
+
+
+@pytest.mark.parametrize(("place", "kind"), CASES)
+def test_a_bomb_is_bounded_and_costs_its_student_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, kind: str
+) -> None:
+    monkeypatch.setattr(arrivals, "MAX_UNPACKED_BYTES", 40 * MEGABYTE)
+    monkeypatch.setattr(arrivals, "MAX_UNPACKED_FILES", 100)
+    (tmp_path / "in.zip").write_bytes(zipped({place: BOMBS[kind](), f"zoe/{NAME}": notebook()}))
+    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert done.refused
+    assert total(tmp_path / "out") < 45 * MEGABYTE
+    assert sum(1 for path in (tmp_path / "out").rglob("*") if path.is_file()) <= 103
+    assert [one.student for one in find_submissions(tmp_path / "out")] == ["zoe"]
+
+
+def test_the_limit_is_that_of_a_student_in_total_also_over_several_archives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(arrivals, "MAX_UNPACKED_BYTES", 10 * MEGABYTE)
+    bombs = {f"Ada_7_assignsubmission_file_/{n}.zip": zips_in_a_zip(1, 3, MEGABYTE) for n in range(9)}
+    (tmp_path / "in.zip").write_bytes(zipped(bombs))
+    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert total(tmp_path / "out") < 11 * MEGABYTE
+    (refused,) = done.refused
+    assert "all archives of Ada (7) together unpack to more than 10000000 bytes" in refused
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_file_of_submit_is_not_unpacked_by_a_method_without_a_limit(tmp_path: Path, method: int) -> None:
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", method) as archive:
+        archive.writestr("receipt.json", '{"exercise": "week01_exercise"}')
+        archive.writestr(NAME, notebook())
+    (found,) = find_submissions(tmp_path)
+    assert f"compression method {method}, expected stored or deflated" in found.problem
+
+
+def test_paths_that_a_disk_cannot_hold_are_refused_one_by_one(tmp_path: Path) -> None:
+    inner = zipped(
+        {"x.py": b"1", "x.py/y.py": b"2", "/".join(["d" * 150] * 9) + "/z.py": b"3", "ok.py": b"4"}
+    )
+    (tmp_path / "in.zip").write_bytes(zipped({"ada/a.zip": inner, f"zoe/{NAME}": notebook()}))
+    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert len(done.refused) == 2
+    assert (tmp_path / "out/ada/ok.py").is_file()
+
+
+def test_the_limits_leave_room_for_honest_work() -> None:
+    assert MAX_UNPACKED_BYTES >= 100 * MEGABYTE
+    assert min(MAX_UNPACKED_FILES, unzip.MAX_MEMBERS) >= 1000
+
+
+def test_what_a_collection_says_of_a_bomb_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/bomb.zip").write_bytes(zips_in_a_zip(6, 2))
+    done: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)
+    assert all("\n" not in line for line in done.refused)
+    assert total(tmp_path / "out") <= MAX_UNPACKED_BYTES

@@ -1,0 +1,157 @@
+"""Rosters in any language, anonymous downloads, and the course's time zone."""
+
+import csv
+import json
+from pathlib import Path
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import pytest
+
+from course_lib.course import course_file
+from course_lib.course.course_file import read_course_file, zone_named
+from course_lib.errors import CourseError
+from course_lib.grading.collect import Collection, collect
+from course_lib.grading.sender import platform_name
+from course_lib.grading.submission import UTC
+from tests.grading.platforms import NAME, Handed, canvas_zip, moodle_zip, notebook, table, zipped
+from tests.test_cli import course
+
+STUDENTS = [Handed(f"Student {n}", 4101000 + n, f"s{n:03}") for n in range(4)]
+
+
+def collected(tmp_path: Path, **more: object) -> Collection:
+    return collect(tmp_path / "in.zip", tmp_path / "out", UTC, **more)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("headings", "cell"),
+    [
+        (("Identifier", "ID number", "Full name"), "Participant {}"),
+        (("Identifier", "ID number", "Full name"), "Participant_{}"),
+        (("ID", "ID-Nummer", "Vollständiger Name"), "Teilnehmer/in{}"),
+        (("المعرف", "رقم الهوية", "الاسم الكامل"), "\u200fمشارك {}"),  # noqa: RUF001
+        (("識別子", "IDナンバー", "フルネーム"), "参加者 {}"),
+        (("Number", "Student", "Name"), "{}"),
+    ],
+)
+def test_the_columns_of_a_roster_are_found_by_their_content(
+    tmp_path: Path, headings: tuple[str, ...], cell: str
+) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    rows = [(cell.format(s.number), s.id, f"{s.name} of class {n}") for n, s in enumerate(STUDENTS)]
+    table(tmp_path / "roster.csv", headings, rows)
+    assert collected(tmp_path, roster=tmp_path / "roster.csv").students == {s.id for s in STUDENTS}
+
+
+def test_canvass_gradebook_names_students_by_its_own_headings(tmp_path: Path) -> None:
+    students = [Handed("ada", 11, "A1"), Handed("bob", 12, "B2")]
+    canvas_zip(tmp_path / "in.zip", students)
+    rows = [("", "", "", "", ""), ("    Points Possible", "", "", "", "100")]
+    rows += [(s.name, str(s.number), s.id, f"{s.name}@x.org", "") for s in students]
+    table(tmp_path / "gradebook.csv", ("Student", "ID", "SIS User ID", "SIS Login ID", "Week 1 (7)"), rows)
+    assert collected(tmp_path, roster=tmp_path / "gradebook.csv").students == {"a1", "b2"}
+
+
+def test_where_several_columns_can_be_the_ids_the_option_is_suggested(tmp_path: Path) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    rows = [(f"Teilnehmer/in{s.number}", f"login{s.id}", s.id) for s in STUDENTS]
+    table(tmp_path / "roster.csv", ("ID", "Anmeldename", "ID-Nummer"), rows)
+    with pytest.raises(CourseError, match=r"Add --id-column 'Anmeldename'; columns: 'ID', .*'ID-Nummer'"):
+        collected(tmp_path, roster=tmp_path / "roster.csv")
+    done = collected(tmp_path, roster=tmp_path / "roster.csv", id_column="ID-Nummer")
+    assert done.students == {s.id for s in STUDENTS}
+
+
+def test_a_roster_of_something_else_is_refused_with_what_to_export(tmp_path: Path) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    table(tmp_path / "roster.csv", ("Vorname", "Nachname", "E-Mail"), [("Ada", "L", "ada@x.org")])
+    with pytest.raises(CourseError, match=r"like 4101000; its columns: 'Vorname'.*grading worksheet"):
+        collected(tmp_path, roster=tmp_path / "roster.csv")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_roster_for_a_download_without_numbers_is_not_used_and_that_is_said(tmp_path: Path) -> None:
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/week01_exercise.ipynb").write_text("{}")
+    table(tmp_path / "roster.csv", ("a", "b"), [("1", "2")])
+    done = collect(tmp_path / "in", tmp_path / "out", UTC, tmp_path / "roster.csv")
+    assert any("its exports are not used" in note for note in done.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Ada_4101000_assignsubmission_file_", ("moodle", "4101000", None, "")),
+        ("Ada_4101000_assignsubmission_file", ("moodle", "4101000", None, "")),
+        ("Participant_7_assignsubmission_file_a.ipynb", ("moodle", "7", None, "a.ipynb")),
+        ("Teilnehmerin_7_assignsubmission_file_a_1_2_b.py", ("moodle", "7", None, "a_1_2_b.py")),
+        ("lovelaceada_11_900_a.ipynb", ("canvas", "11", False, "a.ipynb")),
+        ("van_dijk_LATE_11_900_a_b.ipynb", ("canvas", "11", True, "a_b.ipynb")),
+        ("anon_aB3xy_900_a.ipynb", ("anonymous", "aB3xy", False, "a.ipynb")),
+        ("LATE_anon_12345_900_a.ipynb", ("anonymous", "12345", True, "a.ipynb")),
+        ("week01_exercise.ipynb", None),
+        ("week01_exercise_20231234.zip", None),
+    ],
+)
+def test_names_of_platforms_are_read(name: str, expected: tuple[object, ...] | None) -> None:
+    found = platform_name(name)
+    assert (found and (found.platform, found.number, found.late, found.file)) == expected
+
+
+def test_an_anonymous_download_is_named_with_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({f"anon_aB3xy_900_{NAME}": notebook()}))
+    done = collected(tmp_path)
+    assert done.students == {"anon_ab3xy"}
+    assert any("turn off anonymous grading" in note and "--times" in note for note in done.notes)
+    entry = {"user_id": 11, "anonymous_id": "aB3xy", "submitted_at": "2026-03-08T22:59:00Z"}
+    (tmp_path / "s.json").write_text(json.dumps([entry]))
+    table(tmp_path / "gradebook.csv", ("Student", "ID", "SIS User ID"), [("Ada", 11, "A1")])
+    times = [tmp_path / "s.json"]
+    assert collect(tmp_path / "in.zip", tmp_path / "2", UTC, times=times).students == {"11"}
+    done = collect(tmp_path / "in.zip", tmp_path / "3", UTC, tmp_path / "gradebook.csv", times=times)
+    assert done.students == {"a1"}
+    assert not any("anonymous" in note for note in done.notes)
+
+
+def test_the_zone_of_a_course_that_names_none_is_the_machines_and_is_said_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TZ", "America/Lima")
+    path = tmp_path / "course.toml"
+    path.write_text('title = "A"\n[weeks.week01]\ntitle = "B"\ndeadline = 2026-03-08T23:59:00\n')
+    read = read_course_file(path)
+    assert read.zone.key == "America/Lima"
+    assert "America/Lima, this machine's zone" in read.zone_note
+    deadline = read.deadline("week01", "ada")
+    assert deadline is not None
+    assert deadline.utcoffset() == ZoneInfo("America/Lima").utcoffset(deadline)
+    path.write_text('title = "A"\ntime_zone = "Europe/Paris"\n[weeks.week01]\ntitle = "B"\n')
+    assert (read_course_file(path).zone.key, read_course_file(path).zone_note) == ("Europe/Paris", "")
+
+
+def test_a_machine_without_a_zone_is_told_what_to_write(monkeypatch: pytest.MonkeyPatch) -> None:
+    def conflicting() -> None:
+        raise ZoneInfoNotFoundError("Multiple conflicting time zone configurations found")
+
+    monkeypatch.setattr("tzlocal.get_localzone", conflicting)
+    with pytest.raises(CourseError, match='time_zone = "Europe/Paris"'):
+        course_file.machine_zone()
+
+
+def test_a_zone_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(CourseError, match="Did you mean Europe/Paris"):
+        zone_named("Europe/Pariss")
+
+
+def test_the_commands_read_a_worksheet_and_say_the_zone_once(tmp_path: Path) -> None:
+    moodle_zip(tmp_path / "moodle.zip", STUDENTS)
+    rows = [(f"Teilnehmer/in{s.number}", s.id, "Sonntag, 8. März 2026, 23:59") for s in STUDENTS]
+    table(tmp_path / "w.csv", ("ID", "ID-Nummer", "Zuletzt geändert (Abgabe)"), rows)
+    command = ("collect", "moodle.zip", "--out", "in", "--roster", "w.csv")
+    done = course(*command, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("this machine's zone") == 1
+    done = course(*command[:3], "in2", *command[4:], "--time-zone", "Asia/Tokyo", cwd=tmp_path)
+    assert "this machine's zone" not in done.stdout
+    with (tmp_path / "in2/received.csv").open(newline="") as file:
+        assert {row["received"] for row in csv.DictReader(file)} == {"2026-03-08T23:59:00+09:00"}

@@ -1,0 +1,277 @@
+import csv
+import json
+import zipfile
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from course_lib.course.course_file import Late
+from course_lib.errors import CourseError
+from course_lib.grading.collect import Collection, collect
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.platform_times import parse_times
+from course_lib.grading.received import Received
+from course_lib.grading.submission import find_submissions
+from tests.grading.platforms import (
+    NAME,
+    Handed,
+    canvas_json,
+    canvas_zip,
+    moodle_zip,
+    notebook,
+    table,
+    zipped,
+)
+
+PARIS = ZoneInfo("Europe/Paris")
+TIME = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
+WORKSHEETS = {  # headings and ways of writing 8 March 2026, 23:59, of Moodle's grading worksheet
+    "English": (
+        ("Identifier", "Full name", "ID number", "Status", "Grade", "Maximum grade",
+         "Last modified (submission)", "Last modified (grade)"),
+        "Participant {}", "Sunday, 8 March 2026, 11:59 PM", "Monday, 16 March 2026, 10:00 AM"),
+    "German": (
+        ("ID", "Vollständiger Name", "ID-Nummer", "Status", "Bewertung", "Bestwertung",
+         "Zuletzt geändert (Abgabe)", "Zuletzt geändert (Bewertung)"),
+        "Teilnehmer/in{}", "Sonntag, 8. März 2026, 23:59", "Montag, 16. März 2026, 10:00"),
+    "Spanish": (
+        ("Identificador", "Nombre completo", "Número de ID", "Estado", "Calificación", "Calificación máxima",
+         "Última modificación (entrega)", "Última modificación (calificación)"),
+        "Participante {}", "domingo, 8 de marzo de 2026, 23:59", "lunes, 16 de marzo de 2026, 10:00"),
+    "French": (
+        ("Identifiant", "Nom complet", "Numéro d'identification", "Statut", "Note", "Note maximale",
+         "Dernière modification (travail remis)", "Dernière modification (note)"),
+        "Participant {}", "dimanche 8 mars 2026, 23:59", "lundi 16 mars 2026, 10:00"),
+    "Arabic": (
+        ("المعرف", "الاسم الكامل", "رقم الهوية", "الحالة", "التقدير", "الحد الأقصى",
+         "آخر تعديل (تسليم المهام)", "آخر تعديل (التقدير)"),
+        "مشارك {}", "الأحد، 8 مارس 2026، 11:59 م", "الاثنين، 16 مارس 2026، 10:00 ص"),
+    "Arabic of the Levant, in its digits": (
+        ("المعرف", "الاسم الكامل", "رقم الهوية", "الحالة", "التقدير", "الحد الأقصى",
+         "آخر تعديل (تسليم المهام)", "آخر تعديل (التقدير)"),
+        "مشارك {}", "الأحد، ٨ آذار ٢٠٢٦، ١١:٥٩ م", "الاثنين، ١٦ آذار ٢٠٢٦، ١٠:٠٠ ص"),  # noqa: RUF001
+}  # fmt: skip
+STUDENTS = [Handed(f"Student {n}", 4101000 + n, f"2023{n:04}") for n in range(6)]
+Collect = Callable[..., Collection]
+
+
+@pytest.fixture
+def sort(tmp_path: Path) -> Collect:
+    """Collects in.zip into out."""
+
+    def do(**more: object) -> Collection:
+        return collect(tmp_path / "in.zip", tmp_path / "out", PARIS, **more)  # type: ignore[arg-type]
+
+    return do
+
+
+@pytest.mark.parametrize("language", WORKSHEETS)
+def test_moodles_worksheet_gives_times_and_ids_in_any_language(
+    tmp_path: Path, sort: Collect, language: str
+) -> None:
+    headings, participant, submitted, graded = WORKSHEETS[language]
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    rows: list[Sequence[str]] = [
+        (participant.format(s.number), s.name, s.id, "-", "", "100,00", submitted, graded) for s in STUDENTS
+    ]
+    absent = (participant.format(4109999), "Absent", "20239999", "-", "", "100,00", "-", graded)
+    table(tmp_path / "worksheet.csv", headings, [*rows, absent], ";" if language == "German" else ",")
+    done = sort(roster=tmp_path / "worksheet.csv")
+    found = find_submissions(tmp_path / "out")
+    assert [one.student for one in found] == [s.id for s in STUDENTS]
+    assert {one.received.time for one in found} == {TIME}
+    assert {one.received.source for one in found} == {f"received.csv (worksheet.csv, {headings[6]})"}
+    assert f"note: times are those of worksheet.csv, {headings[6]}, read as Europe/Paris" in done.notes
+
+
+def test_the_time_of_grading_and_the_due_date_are_not_that_of_submission(
+    tmp_path: Path, sort: Collect
+) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    due, graded = "Sonntag, 8. März 2026, 23:59", "Montag, 16. März 2026, 10:0{}"
+    rows = [
+        (f"Teilnehmer/in{s.number}", s.id, due, f"Freitag, 6. März 2026, 10:0{i}", graded.format(i))
+        for i, s in enumerate(STUDENTS)
+    ]
+    headings = ("ID", "ID-Nummer", "Fällig", "Zuletzt geändert (Abgabe)", "Zuletzt geändert (Bewertung)")
+    table(tmp_path / "worksheet.csv", headings, rows)
+    sort(roster=tmp_path / "worksheet.csv")
+    times = [one.received.time for one in find_submissions(tmp_path / "out")]
+    assert times == [datetime(2026, 3, 6, 9, i, tzinfo=UTC) for i in range(6)]
+
+
+def test_canvass_api_export_gives_times(tmp_path: Path, sort: Collect) -> None:
+    students = [
+        Handed("ada", 11, "", "2026-03-08T22:59:00+00:00"),
+        Handed("bob", 12, "", "2026-03-09T08:00:00+00:00", late=True),
+        Handed("cleo", 13, ""),
+    ]
+    canvas_zip(tmp_path / "in.zip", students)
+    canvas_json(tmp_path / "submissions.json", students)
+    done = sort(times=[tmp_path / "submissions.json"])
+    found = {one.student: one.received for one in find_submissions(tmp_path / "out")}
+    assert found["11"].time == TIME
+    assert found["12"].time == datetime(2026, 3, 9, 8, tzinfo=UTC)
+    assert (found["13"].time, found["13"].late) == (None, False)
+    assert "note: cleo has no time of submission in submissions.json, submitted_at" in done.notes
+
+
+def test_canvass_submissions_csv_gives_times(tmp_path: Path, sort: Collect) -> None:
+    canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, ""), Handed("bob", 12, "")])
+    rows = [(number, "2026-03-01T00:00:00Z", "2026-03-08T22:59:00Z") for number in (11, 12)]
+    table(tmp_path / "s.csv", ("user_id", "cached_due_date", "submitted_at"), rows)
+    sort(times=[tmp_path / "s.csv"])
+    assert {one.received.time for one in find_submissions(tmp_path / "out")} == {TIME}
+
+
+def test_an_export_of_another_assignment_gives_no_times(tmp_path: Path, sort: Collect) -> None:
+    canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "")])
+    other = [{"user_id": 11, "submitted_at": "2026-01-01T00:00:00Z", "attachments": [{"id": 7}]}]
+    (tmp_path / "other.json").write_text(json.dumps(other))
+    sort(times=[tmp_path / "other.json"])
+    assert find_submissions(tmp_path / "out")[0].received.time is None
+
+
+def test_the_download_time_of_a_zip_makes_nobody_late(tmp_path: Path, sort: Collect, course: Course) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS[:2])
+    done = sort()
+    assert any("Moodle's zip has no times of submission: add --roster" in note for note in done.notes)
+    early = (course.exercises / "course.toml").read_text().replace("2026-10-11", "2026-03-09")
+    (course.exercises / "course.toml").write_text(early)
+    grade(tmp_path / "out", tmp_path / "graded", jobs=1, course=course)
+    with (tmp_path / "graded/gradebook.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["days_late"] for row in rows] == ["0", "0"]
+    assert all("time of receipt unknown: not counted as late" in row["message"] for row in rows)
+    assert "Time of receipt unknown" in next((tmp_path / "graded/reports").glob("*/*.html")).read_text()
+
+
+def test_what_the_instructor_corrected_survives_another_collect(tmp_path: Path, sort: Collect) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS[:1])
+    headings, participant, submitted, _ = WORKSHEETS["English"]
+    row = (participant.format(4101000), "A", "20230000", "-", "", "100", submitted, "-")
+    table(tmp_path / "w.csv", headings, [row])
+    sort(roster=tmp_path / "w.csv")
+    path = tmp_path / "out/received.csv"
+    path.write_text(path.read_text().replace("2026-03-08T23:59:00+01:00", "2026-03-01 12:00"))
+    done = sort(roster=tmp_path / "w.csv")
+    assert find_submissions(tmp_path / "out", zone=PARIS)[0].received.time == datetime(
+        2026, 3, 1, 11, tzinfo=UTC
+    )
+    assert any("received.csv keeps 2026-03-01 12:00" in note for note in done.notes)
+
+
+def packed(time: str) -> bytes:
+    receipt = {"exercise": "week01_exercise", "student": "ada", "time": time}
+    return zipped({"receipt.json": json.dumps(receipt).encode(), NAME: notebook()})
+
+
+DEADLINE = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
+
+
+@pytest.mark.parametrize(
+    ("late", "receipt", "days", "remark", "notes"),
+    [
+        (True, "2026-03-01T12:00:00+00:00", 1, "late by the platform's word", ["not believed, it is 0 days"]),
+        (False, "2026-03-20T12:00:00+00:00", 0, "not late by the platform's word", ["it is 12 days late"]),
+        (True, "nonsense", 1, "counted as 1 day", []),
+    ],
+)
+def test_a_receipt_never_overrules_canvass_late(
+    tmp_path: Path, sort: Collect, late: bool, receipt: str, days: int, remark: str, notes: list[str]
+) -> None:
+    canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "", files={"a.zip": packed(receipt)}, late=late)])
+    sort()
+    (found,) = find_submissions(tmp_path / "out")
+    assert found.received.time is None
+    assert found.received.days_late(DEADLINE, Late()) == days
+    assert remark in found.received.remark(DEADLINE, Late())
+    said = found.received.contradictions(DEADLINE, Late())
+    assert len(said) == len(notes)
+    assert all(part in line for part, line in zip(notes, said, strict=True))
+
+
+def test_late_in_a_name_that_contradicts_the_time_is_noted() -> None:
+    in_time = Received(datetime(2026, 3, 1, tzinfo=UTC), "received.csv", late=True)
+    assert in_time.days_late(DEADLINE, Late()) == 0
+    assert in_time.contradictions(DEADLINE, Late()) == [
+        "the platform calls it late, but by received.csv it is 0 days late"
+    ]
+    assert in_time.contradictions(None, Late()) == [
+        "the platform calls it late, but course.toml has no deadline"
+    ]
+
+
+def test_a_receipt_counts_where_nothing_else_is_known_and_the_gradebook_says_so(tmp_path: Path) -> None:
+    (tmp_path / "ada").mkdir()
+    (tmp_path / "ada/a.zip").write_bytes(packed("2026-03-20T12:00:00+00:00"))
+    (found,) = find_submissions(tmp_path)
+    assert (found.received.source, found.received.is_trusted) == ("receipt", False)
+    assert "the student's machine" in found.received.remark(DEADLINE, Late())
+
+
+def test_a_students_own_list_and_stamp_in_a_platforms_folder_are_not_believed(
+    tmp_path: Path, sort: Collect
+) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS[:1])
+    sort()
+    folder = tmp_path / "out/participant4101000"
+    (folder / "received.csv").write_text(f"file,received\n{NAME},2020-01-01T00:00:00Z\n")
+    (folder / "timestamp.txt").write_text("2020-01-01 00:00:00 UTC")
+    (found,) = find_submissions(tmp_path / "out")
+    assert found.received.time is None
+    assert sum("is not believed" in note for note in found.notes) == 2
+
+
+def test_a_stamp_in_a_students_zip_is_not_kept(tmp_path: Path, sort: Collect) -> None:
+    inner = zipped({NAME: notebook(), "timestamp.txt": b"2020-01-01 00:00:00 UTC", "received.csv": b"a,b\n"})
+    with zipfile.ZipFile(tmp_path / "in.zip", "w") as archive:
+        archive.writestr("submitted/ada/week01/work.zip", inner)
+    done = sort()
+    assert len(done.refused) == 2
+    assert find_submissions(tmp_path / "out")[0].received.time is None
+
+
+SAME_TIME = [
+    "Sunday, 8 March 2026, 11:59 PM", "8.3.2026 23:59", "domenica, 8 marzo 2026, 23:59",
+    "niedziela, 8 marca 2026, 23:59", "domingo, 8 de março de 2026 às 23:59", "8 Mart 2026, Pazar, 23:59",
+    "воскресенье, 8 марта 2026, 23:59", "2026年03月8日 星期日 23:59", "zondag, 8 maart 2026, 23:59",
+    "søndag 8. mars 2026 23.59", "sunnuntai, 8. maaliskuuta 2026, 23.59", "2026-03-08T22:59:00Z",
+    "Κυριακή, 8 Μαρτίου 2026, 11:59 μμ", "יום ראשון, 8 מרץ 2026, 23:59", "2026-03-08 23:59:00+01:00",
+]  # fmt: skip
+
+
+def test_dates_are_read_in_many_languages() -> None:
+    assert [parse_times([text], PARIS) for text in SAME_TIME] == [[TIME]] * len(SAME_TIME)
+
+
+NO_TIMES = ["", "-", "yesterday", "20231234", "100,00", "March", "8 March 2026", "Sunday, 8 March 26:99",
+            "9999-12-31T23:59:59Z", "0001-01-01T00:00:00+14:00", "a" * 10_000, "1" * 10_000]  # fmt: skip
+
+
+def test_what_is_not_a_date_with_a_time_is_none() -> None:
+    assert parse_times(NO_TIMES, PARIS) == [None] * len(NO_TIMES)
+
+
+@pytest.mark.parametrize(
+    ("column", "first"),
+    [
+        (["03/08/2026 23:59", "04/08/2026 10:00"], None),  # nothing tells the order
+        (["03/08/2026 23:59", "03/28/2026 10:00"], "2026-03-08T23:59:00+01:00"),
+        (["03/08/2026 23:59", "28/08/2026 10:00"], "2026-08-03T23:59:00+02:00"),
+    ],
+)
+def test_the_column_tells_the_order_of_day_and_month(column: list[str], first: str | None) -> None:
+    assert parse_times(column, PARIS)[0] == (first and datetime.fromisoformat(first))
+
+
+def test_an_export_that_is_broken_is_refused(tmp_path: Path, sort: Collect) -> None:
+    canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "")])
+    for text in ("{", "[]", "[" * 100_000, '{"errors": "no"}'):
+        (tmp_path / "s.json").write_text(text)
+        with pytest.raises(CourseError, match=r"s\.json"):
+            sort(times=[tmp_path / "s.json"])
