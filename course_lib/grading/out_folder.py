@@ -9,7 +9,7 @@ from pathlib import Path
 from course_lib.errors import CourseError
 
 LOCK = ".lock"
-KEPT = ("results", "evidence", "marks", "reports")
+KEPT = ("results", "evidence", "marks", "reports", "preflight")
 
 
 class OutError(CourseError):

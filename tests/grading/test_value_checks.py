@@ -68,7 +68,8 @@ def test_a_call_that_raised_returned_nothing_that_a_check_expects() -> None:
     scenario = Scenario("public", calls=(Call(0), Call(1)))
     task = Task("week01.inverse", "1 / x", "function", "inverse", ("a", "b", "c"), (scenario,))
     came = run_here(task, scenario, lambda x: {"x": 1 / x}, {})
-    for expected in (None, {}, RAISED, [], "", 0):
+    anything: tuple[Any, ...] = (None, {}, RAISED, [], "", 0)
+    for expected in anything:
         verdict = expect_value(expected).judge(came)
         assert (verdict.score, verdict.message) == (0, "the value is missing: the call raised an exception")
     assert expect_value({"x": 1}, call=1).judge(came).score == 1
