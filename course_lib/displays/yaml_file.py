@@ -13,7 +13,7 @@ from course_lib.errors import CourseError
 
 _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
-_MOST = 500_000  # values of a file, its aliases written out
+_MOST = 1_000_000  # labels of all paths in a file, its aliases written out: 100,000 values ten levels deep
 Path = tuple[str | int, ...]  # of keys and indices
 
 
@@ -23,15 +23,23 @@ class Parsed:
 
     value: Any = None
     places: dict[Path, tuple[int, int]] = field(default_factory=dict)  # line and column, from 1
+    room: int = _MOST
 
     def take(self, node: Any, path: Path = ()) -> Any:
-        """Return a node of YAML as plain values; of a key that comes twice, the last one counts."""
-        if len(self.places) > _MOST:
-            raise CourseError(f"it has more than {_MOST} values")
+        """Return a node of YAML as plain values; of a key that comes twice, the last one counts.
+
+        Raises:
+            CourseError: With its aliases written out, it is larger than any layout.
+        """
+        self.room -= 1 + len(path)
+        if self.room < 0:
+            line, column = node.start_mark.line + 1, node.start_mark.column + 1
+            what = "with its aliases (*name) written out the file has too many values for a layout"
+            raise CourseError(f"line {line}, column {column}: {what}. RViz writes no aliases: remove them.")
         self.places[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
         if node.id == "mapping":
-            named = [(str(key.value), value) for key, value in node.value]
-            return {name: self.take(value, (*path, name)) for name, value in named}
+            named = {str(key.value): value for key, value in node.value}
+            return {name: self.take(value, (*path, name)) for name, value in named.items()}
         if node.id == "sequence":
             return [self.take(value, (*path, index)) for index, value in enumerate(node.value)]
         return None if node.tag == _NULL else node.value
@@ -57,7 +65,7 @@ def parse_yaml(text: str) -> Parsed:
         before = text[: error.position]
         character = f"the character {error.character!r} cannot be there"
         raise _no_yaml(before.count("\n"), len(before) - before.rfind("\n") - 1, character) from None
-    except (RecursionError, YAMLStreamError, CourseError, ValueError) as error:
+    except (RecursionError, YAMLStreamError, ValueError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise _no_yaml(0, 0, reason) from None
     return parsed

@@ -32,6 +32,7 @@ from course_lib.grading.ids import with_ids
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.job import Job
 from course_lib.grading.out_folder import OutError, sole_use, writing
+from course_lib.grading.preflight import try_out
 from course_lib.grading.report_index import write_tables
 from course_lib.grading.result import read_result, result_path
 from course_lib.grading.submission import Submission, find_submissions
@@ -78,7 +79,8 @@ def grade(
 
     Raises:
         OutError: `out` can't be written.
-        CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
+        CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use, or
+            a solution or a stub does not get its mark here.
     """
     course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
     settings = catalog_of(course).course
@@ -93,7 +95,7 @@ def grade(
         _look_for_evidence(batches, out, wanted=resume or rejudge)
         if rejudge:
             batches = _with_evidence(batches)
-        graded = _graded(batches, work, course, out, jobs or os.cpu_count() or 1, dask)
+        graded = _graded(batches, work, course, out, jobs or os.cpu_count() or 1, dask, may_run=not rejudge)
         try:
             rows = list(watched(graded, len(batches)))
         except KeyboardInterrupt:
@@ -166,7 +168,14 @@ def _with_evidence(batches: Iterable[Batch]) -> list[Batch]:
 
 
 def _graded(
-    batches: Sequence[Batch], work: dict[str, Job], course: Course, out: Path, jobs: int, dask: str | None
+    batches: Sequence[Batch],
+    work: dict[str, Job],
+    course: Course,
+    out: Path,
+    jobs: int,
+    dask: str | None,
+    *,
+    may_run: bool,
 ) -> Iterator[Row]:
     """Run what has to be run, judge as soon as the evidence is there; yields lines of the gradebook."""
     needed = {key: work[key] for batch in batches for key in sorted(batch.missing)}
@@ -176,6 +185,9 @@ def _graded(
     with executors(jobs, dask) as (run, judge, window):
         if needed:
             run.submit(demand, course.sandbox).result()
+        exercises = {attempt.exercise for batch in batches for attempt in batch.attempts if attempt.key}
+        for note in try_out(exercises, course, out, run, judge, may_run=may_run):
+            say(note)
         ready = _ready(batches, flow(run, run_job, ((k, [job]) for k, job in needed.items()), window), out)
         calls = ((batch, (batch.attempts, course, out, batch.fault)) for batch in ready)
         for batch, future in flow(judge, judge_one, calls, window):

@@ -9,7 +9,7 @@ from pathlib import Path
 from course_lib.errors import CourseError
 
 LOCK = ".lock"
-KEPT = ("results", "evidence", "marks", "reports", "copies")
+KEPT = ("results", "evidence", "marks", "reports", "copies", "preflight")
 
 
 class OutError(CourseError):

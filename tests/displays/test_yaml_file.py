@@ -1,6 +1,7 @@
 import pytest
 
 from course_lib.displays.yaml_file import parse_yaml, yaml_text
+from course_lib.errors import CourseError
 
 # What is read of a scalar, and how it is written again.
 FORMS = {
@@ -46,3 +47,32 @@ def test_merges_are_keys_like_all_others_and_aliases_are_written_out() -> None:
 def test_places_are_lines_and_columns_from_one() -> None:
     places = parse_yaml("a:\n  - b\n  - c: d\n").places
     assert [places[path] for path in (("a",), ("a", 0), ("a", 1, "c"))] == [(2, 3), (2, 5), (3, 8)]
+
+
+def laughs(form: str) -> str:
+    """Ten levels of ten aliases each, in a list or as one key again and again."""
+    lines = ["a0: &a0 [x]"]
+    for n in range(1, 10):
+        inside = ", ".join([form.format(f"*a{n - 1}")] * 10)
+        lines.append(f"a{n}: &a{n} " + (f"[{inside}]" if form == "{}" else f"{{{inside}}}"))
+    return "\n".join(lines)
+
+
+def test_aliases_are_written_out_up_to_a_bound() -> None:
+    with pytest.raises(CourseError, match=r"line \d+, column \d+: with its aliases .* too many values"):
+        parse_yaml(laughs("{}"))
+
+
+def test_a_key_that_comes_again_costs_nothing() -> None:
+    parsed = parse_yaml(laughs("k: {}"))
+    assert len(parsed.places) < 200
+
+
+def test_what_is_nested_deeply_counts_for_its_depth() -> None:
+    with pytest.raises(CourseError, match="too many values"):
+        parse_yaml("{a: " * 200 + "[" + "1," * 20_000 + "]" + "}" * 200)
+
+
+def test_a_layout_that_contains_itself_is_refused() -> None:
+    with pytest.raises(CourseError, match="nested too deeply"):
+        parse_yaml("a: &a [*a]")

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -83,3 +84,19 @@ def test_what_is_no_layout_fails_with_a_sentence(layout: Any) -> None:
 def test_a_grid_of_a_billion_cells_costs_nothing() -> None:
     layout = LAYOUT.replace("Plane Cell Count: 20", "Plane Cell Count: 1000000000")
     assert said(expect_drawn("LaserScan", ROBOT, best_effort=("/scan",)), layout) == ""
+
+
+def test_a_layout_of_aliases_is_the_students_mistake(
+    evidence: Callable[..., Evidence],
+) -> None:
+    levels = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]" for n in range(9)]
+    verdict = expect_layout(fixed_frame="map").judge(evidence(returns=("\n".join(levels),)))
+    assert (verdict.score, verdict.mistake) == (0, "the layout is no YAML")
+    assert "aliases" in verdict.message
+
+
+def test_a_layout_reads_no_file_of_the_grader(evidence: Callable[..., Evidence]) -> None:
+    robot = "{Class: rviz_default_plugins/RobotModel, Description Source: File, Description File: /etc/hosts}"
+    text = f"Visualization Manager: {{Displays: [{robot}]}}"
+    verdict = expect_drawn("RobotModel", ()).judge(evidence(returns=(text,)))
+    assert verdict.mistake == "a description comes from a file"

@@ -145,6 +145,7 @@ def _start(
         "LANG": "C.UTF-8",
         "MPLBACKEND": "Agg",
         "PYTHONHASHSEED": "0",
+        "PYTHONPATH": str(Path(course_lib.__file__).parents[1]),  # this kit, whichever is installed
         "PYTHONUSERBASE": site.getuserbase(),  # the kit may be installed there, and HOME is not the user's
     }
     read = [path for path in _readable() if os.path.exists(path)]

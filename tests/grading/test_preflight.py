@@ -1,0 +1,145 @@
+"""Before a class is graded, solution and stub get full marks and none; otherwise nothing is graded."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import course_lib
+from course_lib.errors import CourseError
+from course_lib.grading.executors import Here
+from course_lib.grading.grade import grade
+from course_lib.grading.grade_one import Course
+from course_lib.grading.gradebook import results_in
+from course_lib.grading.preflight import kit_here, try_out
+from tests.grading.conftest import RIGHT
+from tests.grading.test_class import change, count_runs
+
+SOLVED = RIGHT.replace(
+    "    return length / 2\n", "    # solution: half of it\n    return length / 2\n    # end of solution\n"
+).replace(
+    "        marker = Marker(type=Marker.CUBE)\n",
+    "        # solution: the cube\n        marker = Marker(type=Marker.CUBE)\n        # end of solution\n",
+)
+SOLVED = SOLVED.replace("answer = 2", "# solution: your number\nanswer = 2").replace(
+    'check("week01.answer"', '# end of solution\ncheck("week01.answer"'
+)
+WriteNotebook = Callable[..., Path]
+
+
+@pytest.fixture
+def solve(course: Course, write_notebook: WriteNotebook, tmp_path: Path) -> Callable[[str], Path]:
+    """Writes the course's solution, and hands in one submission."""
+    path = write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", RIGHT, student="ada")
+    path.with_name("timestamp.txt").write_text("2026-10-11 12:00:00 UTC")
+
+    def write(code: str) -> Path:
+        return write_notebook(course.solutions / "week01_solution.ipynb", code, exercise="week01_exercise")
+
+    return write
+
+
+def test_a_class_is_graded_once_solution_and_stub_got_their_marks(
+    course: Course,
+    solve: Callable[[str], Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    solve(SOLVED)
+    runs = count_runs(monkeypatch)
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert "Solution and stub of week01_exercise: full marks and none" in capsys.readouterr().out
+    assert [result["row"]["final"] for result in results_in(tmp_path / "out")] == [110]
+    assert len(runs) == 3
+    for again in ("resume", "rejudge", ""):
+        runs.clear()
+        flags = {"resume": again == "resume", "rejudge": again == "rejudge"}
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course, **flags)  # type: ignore[arg-type]  # bools
+        assert len(runs) == (not again)  # the submission only, and only where that is asked for
+
+
+def test_a_solution_without_full_marks_stops_it_and_is_run_again_the_next_time(
+    course: Course, solve: Callable[[str], Path], tmp_path: Path
+) -> None:
+    path = solve(SOLVED.replace("length / 2", "length / 4"))
+    for _ in range(2):
+        with pytest.raises(CourseError) as refused:
+            grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+        for said in (
+            f"nothing is graded: the solution {path} gets 70 of 110 points, expected all",
+            "week01.half: 0 of 40; public, 'the value is right': the value is 1.00 m, expected 2.00 m",
+            f"Type `course check {path}` to see more",
+            str(Path(course_lib.__file__).parent),
+        ):
+            assert said in str(refused.value)
+    assert not (tmp_path / "out/results").exists()
+    solve(SOLVED)
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
+def test_a_stub_with_points_stops_it(course: Course, solve: Callable[[str], Path], tmp_path: Path) -> None:
+    half = "    # solution: half of it\n    return length / 2\n    # end of solution\n"
+    solve(SOLVED.replace(half, "    return length / 2\n"))
+    with pytest.raises(CourseError, match=r"the stub .* gets 40 of 110 points, expected none\. week01\.half"):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
+def test_a_check_that_raises_over_the_solution_stops_it(
+    course: Course, solve: Callable[[str], Path], tmp_path: Path
+) -> None:
+    solve(SOLVED)
+    change(course.solutions / "checks/week01.py", "expect_value(-3.5)", "expect_value(-3.5, tolerance='a')")
+    with pytest.raises(CourseError, match=r"the solution .* 90 of 110 .*'the value is right': TypeError"):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
+def test_an_exercise_without_a_solution_is_named(
+    course: Course, solve: Callable[[str], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    solve(SOLVED).unlink()
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    assert "Not tried out: week01_exercise, as there is no" in capsys.readouterr().out
+
+
+class Elsewhere(Here):
+    """Where another version of the kit is."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        future.set_result(("/another/course_lib", "0" * 64))
+        return future if fn is kit_here else super().submit(fn, *args, **kwargs)
+
+
+def test_another_version_of_the_kit_elsewhere_is_named_with_both_places(
+    course: Course, solve: Callable[[str], Path], tmp_path: Path
+) -> None:
+    solve(SOLVED)
+    kit = Path(course_lib.__file__).parent
+    with pytest.raises(CourseError, match=f"/another/course_lib, which is not the version in {kit}"):
+        try_out(["week01_exercise"], course, tmp_path, Elsewhere(), Here(), may_run=True)
+
+
+PRINT_KIT = """
+from contextlib import closing
+from course_lib.course.course_file import Limits
+from course_lib.grading.runner import Session
+from course_lib.grading.task import Scenario, Task
+task = Task("week01.kit", "Kit", "value", "kit", ("a", "b", "c"), (Scenario("public"),))
+with closing(Session(["import course_lib; kit = course_lib.__file__"], {task.id: {}}, Limits())) as session:
+    print(session.run(task, task.scenarios[0]).returns[0])
+"""
+
+
+def test_submissions_run_with_the_kit_that_grades_and_not_with_the_installed_one(tmp_path: Path) -> None:
+    kit = tmp_path / "checkout" / "course_lib"
+    shutil.copytree(Path(course_lib.__file__).parent, kit, ignore=shutil.ignore_patterns("__pycache__"))
+    tmp_path.chmod(0o755)  # the submissions' user is another one
+    command = [sys.executable, "-c", PRINT_KIT]
+    done = subprocess.run(command, cwd=kit.parent, capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == str(kit / "__init__.py"), done.stderr
