@@ -13,6 +13,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.not_numbers import not_numbers
 from course_lib.grading.personal import personal_values
 from course_lib.grading.printed import printed
 from course_lib.grading.scenario import run_here
@@ -102,7 +103,7 @@ def table_of(task: Task, result: TaskResult, evidence: Sequence[Evidence], stude
     if result.untouched:
         notes.append(FILL_IN)
     elif task.scenarios and not result.passed:
-        notes += _returned_none(task, evidence)
+        notes += [*_returned_none(task, evidence), *not_numbers(evidence)]
         failures = min(state.get("hints", task.id, 0) + 1, HINTS)
         state.put("hints", task.id, failures)
         notes.append(f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}")

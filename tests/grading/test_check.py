@@ -200,3 +200,13 @@ def test_one_cause_is_not_repeated_in_every_row(
 def test_the_printed_text_is_escaped_in_html() -> None:
     html = Table(TaskResult("t", "T", 1, False, ()), (), ("<b>", "x"))._repr_mimebundle_()["text/html"]
     assert "<pre>&lt;b&gt;\nx</pre>" in html
+
+
+def test_nan_is_named_with_its_place(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube("position.z = 0.5", "position.z = float('nan')"))
+    place = "NaN (not a number): pose.position.z on /visualization_marker. Is it"
+    assert place in capsys.readouterr().out
+    check("week01.half", lambda length: [1.0, float("nan")])
+    assert "NaN (not a number): the returned value[1]. Is it" in capsys.readouterr().out
