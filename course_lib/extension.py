@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
 from course_lib.ros.graph import current_graph
+from course_lib.ros.repeated import repeated_lines
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -21,6 +22,11 @@ def load(shell: "InteractiveShell") -> None:
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
     shorten(shell)
+    shell.events.register("post_run_cell", _end_of_cell)
+
+
+def _end_of_cell(*_: object) -> None:
+    repeated_lines.end()
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:

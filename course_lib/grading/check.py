@@ -10,10 +10,12 @@ from course_lib.course.identity import current_identity
 from course_lib.course.page import in_notebook, show
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.not_numbers import not_numbers
 from course_lib.grading.personal import personal_values
+from course_lib.grading.printed import printed
 from course_lib.grading.scenario import run_here
 from course_lib.grading.table import Table
 from course_lib.grading.task import HINTS, Task
@@ -21,7 +23,10 @@ from course_lib.grading.task import HINTS, Task
 STRICT = "COURSE_STRICT"
 GHOST_HEIGHT = 260  # [px]
 FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."
-NO_ID = "No student ID is known, so your own values are a guest's. In week 0 type: set_identity('your-id')"
+NO_ID = (
+    "No student ID is known, so your own values are a guest's. Type it into the form in week00_welcome.ipynb."
+)
+MISSING = object()  # stands for an object that was not given
 
 _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
@@ -30,7 +35,7 @@ class CheckFailedError(CourseError):
     """With COURSE_STRICT=1: a check did not pass."""
 
 
-def check(task_id: str, subject: Any) -> None:
+def check(task_id: str, subject: Any = MISSING) -> None:
     """Run your object through a task's public checks and show what passed, what did not, and why.
 
     Args:
@@ -38,17 +43,25 @@ def check(task_id: str, subject: Any) -> None:
         subject: What the task asks for: the node class itself, a function, a value or a text.
 
     Raises:
-        CourseError: There is no such task; or with COURSE_STRICT=1, a check failed.
+        CourseError: There is no such task, or no object; or with COURSE_STRICT=1, a check failed.
     """
     if _bind is not None:
         _bind(task_id, subject)
         return
     catalog, student = shipped_catalog(), current_identity()
+    if not isinstance(task_id, str):
+        raise CourseError(
+            f"{task_id!r} is not a task: write its name first, like {_example(catalog, task_id)}"
+        )
     task = catalog.task(task_id)
+    if subject is MISSING:
+        raise CourseError(f"check needs your object, too. Write: {_call(task)}")
     personal = personal_values(task, student)
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
     result = judge_task(task, *catalog.points(task), runs)
-    table = table_of(task, result, student, _cells_of_this_kernel())
+    evidence = [run.evidence for run in runs]
+    remember(task, result, _cells_of_this_kernel())
+    table = table_of(task, result, evidence, student)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         _show_ghost(task, runs[0].evidence)
@@ -70,27 +83,52 @@ def _cells_of_this_kernel() -> list[str]:
     return [] if history is None else list(history.input_hist_raw)
 
 
-def table_of(task: Task, result: TaskResult, student: str | None, cells: Sequence[str] = ()) -> Table:
-    """Return the result as a table, with the next hint if a check failed; keep progress and hints shown.
+def remember(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
+    """Keep a task's points in the student's folder, and which cells had been run by then."""
+    state = student_state()
+    state.put("progress", task.id, {"score": result.score, "of": result.points})
+    keep_check(state, task.id, passed=result.passed and not result.untouched, cells=cells)
+
+
+def table_of(task: Task, result: TaskResult, evidence: Sequence[Evidence], student: str | None) -> Table:
+    """Return the result as a table, with the next hint if a check failed; keep the number of hints shown.
 
     Args:
         task: The task.
         result: What the checks say.
+        evidence: What came out of the public scenarios.
         student: Who asks.
-        cells: The sources that were run, by which later changes are noticed.
     """
     state, notes = student_state(), []
-    state.put("progress", task.id, {"score": result.score, "of": result.points})
-    keep_check(state, task.id, passed=result.passed and not result.untouched, cells=cells)
     if result.untouched:
         notes.append(FILL_IN)
     elif task.scenarios and not result.passed:
+        notes += [*_returned_none(task, evidence), *not_numbers(evidence)]
         failures = min(state.get("hints", task.id, 0) + 1, HINTS)
         state.put("hints", task.id, failures)
         notes.append(f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}")
     if task.personal and student is None:
         notes.append(NO_ID)
-    return Table(result, tuple(notes))
+    return Table(result, tuple(notes), printed(one.output for one in evidence))
+
+
+def _returned_none(task: Task, evidence: Sequence[Evidence]) -> list[str]:
+    """Ask for a return where a function came to its end and gave nothing."""
+    ran = (one for one in evidence if not one.errors and not one.stopped)
+    if task.kind == "function" and any(returned is None for one in ran for returned in one.returns):
+        return [f"{task.name} returned None: is there a return?"]
+    return []
+
+
+def _call(task: Task) -> str:
+    return f'check("{task.id}", {task.name})'
+
+
+def _example(catalog: Catalog, subject: Any) -> str:
+    """Return the call for the task of which the object alone was given, else for the first task."""
+    name = getattr(subject, "__name__", "")
+    tasks = list(catalog.tasks.values())
+    return _call(next((task for task in tasks if task.name == name), tasks[0]))
 
 
 def _show_ghost(task: Task, evidence: Evidence) -> None:

@@ -1,6 +1,5 @@
 """A scenario's stage, which is ours: clock, inputs and recorder; and a whole run of it in this process."""
 
-import io
 from collections.abc import Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
@@ -12,6 +11,7 @@ from course_lib.grading.image_room import ImageRoom
 from course_lib.grading.message_data import build
 from course_lib.grading.perform import Outcome, Part, perform
 from course_lib.grading.plain import plain
+from course_lib.grading.printed import Bounded
 from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.grading.watchdog import watchdog
 from course_lib.ros.clock import START_NS
@@ -87,7 +87,7 @@ def run_here(
     wall_limit: float = WALL_LIMIT,
 ) -> Evidence:
     """Run a scenario in this process, interrupted after `wall_limit` [s] of the wall clock."""
-    stage, outcome, output = Stage(task, scenario, personal), Outcome(), io.StringIO()
+    stage, outcome, output = Stage(task, scenario, personal), Outcome(), Bounded()
     stopped = ""
     with redirect_stdout(output), redirect_stderr(output), watchdog(wall_limit) as dog:
         try:

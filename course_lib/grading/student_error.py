@@ -8,19 +8,24 @@ from traceback import extract_tb
 
 import course_lib
 from course_lib.errors import CourseError
+from course_lib.ros.hints import hint
 
 MAX_LENGTH = 500  # characters
 OTHERS = (str(Path(course_lib.__file__).parent), *sysconfig.get_paths().values())
 
 
 def describe(error: BaseException) -> str:
-    """Say what was raised and where: "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)"."""
+    """Return what was raised, where, and the hint for a common mistake.
+
+    For example "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)".
+    """
     where = _place(error)
     what = _what(error)[:MAX_LENGTH]
     place, is_raise, _ = where.partition(": raise ")
     if is_raise:  # that line says nothing that the text does not say
         where = place
-    said = f"{what}{where and f' ({where})'}"
+    found = hint(error)
+    said = f"{what}{where and f' ({where})'}{found and f'; hint: {found}'}"
     return said.encode("utf-8", "replace").decode()  # half of a surrogate pair can't leave the process
 
 

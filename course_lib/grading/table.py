@@ -13,25 +13,35 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
+LONG = 40  # characters of a reason that is not repeated row by row
 FOR_A_PERSON = "noted; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
 
 @dataclass(frozen=True)
 class Table:
-    """A task's result with lines below it; Jupyter shows the HTML, a terminal the text."""
+    """A task's result with lines below it; Jupyter shows the HTML, a terminal the text.
+
+    Args:
+        result: Of the task.
+        notes: Below its checks.
+        printed: What the student's code printed, line by line.
+    """
 
     result: TaskResult
     notes: tuple[str, ...] = ()
+    printed: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         lines = [f"{icon} {word:6}  {title}: {why}" for icon, word, title, why in rows(self.result.checks)]
         above = "\n  ".join([self._headline(), *self.result.errors, *lines])
-        return "\n".join([above, *self._end()])
+        below = ["It printed:", *(f"  | {line}" for line in self.printed)] if self.printed else []
+        return "\n".join([above, *below, *self._end()])
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         shown = {"headline": self._headline(), "errors": self.result.errors, "end": self._end()}
-        html = fill("result.html", rows=rows(self.result.checks), **shown)
+        printed = "\n".join(self.printed)
+        html = fill("result.html", rows=rows(self.result.checks), printed=printed, **shown)
         return {"text/html": html, "text/plain": str(self)}
 
     def _headline(self) -> str:
@@ -45,14 +55,19 @@ class Table:
 
 def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
     """Icon, word, title and reason of each check; of a hidden one its number and the kind of mistake."""
-    made, hidden = [], 0
+    made: list[tuple[str, str, str, str]] = []
+    hidden = 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
         if 0 < check.score < 1:
             word = f"{check.score:.0%}"
         hidden += check.hidden
         said = (f"hidden check {hidden}", check.mistake) if check.hidden else (check.title, check.message)
-        made.append((icon, word, *said))
+        title, why = said
+        if not check.passed and len(why) > LONG:
+            same = next((row[2] for row in made if row[3] == why and row[1] == word), "")
+            why = f"as for “{same}”" if same else why
+        made.append((icon, word, title, why))
     return made
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
+from course_lib.grading.first_causes import NOT_MADE
 from course_lib.grading.perform import Outcome, Part, perform
 from course_lib.grading.personal import give_values
 from course_lib.grading.student_error import describe
@@ -152,7 +153,7 @@ class Worker:
         if task in self._bound:
             return self._bound[task]
         if name not in self._shell.user_ns:
-            raise CourseError(f"{name} is not in the notebook: no cell that ran to its end makes it")
+            raise CourseError(f"{name} {NOT_MADE}")
         return self._shell.user_ns[name]
 
 

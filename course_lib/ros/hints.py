@@ -8,6 +8,8 @@ from traceback import walk_tb
 
 from course_lib.ros.messages.definitions import type_names
 
+MAX_TEXT = 2000  # characters of an error's text
+
 
 @dataclass(frozen=True)
 class Hint:
@@ -28,6 +30,18 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "tick"),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
         Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
+        Hint(
+            "'NoneType' .* 'successful'",
+            "end the callback with: return SetParametersResult(successful=True).",
+        ),
+        Hint(r"property 'enabled' of '\w+' object has no setter", 'write display["Enabled"] = False.'),
+    ),
+    "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),
+    "NameError": (
+        Hint(
+            r"name '(\w+)' is not defined",
+            "define or import {1} first; in a notebook run the cells above, from the first one on.",
+        ),
     ),
     "TypeError": (
         Hint(r"Node.__init__\(\) missing .* 'node_name'", "name the node: super().__init__('a_name')."),
@@ -50,9 +64,11 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("instances of 'Time' and", "compare with a Time or a Duration: Duration(seconds=5.0)."),
         Hint("-: 'Time' and 'Time'", "messages cannot be subtracted: Time.from_msg(stamp) can."),
         Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
-        Hint("missing 1 required positional argument", "a timer gives no argument.", "await_or_execute"),
+        Hint(r"missing \d+ required positional arg", "a timer gives no argument.", "await_or_execute"),
         Hint(r"(\w+).__init__.* takes 1 pos", "name what you give: {1}(data=...).", "message.py:__init__"),
         Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
+        Hint(r"\w\.(\w+)\(\) takes 0 positional", "write self first: def {1}(self)."),
+        Hint(r"\w\.(\w+)\(\) takes (\d+) positional arguments? but", "is self first in def {1}(self, ...)?"),
     ),
     "RuntimeError": (
         Hint("Task got bad yield: <rclpy", "in a cell: rclpy.spin_until_future_complete(node, future)."),
@@ -142,14 +158,31 @@ def hint(error: BaseException) -> str:
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     code = frames[-1].f_code if frames else None
     where = f"{Path(code.co_filename).name}:{code.co_name}" if code else ""
+    text = _text(error)
+    types = _types_named(text) if isinstance(error, NameError) else []
+    if types:
+        package, kind, name = types[0].split("/")
+        return f"import it: from {package}.{kind} import {name}; in a notebook run the first cells again."
     for one in _HINTS.get(type(error).__name__, ()):
-        match = re.search(one.text, str(error))
+        match = re.search(one.text, text)
         if match and one.where in where:
             return one.hint.format(match[0], *match.groups())
     if type(error).__name__ in _OF_TYPE:
         return _OF_TYPE[type(error).__name__]
-    unknown = re.match(r"'(\w+)' object has no attribute", str(error))
-    types = [name for name in type_names() if unknown and name.endswith(f"/{unknown[1]}")]
-    if types:
+    if types := _types_named(text):
         return f"%ros2 interface show {' or '.join(types)} lists its fields."
     return ""
+
+
+def _text(error: BaseException) -> str:
+    """Return what an error says; an error of the student's own class may raise another one here."""
+    try:
+        return str(error)[:MAX_TEXT]
+    except (Exception, SystemExit):
+        return ""
+
+
+def _types_named(text: str) -> list[str]:
+    """Return the types of messages that have the name of which an error complains."""
+    named = re.match(r"'(\w+)' object has no attribute|name '(\w+)' is not defined", text)
+    return [name for name in type_names() if named and name.endswith(f"/{named[1] or named[2]}")]

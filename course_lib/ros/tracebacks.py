@@ -2,13 +2,34 @@
 
 import sys
 import threading
+from collections.abc import Sequence
 from pathlib import Path
-from traceback import TracebackException
+from traceback import FrameSummary, StackSummary, TracebackException
 from types import TracebackType
+from typing import Any
 
 from course_lib.ros.hints import add_hint
 
 KIT = str(Path(__file__).resolve().parent.parent)
+SHOWN = 6  # frames at each end of a very long traceback
+
+
+class _Folded(StackSummary):
+    """Frames of which the middle is left out where there are very many, as in an endless recursion."""
+
+    def format(self, **kwargs: Any) -> list[str]:
+        """Return the lines of a traceback; the arguments are those of later Python versions."""
+        hidden = len(self) - 2 * SHOWN
+        if hidden <= SHOWN:
+            return super().format(**kwargs)
+        first, last = (StackSummary.from_list(part) for part in (self[:SHOWN], self[-SHOWN:]))
+        again = " of the same lines" if _repeat(self) else ""
+        return [*first.format(**kwargs), f"  … {hidden} more frames{again} …\n", *last.format(**kwargs)]
+
+
+def _repeat(frames: Sequence[FrameSummary]) -> bool:
+    """Whether the frames in the middle are at few lines."""
+    return len({(frame.filename, frame.lineno) for frame in frames[SHOWN:-SHOWN]}) <= SHOWN
 
 
 def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
@@ -43,7 +64,7 @@ def print_error_of_thread(args: threading.ExceptHookArgs) -> None:
 
 def _shorten(shown: TracebackException) -> None:
     own = [frame for frame in shown.stack if not frame.filename.startswith(KIT)]
-    shown.stack[:] = own or shown.stack
+    shown.stack = _Folded(own or shown.stack)
     for name in ("__cause__", "__context__"):
         inner: TracebackException | None = getattr(shown, name)
         if inner is not None and all(frame.filename.startswith(KIT) for frame in inner.stack):

@@ -4,8 +4,11 @@ import re
 import shlex
 import sys
 import threading
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stdout
+from functools import partial
+from io import StringIO
+from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
@@ -25,6 +28,7 @@ def register(shell: "InteractiveShell") -> None:
 
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
     shell.register_magic_function(rqt_magic, "line", "rqt")  # type: ignore[arg-type]  # as above
+    catch_shell(shell)
     shell.register_magic_function(no_var_expand(timeout_magic), "line", "timeout")  # type: ignore[arg-type]  # as above
 
 
@@ -74,3 +78,37 @@ def rqt_magic(line: str) -> None:
         rqt(shlex.split(line))
     except (CourseError, ValueError) as error:  # an open quotation mark
         raise UsageError(str(error)) from None
+
+
+def catch_shell(shell: "InteractiveShell") -> None:
+    """Run `!ros2 …` and `x = !ros2 …` as %ros2 does: no shell knows this notebook's nodes."""
+    system: Callable[[str], Any] = shell.system
+    getoutput: Callable[..., Any] = shell.getoutput
+    if getattr(system, "__module__", "") == __name__:
+        return  # the extension was loaded before
+
+    def run(command: str) -> Any:
+        magic = _magic_for(command)
+        return magic() if magic else system(command)
+
+    def captured(command: str, *args: Any, **settings: Any) -> Any:
+        magic = _magic_for(command)
+        if magic is None:
+            return getoutput(command, *args, **settings)
+        from IPython.utils.text import SList
+
+        with redirect_stdout(StringIO()) as written:
+            magic()
+        return SList(written.getvalue().splitlines())
+
+    vars(shell).update(system=run, getoutput=captured)
+
+
+def _magic_for(command: str) -> Callable[[], None] | None:
+    """Return the magic that does what a line for the shell asks for, if there is one."""
+    found = re.fullmatch(r"\s*(ros2|rqt|timeout(?=\s+\S+\s+ros2\s))\b(.*)", command, re.DOTALL)
+    if found is None:
+        return None
+    name, line = found[1], found[2].strip()
+    sys.stderr.write(f"In a notebook write %{name} {line}\n")
+    return partial({"ros2": ros2_magic, "rqt": rqt_magic, "timeout": timeout_magic}[name], line)

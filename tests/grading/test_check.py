@@ -132,3 +132,81 @@ def test_without_an_id_own_values_are_said_to_be_a_guests(capsys: pytest.Capture
     assert "No student ID is known" in capsys.readouterr().out
     check("week01.half", lambda length: length / 2)
     assert "No student ID is known" not in capsys.readouterr().out
+
+
+def test_what_the_code_prints_is_shown_and_repeated_lines_are_counted(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    def half(length: float) -> float:
+        print("got", length)  # noqa: T201  what is tested
+        return length / 2
+
+    check("week01.half", half)
+    assert "It printed:\n  | got 4.0\n" in capsys.readouterr().out
+    says = "self.publisher.publish(marker); self.get_logger().info('published')"
+    check("week01.red_cube", red_cube("self.publisher.publish(marker)", says))
+    said = capsys.readouterr().out
+    assert "[red_cube]: published\n  | … repeated 2 times\n" in said
+
+
+def test_a_flood_of_output_is_cut_and_keeps_its_beginning(capsys: pytest.CaptureFixture[str]) -> None:
+    def half(length: float) -> float:
+        for number in range(100_000):
+            print(number, "x" * 300)  # noqa: T201  what is tested
+        return length / 2
+
+    check("week01.half", half)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[3].startswith("  | 0 xxx")
+    assert any(line.endswith("more lines") for line in lines)
+    assert len(lines) < 40
+    assert max(map(len, lines)) < 300
+
+
+def test_a_hint_for_a_common_mistake_comes_through(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube("def publish_marker(self)", "def publish_marker()"))
+    assert "; hint: write self first: def publish_marker(self)." in capsys.readouterr().out
+
+
+def test_a_task_without_an_object_says_what_to_type() -> None:
+    with pytest.raises(CourseError, match=r'Write: check\("week01\.red_cube", RedCubeNode\)'):
+        check("week01.red_cube")
+
+
+def test_an_object_without_a_task_says_what_to_type(red_cube: Callable[..., Any]) -> None:
+    with pytest.raises(CourseError, match=r'like check\("week01\.red_cube", RedCubeNode\)'):
+        check(red_cube())
+
+
+def test_a_function_that_returns_nothing_is_asked_for_its_return(capsys: pytest.CaptureFixture[str]) -> None:
+    check("week01.half", lambda length: None)
+    assert "half returned None: is there a return?" in capsys.readouterr().out
+    check("week01.half", lambda length: 1 / 0)
+    assert "is there a return?" not in capsys.readouterr().out
+
+
+def test_one_cause_is_not_repeated_in_every_row(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube("self.publisher.publish(marker)", "pass"))
+    said = capsys.readouterr().out
+    assert said.count("nothing was published") == 1
+    assert said.count("✗ failed") == 2
+    assert "color: as for “" in said
+
+
+def test_the_printed_text_is_escaped_in_html() -> None:
+    html = Table(TaskResult("t", "T", 1, False, ()), (), ("<b>", "x"))._repr_mimebundle_()["text/html"]
+    assert "<pre>&lt;b&gt;\nx</pre>" in html
+
+
+def test_nan_is_named_with_its_place(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.red_cube", red_cube("position.z = 0.5", "position.z = float('nan')"))
+    place = "NaN (not a number): pose.position.z on /visualization_marker. Is it"
+    assert place in capsys.readouterr().out
+    check("week01.half", lambda length: [1.0, float("nan")])
+    assert "NaN (not a number): the returned value[1]. Is it" in capsys.readouterr().out

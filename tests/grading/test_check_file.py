@@ -83,3 +83,42 @@ def test_notebook_and_command_line_show_equal_tables(
     assert capsys.readouterr().out.strip().split("\nweek01.")[1:] == [
         table.strip().removeprefix("week01.") for table in on_the_command_line[1:]
     ]
+
+
+def test_a_missing_import_is_one_cause_and_not_an_error_of_every_cell(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = right.replace("from rclpy.node import Node\n", "")
+    more = "# next cell\nclass Other(Node): ...\n# next cell\nOther()\n# next cell\nRedCubeNode()\n"
+    assert not check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code + more))
+    said = capsys.readouterr().out
+    assert said.count("NameError") == 1
+    assert "name 'Node' is not defined" in said
+    assert "hint: define or import Node first" in said
+    assert "3 more cells cannot run for the same reason." in said
+    assert (
+        "week01.red_cube (A red cube): not checked, as no cell that ran to its end makes RedCubeNode." in said
+    )
+    assert "week01.half (Half of it): 1 of 1 checks passed" in said
+    assert student_state().get("progress", "week01.red_cube")["score"] == 0
+    assert student_state().get("hints", "week01.red_cube") is None
+
+
+def test_errors_of_other_causes_stay(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = "# next cell\nx = 1 / 0\n# next cell\ny = x\n# next cell\nz = w\n# next cell\n{}['k']\n"
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", right + more))
+    said = capsys.readouterr().out
+    for cause in ("ZeroDivisionError", "name 'w' is not defined", "KeyError"):
+        assert cause in said
+    assert "name 'x'" not in said
+    assert "1 more cell cannot run" in said
+
+
+def test_what_is_printed_in_the_jail_is_shown(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = right.replace("    return length / 2", "    print('got', length)\n    return length / 2")
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
+    assert "It printed:\n  | got 4.0\n" in capsys.readouterr().out

@@ -142,3 +142,13 @@ def test_bytes_that_are_no_message_keep_no_rate(evidence: MakeEvidence) -> None:
     for check in (expect_rate("/tick", 1.0), expect_topic("/tick", KIND)):
         assert check.judge(came).score == 1
         assert check.judge(broken).score == 0
+
+
+def test_a_stamp_is_told_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
+    check = expect_message("/cubes", {"header.stamp.nanosec": 520_000_000})
+    late = check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=700_000_000))))
+    assert late.message == (
+        "the fraction of a second in header.stamp is 0.70 s, expected 0.52 s: 0.18 s too much"
+    )
+    assert check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=520_000_000)))).score == 1
+    assert check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=520_000_001)))).score == 0

@@ -103,3 +103,19 @@ def test_plain_data_bounds_what_a_student_can_return() -> None:
 @pytest.mark.parametrize("value", [b"bytes", {1: 2}, (1,), object(), [[set()]]])
 def test_only_plain_data_is_taken_from_outside(value: Any) -> None:
     assert not is_plain(value)
+
+
+@pytest.mark.parametrize("value", [1e300, -1e300, 1.7e308, 10**18])
+def test_a_number_of_hundreds_of_digits_is_short(value: float) -> None:
+    verdict = expect_value(2.0, unit="m").judge(Evidence("week01.t", "public", 1.0, returns=(value,)))
+    assert "e+" in verdict.message
+    assert len(verdict.message) < 80
+
+
+def test_an_item_within_an_item_is_named_like_an_index() -> None:
+    check = expect_value([[1, 2], {"a": [3]}], name="a bar")
+    verdict = check.judge(Evidence("week01.t", "public", 1.0, returns=([[1, 5], {"a": [4]}],)))
+    assert verdict.message == (
+        "[0][1] of a bar is 5.00, expected 2.00: 3.00 too much; "
+        "[1]['a'][0] of a bar is 4.00, expected 3.00: 1.00 too much"
+    )

@@ -63,3 +63,38 @@ def test_timeout_says_how_it_is_written(
     assert not run(shell, f"%timeout {line}")
     shown = capsys.readouterr()
     assert "%timeout 5 ros2 topic hz /scan" in shown.out + shown.err
+
+
+@pytest.mark.parametrize(
+    ("line", "written"),
+    [
+        ("!ros2 topic list", "%ros2 topic list"),
+        ("if True:\n    !ros2 topic list | grep ros", "%ros2 topic list | grep ros"),
+        ("!timeout 5 ros2 topic list", "%timeout 5 ros2 topic list"),
+    ],
+)
+def test_a_shell_s_ros2_is_this_notebook_s_and_says_how_it_is_written(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], line: str, written: str
+) -> None:
+    with use_graph(Graph(notebook=True)):
+        assert run(shell, line)
+    shown = capfd.readouterr()
+    assert shown.err == f"In a notebook write {written}\n"
+    assert "/rosout\n" in shown.out
+
+
+def test_what_a_shell_s_ros2_writes_can_be_kept(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with use_graph(Graph()):
+        assert run(shell, "found = !ros2 topic list")
+    assert shell.user_ns["found"] == ["/parameter_events", "/rosout"]
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("line", ["!echo ros2 topic list", "!echo hello; true", "x = !echo ros2bag"])
+def test_other_commands_go_to_the_shell(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], line: str
+) -> None:
+    assert run(shell, line)
+    assert "In a notebook" not in capfd.readouterr().err

@@ -46,6 +46,26 @@ def test_a_wrong_field_shows_ross_text_below_the_students_line(tmp_path: Path) -
     assert "messages" not in shown
 
 
+def test_an_endless_recursion_is_folded_wherever_it_is_shown(tmp_path: Path) -> None:
+    endless = "def a(n):\n    return b(n + 1)\ndef b(n):\n    return a(n)\na(0)\n"
+    program = tmp_path / "program.py"
+    program.write_text(endless)
+    command = [sys.executable, "-m", "course_lib", "run", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "more frames of the same lines …" in done.stderr
+    for shown in (done.stderr, run(CELLS.partition("---")[0] + "---\n" + endless, tmp_path)):
+        assert shown.count("return b(n + 1)") < 10
+        assert "RecursionError: maximum recursion depth exceeded" in shown
+        assert "hint: a function calls itself" in shown
+
+
+def test_a_property_of_a_display_that_is_set_as_an_attribute_gets_a_hint(tmp_path: Path) -> None:
+    cells = (
+        CELLS.partition("---")[0] + "from course_lib import Viewer\n---\nViewer().add('TF').enabled = False"
+    )
+    assert 'hint: write display["Enabled"] = False.' in run(cells, tmp_path)
+
+
 def test_a_syntax_error_keeps_its_caret(tmp_path: Path) -> None:
     assert "^" in run(CELLS.partition("---")[0] + "---\ndef f(:", tmp_path)
 

@@ -144,6 +144,8 @@ def _color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
 
 
 def _named(color: Sequence[float]) -> str:
+    if not all(map(math.isfinite, color)):
+        return numbers(color)
     name = min(COLORS, key=lambda name: math.dist(COLORS[name], color[:3]))
     return f"{numbers(color)} ({name})"
 

@@ -121,4 +121,8 @@ def expect_message(
                 value = dict(enumerate(value)).get(int(part)) if part.isdecimal() else None
             else:
                 value = value.get(part) if isinstance(value, dict) else None
-        yield from compare(plain(value), plain(expected), tolerance, unit, dotted)
+        if dotted.endswith("stamp.nanosec") and isinstance(value, int):
+            name = f"the fraction of a second in {dotted.removesuffix('.nanosec')}"
+            yield from compare(value / 1e9, expected / 1e9, tolerance / 1e9, "s", name)
+        else:
+            yield from compare(plain(value), plain(expected), tolerance, unit, dotted)

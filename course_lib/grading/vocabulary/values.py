@@ -53,7 +53,7 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
             yield Problem(message, "a list has the wrong length")
         case list(), list():
             for index, pair in enumerate(zip(value, expected, strict=True)):
-                yield from compare(*pair, tolerance, unit, f"[{index}] of {name}")
+                yield from compare(*pair, tolerance, unit, _inside(name, index))
         case list(), _:
             yield Problem(f"{came}, expected a list of {len(expected)}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
@@ -61,7 +61,7 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
         case dict(), dict():
             for key in expected:
                 if key in value:
-                    yield from compare(value[key], expected[key], tolerance, unit, f"[{key!r}] of {name}")
+                    yield from compare(value[key], expected[key], tolerance, unit, _inside(name, key))
                 else:
                     yield Problem(f"{name} has no {key!r}", "a key is missing")
         case dict(), _:
@@ -75,6 +75,12 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
             yield Problem(f"{came}, expected a number", WRONG_KIND)
         case _ if not close(value, expected, tolerance):
             yield _other_number(value, expected, unit, name)
+
+
+def _inside(name: str, index: object) -> str:
+    """Return the name of an item: "[2] of a bar", and one within "[1] of a bar" is "[1][2] of a bar"."""
+    outer = re.match(r"(\[.*?\]) of (.*)", name, re.DOTALL)
+    return f"{outer[1]}[{index!r}] of {outer[2]}" if outer else f"[{index!r}] of {name}"
 
 
 def _other_number(value: float, expected: float, unit: str, name: str) -> Problem:

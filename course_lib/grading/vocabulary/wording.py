@@ -13,6 +13,7 @@ from course_lib.ros.messages import type_name
 
 MOST_SHOWN = 3  # problems in one message
 LONGEST = 1000  # characters of it: it may name what a student's code made up
+LARGE = 1e6  # from here on numbers are written like 1.5e+08
 Given = ParamSpec("Given")
 
 
@@ -72,7 +73,9 @@ def close(value: float, expected: float, tolerance: float) -> bool:
 
 
 def number(value: float, unit: str = "") -> str:
-    """A number for people: at least two decimals, and as many as a small value needs."""
+    """Return a number for people: at least two decimals, as many as a small value needs, few digits."""
+    if abs(value) >= LARGE and math.isfinite(value):
+        return f"{value:.6g}{unit and ' ' + unit}"
     small = 5e-5 <= abs(value) < 0.1
     return f"{value:z.{4 if small else 2}f}{unit and ' ' + unit}"
 

@@ -21,6 +21,46 @@ NODES = [
         "a timer gives no argument.",
     ),
     (
+        "node.create_timer(0.1, lambda timer, event: None)\nrclpy.spin(node)",
+        "TypeError: <lambda>() missing 2 required positional arguments: 'timer' and 'event'",
+        "a timer gives no argument.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.tick)\n"
+        "    def tick(): ...\n"
+        "rclpy.spin(Robot())",
+        "TypeError: Robot.tick() takes 0 positional arguments but 1 was given",
+        "write self first: def tick(self).",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(): ...\nRobot()",
+        "TypeError: Robot.__init__() takes 0 positional arguments but 1 was given",
+        "write self first: def __init__(self).",
+    ),
+    (
+        "class Robot(Node):\n    def go(speed): ...\nRobot('a').go(1.0)",
+        "TypeError: Robot.go() takes 1 positional argument but 2 were given",
+        "is self first in def go(self, ...)?",
+    ),
+    (
+        "Publisher",
+        "NameError: name 'Publisher' is not defined",
+        "define or import Publisher first; in a notebook run the cells above, from the first one on.",
+    ),
+    (
+        "MarkerArray()",
+        "NameError: name 'MarkerArray' is not defined",
+        "import it: from visualization_msgs.msg import MarkerArray; in a notebook run the first cells again.",
+    ),
+    (
+        "def f():\n    g()\ndef g():\n    f()\nglobals().update(f=f, g=g)\nf()",
+        "RecursionError: maximum recursion depth exceeded",
+        "a function calls itself without an end, or two call each other.",
+    ),
+    (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
         "TypeError: 'NoneType' object is not callable",
         "give the function itself, without ().",

@@ -33,6 +33,13 @@ PARAMETERS = [
         "bool, int, float, str, or lists.",
     ),
     (
+        "node.declare_parameter('speed', 1.0)\n"
+        "node.add_on_set_parameters_callback(lambda parameters: None)\n"
+        "node.set_parameters([Parameter('speed', value=2.0)])",
+        "AttributeError: 'NoneType' object has no attribute 'successful'",
+        "end the callback with: return SetParametersResult(successful=True).",
+    ),
+    (
         "node.declare_parameter('speed', Parameter.Type.DOUBLE)\nnode.get_parameter('speed').value",
         "rclpy.exceptions.ParameterUninitializedException: The parameter 'speed' is not initialized: speed",
         "declare it with a default value, or set it before.",

@@ -7,6 +7,7 @@ from types import FrameType
 from typing import Any
 
 from course_lib.ros.graph import current_graph
+from course_lib.ros.repeated import repeated_lines
 from rclpy.impl.log_filters import CallSite, asked
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.run import current_run
@@ -88,7 +89,11 @@ class RcutilsLogger:
 
 def _write(severity: LoggingSeverity, name: str, message: str, frame: FrameType) -> None:
     seconds, nanoseconds = divmod(current_graph().now_ns, 10**9)
-    sys.stderr.write(f"[{severity.name}] [{seconds}.{nanoseconds:09d}] [{name}]: {message}\n")
+    line = f"[{severity.name}] [{seconds}.{nanoseconds:09d}] [{name}]: {message}"
+    if current_graph().notebook:
+        repeated_lines.write(f"{severity.name} {name} {message}", line)
+    else:
+        sys.stderr.write(f"{line}\n")
     rosout = current_run().rosout
     publisher = next((rosout[part] for part in _with_ancestors(name) if part in rosout), None)
     if publisher is None or not publisher.handle.node.context.is_valid:
