@@ -13,11 +13,11 @@ from course_lib.grading.ids import MISMATCH, NO_ID, UNVERIFIED
 NAMED = 5  # names in one line; the index has all
 SIMILAR = "similar code"
 ADVICE = {
-    MISMATCH: "judged as who handed in, and not exported before you have looked. Wrong folder: move the file "
-    "and grade again. Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
+    MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
+    "Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
     "Folders that are not named after IDs: course collect with --roster",
-    NO_ID: "the files name no student; judged as who handed in",
-    UNVERIFIED: "only the files say whose they are; course collect with --roster tells",
+    NO_ID: "the files name no student; judged as who handed in, or as a guest where no roster says who that is",
+    UNVERIFIED: "only the files say whose they are; collect with --roster to have it compared",
     SIMILAR: "to be read side by side in",
 }
 
