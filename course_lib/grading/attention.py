@@ -16,7 +16,7 @@ ADVICE = {
     MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
     "Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
     "Folders that are not named after IDs: course collect with --roster",
-    NO_ID: "the files name no student; judged as who handed in, or as a guest where no roster says who that is",
+    NO_ID: "the files name no student; judged as who handed in, or as a guest if no roster says who",
     UNVERIFIED: "only the files say whose they are; collect with --roster to have it compared",
     SIMILAR: "to be read side by side in",
 }
