@@ -13,11 +13,12 @@ from course_lib.grading.ids import MISMATCH, NO_ID, UNVERIFIED
 NAMED = 5  # names in one line; the index has all
 SIMILAR = "similar code"
 ADVICE = {
-    MISMATCH: "no mark before you have looked: put the file into the folder of the right student and grade "
-    "again, or accept it with course mark. Where folders are not named after IDs: course collect --roster",
-    NO_ID: "judged with the personal values of who handed in, if that is known",
-    UNVERIFIED: "only the files say whose they are; course collect --roster tells the IDs",
-    SIMILAR: "see them side by side in",
+    MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
+    "Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
+    "Folders that are not named after IDs: course collect with --roster",
+    NO_ID: "the files name no student; judged as who handed in, or as a guest if no roster says who",
+    UNVERIFIED: "only the files say whose they are; collect with --roster to have it compared",
+    SIMILAR: "to be read side by side in",
 }
 
 

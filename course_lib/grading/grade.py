@@ -143,7 +143,7 @@ def _is_done(batch: Batch, out: Path, course: Course) -> bool:
         kept = read_result(result_path(out, last.student, last.exercise))
     except CourseError:  # not there, or written by something else
         return False
-    known = [{name: attempt[name] for name in ("key", "received")} for attempt in kept["attempts"]]
+    known = [{name: attempt.get(name) for name in identity(last)} for attempt in kept["attempts"]]
     is_same = known == [identity(attempt) for attempt in batch.attempts]
     is_current = kept.get("rules") == rules_of(course, last.exercise)
     return is_same and is_current and kept["row"]["status"] in GRADED

@@ -132,8 +132,9 @@ def judge_one(attempts: Sequence[Submission], course: Course, out: Path, fault: 
 
 
 def identity(submission: Submission) -> dict[str, str]:
-    """By what a submission is known again: what is in it, and when it came."""
-    return {"key": submission.key, "received": json.dumps(submission.received.as_plain())}
+    """Return what identifies a submission: its content, when it came, and whether its ID is right."""
+    received = json.dumps(submission.received.as_plain())
+    return {"key": submission.key, "received": received, "id_flag": submission.id_flag}
 
 
 def _attempt(result: Result) -> dict[str, Any]:

@@ -49,9 +49,7 @@ def _with_id(one: Submission, top: Path, numbers: frozenset[str], owners: dict[s
     if one.claimed is None:
         note = "the file names no student: judged with the personal values of a guest"
         return replace(one, id_flag=NO_ID, id_note=note)
-    where = f"{one.student} is the platform's number" if is_number else "it lies in no student's folder"
-    note = f"only the file says that it is of {one.claimed} ({where})"
-    return replace(one, values_of=one.claimed, id_flag=UNVERIFIED, id_note=note)
+    return replace(one, values_of=one.claimed, id_flag=UNVERIFIED)  # often true of all: one line says so
 
 
 def _of_folder(one: Submission) -> Submission:

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 MIN_SHARED = 50.0  # runs in common, rare ones counting fully: about eight lines
-SHARE = (0.6, 0.85)  # least and most of the limit: what part of the shorter solution two have in common
+SHARE = 0.6  # limit in a small class: what part of the shorter solution two have in common
+SHARES = (0.4, 0.85)  # least and most of the limit in a larger one
 MIN_LINES = 8  # of own code, when all of it is the same letter by letter
 FEW = 4  # a run that at most so many solutions have counts fully ...
 COMMON = 0.1  # ... or at most this part of the class
 CLASS = 10  # from so many different solutions on, the limit follows the class
-SPREADS = 5.0  # that a pair must be above the median of the class
+SPREADS = 6.0  # that a pair must be above the median of the class
 CHUNK = 4096  # columns of a matrix
 
 Floats = NDArray[np.float64]
@@ -109,11 +110,11 @@ def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
 def _limit(share: Floats) -> tuple[float, float | None]:
     """Return the share from which on two solutions are alike, and the median of the class."""
     if len(share) < CLASS:
-        return SHARE[0], None
+        return SHARE, None
     pairs = share[np.triu_indices(len(share), 1)]
     median = float(np.median(pairs))
     spread = 1.4826 * float(np.median(np.abs(pairs - median)))  # the standard deviation of a normal one
-    return float(np.clip(median + SPREADS * spread, *SHARE)), median
+    return float(np.clip(median + SPREADS * spread, *SHARES)), median
 
 
 def _clusters(pairs: Sequence[Pair]) -> tuple[Cluster, ...]:

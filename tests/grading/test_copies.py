@@ -142,6 +142,8 @@ def test_the_page_shows_copies_side_by_side(page: Page, write: Callable[..., Pat
     assert HOSTILE in sides.nth(1).inner_text()
     assert page.title() == "Similar code: week01_exercise"
     assert page.locator("main img, main script").count() == 0
+    dead = "all => all.filter((e) => !document.getElementById(e.hash.slice(1))).length"
+    assert page.locator("tr.same a").evaluate_all(dead) == 0
     columns = page.locator("details[open] .code").evaluate_all(
         "all => all.map((e) => e.getBoundingClientRect().y)"
     )

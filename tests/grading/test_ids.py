@@ -167,3 +167,14 @@ def test_identical_files_run_once_for_equal_personal_values(
     )
     keys = [Job(("x = 1",), student, steps, limits).key for student in (*strangers, same)]
     assert keys[0] == keys[2] != keys[1]
+
+
+def test_a_mended_id_is_seen_by_resume(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    path = write_notebook(tmp_path / "in/bob" / NAME, right, student="ada")
+    (tmp_path / "in/received.csv").write_text(f"file,received\nbob/{NAME},2026-10-01T12:00:00+02:00\n")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    write_notebook(path, right, student="bob")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, resume=True, course=course)
+    assert rows(tmp_path / "out")["bob"]["status"] == "graded"

@@ -139,6 +139,20 @@ def test_what_many_write_by_themselves_counts_little() -> None:
     assert [cluster.students for cluster in found.clusters] == [("s1", "x", "y")]
 
 
+def test_a_pair_far_above_its_class_is_found_with_half_of_it_in_common() -> None:
+    own = {f"s{n}": frozenset([*range(20), *range(1000 * n, 1000 * n + 200)]) for n in range(1, 21)}
+    half = frozenset([*range(20), *range(1000, 1100), *range(500, 600)])
+    found = compare({**own, "half": half}, dict.fromkeys([*own, "half"], ()))
+    assert [cluster.students for cluster in found.clusters] == [("half", "s1")]
+
+
+def test_a_class_that_is_alike_by_nature_is_not_one_cluster() -> None:
+    """Each pair shares about two thirds, as of a task that leaves little choice."""
+    chance = random.Random(4)
+    own = {f"s{n}": frozenset(chance.sample(range(300), 200)) for n in range(30)}
+    assert compare(own, dict.fromkeys(own, ())).clusters == ()
+
+
 @pytest.mark.parametrize(
     "code", ["((((" * 5000, '"""' * 5001, "def f(:\n  x = [\n" * 300, "\0\ud800" * 999, "%%bash\nls"]
 )
