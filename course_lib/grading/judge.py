@@ -121,9 +121,17 @@ def _judge(check: Check, run: Run) -> CheckResult:
 
 
 def _verdict(check: Check, run: Run) -> Verdict:
-    for required in check.requires:
-        if _verdict(required, run).score < 1:
-            return failed(f"counts when this passes: {required.title}", "another check must pass first")
+    """Return what a check says; where it passes, but one that it requires does not, that is named."""
+    verdict = _looked(check, run)
+    failing = next((required for required in check.requires if _verdict(required, run).score < 1), None)
+    if failing is None:
+        return verdict
+    if verdict.score >= 1:
+        return failed(f"counts when this passes: {failing.title}", "another check must pass first")
+    return replace(verdict, score=0.0)
+
+
+def _looked(check: Check, run: Run) -> Verdict:
     try:
         with time_limit(CHECK_SECONDS):
             return check.judge(run.evidence)

@@ -98,3 +98,14 @@ def test_a_check_scores_only_where_the_checks_it_requires_pass() -> None:
 
     assert [check.score for check in result.checks] == [0.5, 0.0, 1.0]
     assert result.checks[1].message == "counts when this passes: a cube"
+
+
+def test_a_check_names_its_own_mistake_before_that_of_a_check_which_it_requires() -> None:
+    shape = Check("a cube", lambda evidence: Verdict(0.0, "no cube"))
+    rate = Check("once a second", lambda evidence: Verdict(0.5, "too slow", "a rate is wrong"))
+    scenario = Scenario("public", checks=(rate.requiring(shape),))
+    run = Run(scenario, Evidence("week01.demo", "public", 5.0))
+
+    (check,) = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run]).checks
+
+    assert (check.score, check.message, check.mistake) == (0.0, "too slow", "a rate is wrong")

@@ -13,6 +13,8 @@ from course_lib.grading.vocabulary.wording import Problem, close, heard, nothing
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
+IMAGE = "sensor_msgs/msg/Image"
+KEPT = 1 << 20  # bytes of an image whose pixels the evidence has for certain
 LONGEST_GAP = 2  # periods, between two messages of a topic that keeps its rate
 
 
@@ -67,6 +69,24 @@ def expect_rate(
         if after - before > LONGEST_GAP / hz + 1e-6:
             message = f"{topic} is silent from {number(before, 's')} to {number(after, 's')}"
             return [Problem(message, "a topic falls silent for a while")]
+    return []
+
+
+@word("the images on {topic} have pixels")
+def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
+    """Expect images of at least one pixel; the data of the first are as long as its rows are together."""
+    came = [image for _, image in heard(evidence, topic)]
+    strange = [type_name(image) for image in came if type_name(image) != IMAGE]
+    if strange:
+        return [Problem(f"{topic} carries {strange[0]}, expected {IMAGE}", "a topic has the wrong type")]
+    empty = [image for image in came if not (image.width and image.height)]
+    if empty:
+        message = f"an image on {topic} has {empty[0].width} x {empty[0].height} pixels"
+        return [Problem(message, "an image has no pixels")]
+    first, size = came[0], came[0].step * came[0].height  # later ones may be kept without their pixels
+    if size < KEPT and (first.step < first.width or len(first.data) != size):
+        message = f"{len(first.data)} bytes of data for {first.height} rows of {first.step} bytes (step)"
+        return [Problem(f"the first image on {topic} has {message}", "the data of an image do not fit")]
     return []
 
 
