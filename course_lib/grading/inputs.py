@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from course_lib.grading.task import Message
@@ -39,6 +40,12 @@ def header(at: float, frame: str) -> dict[str, Any]:
 def xyz(values: Iterable[float]) -> dict[str, float]:
     """Three numbers as the fields of a point or a vector."""
     return dict(zip("xyz", values, strict=True))
+
+
+def corners(center: Vector, size: Vector) -> list[list[float]]:
+    """Return the eight corners of a box, [m]."""
+    ends = [(middle - edge / 2, middle + edge / 2) for middle, edge in zip(center, size, strict=True)]
+    return [list(corner) for corner in product(*ends)]
 
 
 def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
