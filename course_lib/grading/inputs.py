@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from course_lib.grading.task import Message
@@ -39,6 +40,12 @@ def header(at: float, frame: str) -> dict[str, Any]:
 def xyz(values: Iterable[float]) -> dict[str, float]:
     """Three numbers as the fields of a point or a vector."""
     return dict(zip("xyz", values, strict=True))
+
+
+def corners(center: Vector, size: Vector) -> list[list[float]]:
+    """Return the eight corners of a box, [m]."""
+    ends = [(middle - edge / 2, middle + edge / 2) for middle, edge in zip(center, size, strict=True)]
+    return [list(corner) for corner in product(*ends)]
 
 
 def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
@@ -81,11 +88,49 @@ def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: flo
     return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
 
 
+def odometry(topic: str, at: float, place: Vector, frame: str = "odom") -> Message:
+    """Return where `base_link` is in a frame, [m], `at` [s] after the start."""
+    fields = {"header": header(at, frame), "child_frame_id": "base_link", "pose": {"pose": _upright(place)}}
+    return Message(topic, "nav_msgs/msg/Odometry", fields, at=at)
+
+
+def path(topic: str, at: float, places: Iterable[Vector], frame: str = "odom") -> Message:
+    """Return a way through places of a frame, [m]."""
+    fields = {"header": header(at, frame), "poses": [{"pose": _upright(place)} for place in places]}
+    return Message(topic, "nav_msgs/msg/Path", fields, at=at)
+
+
+def marker_array(topic: str, at: float, frame: str, center: Vector, size: Vector, kind: int = 1) -> Message:
+    """Return a green marker of a type, a cube unless another one is given; center and size in [m]."""
+    marker = {
+        "header": header(at, frame),
+        "ns": "found",
+        "type": kind,
+        "pose": _upright(center),
+        "scale": xyz(size),
+        "color": {"g": 1.0, "a": 1.0},
+    }
+    return Message(topic, "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
+
+
+def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera_link") -> Iterable[Message]:
+    """Return images of one pixel, `hz` [1/s] of them between two times [s]."""
+    fields = {"width": 1, "height": 1, "step": 1, "encoding": "mono8", "data": [9]}
+    for number in range(round(hz * (end - begin))):
+        at = begin + (number + 0.5) / hz  # [s]
+        yield Message(topic, "sensor_msgs/msg/Image", {"header": header(at, frame), **fields}, at=at)
+
+
 def set_parameters(node: str, at: float, **values: Any) -> Message:
     """What `ros2 param set` asks of a node, "/perception_node", `at` [s] after the start."""
     parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
     kind = "rcl_interfaces/srv/SetParameters"
     return Message(f"{node}/set_parameters", kind, {"parameters": parameters}, at=at)
+
+
+def _upright(place: Vector) -> Mapping[str, Any]:
+    """Return a pose that is not turned."""
+    return {"position": xyz(place), "orientation": {"w": 1.0}}
 
 
 def _parameter(value: Any) -> Mapping[str, Any]:

@@ -140,14 +140,19 @@ class _Judge:
         return rows
 
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:
-        for required in check.requires:
-            verdict = self._verdict(required, evidence)
-            if verdict.broken or not verdict.score >= 1:
-                message = f"counts when this passes: {required.title}"
-                return Verdict(0.0, message, "another check must pass first", verdict.broken)
+        """Return what a check finds; where it passes, but one that it requires does not, that is named."""
         if check.judge not in self._verdicts:
             self._verdicts[check.judge] = self._look(check, evidence)
-        return self._verdicts[check.judge]
+        verdict = self._verdicts[check.judge]
+        for required in check.requires:
+            failing = self._verdict(required, evidence)
+            if failing.score >= 1 and not failing.broken:
+                continue
+            if verdict.score >= 1 or failing.broken:
+                message = f"counts when this passes: {required.title}"
+                return Verdict(0.0, message, "another check must pass first", failing.broken)
+            return replace(verdict, score=0.0)
+        return verdict
 
     def _look(self, check: Check, evidence: Evidence) -> Verdict:
         begin = time.process_time()

@@ -13,5 +13,4 @@ from .painting import flatness as flatness
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot_state_publisher import RobotStatePublisher as RobotStatePublisher
-from .unknown_make import Make as Make
 from .unknown_robot import unknown_robot as unknown_robot

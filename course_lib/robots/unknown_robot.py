@@ -1,9 +1,11 @@
 """A robot to be found out about: `ros2 run unknown_robot robot`, or its nodes."""
 
+import hashlib
 import math
 import time
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from control_msgs.action import GripperCommand
@@ -12,6 +14,7 @@ from nav_msgs.msg import Odometry, Path
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.action import ActionServer
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import BatteryState, Image, Imu, JointState, LaserScan, Temperature
 from std_msgs.msg import Bool, Float64
@@ -20,30 +23,74 @@ from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 from vision_msgs.msg import Detection3D, Detection3DArray
 from visualization_msgs.msg import Marker, MarkerArray
 
-from course_lib.robots.unknown_make import Make
+from course_lib.errors import CourseError
 
 RADIUS, TURN = 2.0, 0.3  # [m], [rad/s] of its way round
 ROOM = 5.0  # [m] from the middle to the walls
 MODELS = {"large": 0.15, "small": 0.005}  # [s] that the detector takes for an image
 DRIFT = 0.02  # [rad/s] of the gyroscope
+BOOT = 0.001  # [s] until a node takes its settings
+RATES = (11.0, 13.0, 14.0, 16.0, 17.0, 19.0, 21.0, 22.0, 24.0, 26.0, 27.0, 29.0)  # [Hz]
+WIDTHS = (32, 40, 48, 56, 72, 80, 88, 96)  # [px]
+THRESHOLDS = (0.35, 0.4, 0.45, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9)
+TRIGGERS = ("zero_imu", "release_brakes", "home_gripper", "clear_map", "reset_encoders", "test_lights")
+Option = TypeVar("Option")
 
 
-class CameraDriver(Node):
+class Part(Node):
+    """A node in the namespace `robot`, which takes its settings when it runs: before, nobody can read them.
+
+    Robot number 0 has fixed settings, and three faults.
+    """
+
+    def __init__(self, name: str, serial: int) -> None:
+        super().__init__(name, namespace="robot")
+        self._serial = serial
+        if serial:
+            self._boot_timer = self.create_timer(BOOT, self._boot)
+
+    def _boot(self) -> None:
+        self._boot_timer.cancel()
+        self.begin()
+
+    def begin(self) -> None:
+        """Take the settings."""
+
+    def _own(self, options: Sequence[Option]) -> Option:
+        """Return this robot's own option of several.
+
+        Raises:
+            CourseError: Nobody runs the robot.
+        """
+        if self.executor is None:
+            raise CourseError("This robot does not run. Start it with run_live(...), and look with %ros2.")
+        key = f"{self._serial} {self.get_fully_qualified_name()} {len(options)}"
+        digest = hashlib.blake2b(key.encode(), digest_size=8).digest()
+        return options[int.from_bytes(digest, "big") % len(options)]
+
+
+class CameraDriver(Part):
     """Images, as often as its parameter says."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("camera_driver", namespace="robot")
+    def __init__(self, serial: int) -> None:
+        super().__init__("camera_driver", serial)
         span = ParameterDescriptor(
             description="images per second [Hz]",
             floating_point_range=[FloatingPointRange(from_value=1.0, to_value=60.0)],
         )
-        self.declare_parameter("frame_rate", make.image_hz, span)
+        self.declare_parameter("frame_rate", 30.0, span)
         self.declare_parameter("frame_id", "camera_link")
-        self._width, self._count = make.image_width, 0
+        self._width, self._count = 64, 0  # [px], images
         self._images = self.create_publisher(Image, "front_cam/image_raw", qos_profile_sensor_data)
         self.add_post_set_parameters_callback(self._start)
         self._timer: Any = None
-        self._start([])
+        if not serial:
+            self._start([])
+
+    def begin(self) -> None:
+        """Take the size and the rate of the images."""
+        self._width = self._own(WIDTHS)
+        self.set_parameters([Parameter("frame_rate", value=self._own(RATES))])
 
     def _start(self, _: Any) -> None:
         if self._timer is not None:
@@ -64,17 +111,21 @@ class CameraDriver(Node):
         self._images.publish(image)
 
 
-class Detector(Node):
+class Detector(Part):
     """Says where a box is, some time after each image."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("detector", namespace="robot")
-        self.declare_parameter("model", "small" if make.serial else "large")
-        self.declare_parameter("threshold", make.threshold)
+    def __init__(self, serial: int) -> None:
+        super().__init__("detector", serial)
+        self.declare_parameter("model", "small" if serial else "large")
+        self.declare_parameter("threshold", 0.5)
         newest = QoSProfile(depth=1, reliability=qos_profile_sensor_data.reliability)
         self.create_subscription(Image, "front_cam/image_raw", self._detect, newest)
         self._found = self.create_publisher(Detection3DArray, "detections", 10)
         self._markers = self.create_publisher(MarkerArray, "annotations", 10)
+
+    def begin(self) -> None:
+        """Take the threshold."""
+        self.set_parameters([Parameter("threshold", value=self._own(THRESHOLDS))])
 
     def _detect(self, image: Image) -> None:
         time.sleep(MODELS.get(self.get_parameter("model").value, 0.0))
@@ -88,15 +139,21 @@ class Detector(Node):
         self._markers.publish(MarkerArray(markers=[marker]))
 
 
-class LidarDriver(Node):
+class LidarDriver(Part):
     """Scans of a square room."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("lidar_driver", namespace="robot")
-        self.declare_parameter("frame_id", "laser_link" if make.serial else "lasr_link")
-        self._scans = self.create_publisher(
-            LaserScan, "scan", QoSProfile(depth=10) if make.scans_reliably else qos_profile_sensor_data
-        )
+    def __init__(self, serial: int) -> None:
+        super().__init__("lidar_driver", serial)
+        self.declare_parameter("frame_id", "laser_link" if serial else "lasr_link")
+        if not serial:
+            self._publish(qos_profile_sensor_data)
+
+    def begin(self) -> None:
+        """Take the reliability of the scans."""
+        self._publish(self._own((QoSProfile(depth=10), qos_profile_sensor_data)))
+
+    def _publish(self, qos: QoSProfile) -> None:
+        self._scans = self.create_publisher(LaserScan, "scan", qos)
         self.create_timer(0.1, self._scan)
 
     def _scan(self) -> None:
@@ -111,11 +168,11 @@ class LidarDriver(Node):
         self._scans.publish(scan)
 
 
-class BaseDriver(Node):
+class BaseDriver(Part):
     """Drives a circle: odometry, gyroscope, frames, the plan; a service is there to be called."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("base_driver", namespace="robot")
+    def __init__(self, serial: int) -> None:
+        super().__init__("base_driver", serial)
         self._odometry = self.create_publisher(Odometry, "odom", 10)
         self._imu = self.create_publisher(Imu, "imu/data", qos_profile_sensor_data)
         self._tf, self._fixed = TransformBroadcaster(self), StaticTransformBroadcaster(self)
@@ -124,8 +181,13 @@ class BaseDriver(Node):
         )
         self._plans = self.create_publisher(Path, "plan", 10)
         self.create_timer(1.0, self._plan)
-        self.create_service(Trigger, "reset_odometry", self._reset)
+        if not serial:
+            self.create_service(Trigger, "reset_odometry", partial(self._trigger, "odometry is 0 now"))
         self.create_timer(0.05, self._drive)
+
+    def begin(self) -> None:
+        """Take the service."""
+        self.create_service(Trigger, self._own(TRIGGERS), partial(self._trigger, "done"))
 
     def _drive(self) -> None:
         x, y, yaw = where(self)
@@ -149,16 +211,16 @@ class BaseDriver(Node):
             plan.poses.append(pose)
         self._plans.publish(plan)
 
-    def _reset(self, _: Any, response: Any) -> Any:
-        response.success, response.message = True, "odometry is 0 now"
+    def _trigger(self, done: str, _: Any, response: Any) -> Any:
+        response.success, response.message = True, done
         return response
 
 
-class Gripper(Node):
+class Gripper(Part):
     """Two fingers: their command and their state, which follows; an action moves them."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("gripper", namespace="robot")
+    def __init__(self, serial: int) -> None:
+        super().__init__("gripper", serial)
         self._states = self.create_publisher(JointState, "joint_states", 10)
         self._commands = self.create_publisher(JointState, "joint_commands", 10)
         self._wanted = self._is = 0.0  # [m]
@@ -178,11 +240,11 @@ class Gripper(Node):
         return GripperCommand.Result(position=self._wanted, reached_goal=True)
 
 
-class Board(Node):
+class Board(Part):
     """What the computer measures of itself, once a second."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("board", namespace="robot")
+    def __init__(self, serial: int) -> None:
+        super().__init__("board", serial)
         add = partial(self.create_publisher, qos_profile=10)
         self._battery = add(BatteryState, "battery")
         self._temperature = add(Temperature, "motor_temperature")
@@ -202,24 +264,22 @@ class Board(Node):
         self._accuracy.publish(Float64(data=0.92))
 
 
-class SafetyStop(Node):
+class SafetyStop(Part):
     """Stops the robot before a wall, if it hears the scans."""
 
-    def __init__(self, make: Make) -> None:
-        super().__init__("safety_stop", namespace="robot")
+    def __init__(self, serial: int) -> None:
+        super().__init__("safety_stop", serial)
         self._stops = self.create_publisher(Bool, "stop", 10)
-        self.create_subscription(
-            LaserScan, "scan", self._look, qos_profile_sensor_data if make.serial else 10
-        )
+        self.create_subscription(LaserScan, "scan", self._look, qos_profile_sensor_data if serial else 10)
 
     def _look(self, scan: LaserScan) -> None:
         self._stops.publish(Bool(data=min(scan.ranges) < 0.5))
 
 
 def unknown_robot(serial: int = 0) -> list[Node]:
-    """Make the nodes of a robot."""
+    """Return the nodes of a robot."""
     kinds = (CameraDriver, Detector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
-    return [kind(Make(serial)) for kind in kinds]
+    return [kind(serial) for kind in kinds]
 
 
 def where(node: Node) -> tuple[float, float, float]:

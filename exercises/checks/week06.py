@@ -1,78 +1,42 @@
 """Week 6, tooling and diagnostics: tasks, hints and public checks."""
 
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Iterable
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
-from course_lib.grading.inputs import header, pose, scan, transforms, xyz
+from course_lib.grading import inputs
+from course_lib.grading.evidence import lightly
 from course_lib.grading.task import Call, Message, Row, Scenario, Task, my
 from course_lib.grading.vocabulary import (
     expect_display,
     expect_drawn,
     expect_fact,
+    expect_images,
     expect_layout,
-    expect_level,
+    expect_length,
+    expect_levels,
     expect_message,
     expect_rate,
     expect_stamps,
-    expect_topic,
     expect_value,
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
-LENGTH = (80, 200)  # words of a text
-FACTS = ("image_rate", "image_width", "scan_reliability", "threshold", "trigger_service")
 
 
-def set_parameter(at: float, name: str, **value: Any) -> Message:
-    """What `ros2 param set /camera …` asks."""
-    fields = {"parameters": [{"name": name, "value": value}]}
-    return Message("/camera/set_parameters", "rcl_interfaces/srv/SetParameters", fields, at=at)
-
-
-def images(hz: float, begin: float, end: float) -> Iterator[Message]:
-    """Small images, as often as that, between two times [s]."""
-    for number in range(round(hz * (end - begin))):
-        at = begin + (number + 0.5) / hz
-        fields = {"header": header(at, "camera_link"), "width": 1, "height": 1, "step": 1, "data": [0]}
-        yield Message(IMAGES, "sensor_msgs/msg/Image", {**fields, "encoding": "mono8"}, at=at)
-
-
-def frames(at: float, x: float = 1.0) -> Message:
-    """The robot's frames, as it stands there."""
-    base = pose("odom", "base_link", (x, 0.0, 0.0))
-    names = ("laser_link", "camera_link")
-    return transforms((base, *(pose("base_link", name, (0.2, 0.0, 0.0)) for name in names)), at)
-
-
-def robot_messages(at: float, x: float = 1.0) -> Iterable[Message]:
+def robot_messages(at: float) -> Iterable[Message]:
     """What a robot publishes at a time, [s]."""
-    ranges = scan([2.0] * 31, at, "laser_link", first=-1.5, step=0.1)
-    odometry = {
-        "header": header(at, "odom"),
-        "child_frame_id": "base_link",
-        "pose": {"pose": {"position": xyz((x, 0.0, 0.0)), "orientation": {"w": 1.0}}},
-    }
-    stops = [{"pose": {"position": xyz((p, 0.0, 0.0)), "orientation": {"w": 1.0}}} for p in (x, x + 1)]
-    marker = {
-        "header": header(at, "camera_link"),
-        "ns": "boxes",
-        "type": 1,
-        "pose": {"position": xyz((2.0, 0.0, 0.0)), "orientation": {"w": 1.0}},
-        "scale": xyz((0.5, 0.5, 0.5)),
-        "color": {"g": 1.0, "a": 1.0},
-    }
-    yield frames(at, x)
+    place = (1.0, 0.0, 0.0)  # [m]
+    links = (inputs.pose("base_link", name, (0.2, 0.0, 0.0)) for name in ("laser_link", "camera_link"))
+    ranges = inputs.scan([2.0] * 31, at, "laser_link", first=-1.5, step=0.1)
+    yield inputs.transforms((inputs.pose("odom", "base_link", place), *links), at)
     yield Message("/robot/scan", ranges.type_name, ranges.fields, at=at)
-    yield Message("/robot/odom", "nav_msgs/msg/Odometry", odometry, at=at)
-    plan = {"header": header(at, "odom"), "poses": stops}
-    yield Message("/robot/plan", "nav_msgs/msg/Path", plan, at=at)
-    markers = {"markers": [marker]}
-    yield Message("/robot/annotations", "visualization_msgs/msg/MarkerArray", markers, at=at)
+    yield inputs.odometry("/robot/odom", at, place)
+    yield inputs.path("/robot/plan", at, (place, (2.0, 0.0, 0.0)))
+    yield inputs.marker_array("/robot/annotations", at, "camera_link", (2.0, 0.0, 0.0), (0.5, 0.5, 0.5))
 
 
 ROBOT = tuple(message for n in range(1, 5) for message in robot_messages(n / 2))
-BEST_EFFORT = ("/robot/scan",)
+MEASURED = ("image_rate", "image_width", "threshold", "trigger_service")  # and nobody guesses them
+FACTS = [expect_fact(name, serial=my("serial")) for name in MEASURED]
 
 ROBOT_FACTS = Task(
     "week06.robot_facts",
@@ -86,11 +50,19 @@ ROBOT_FACTS = Task(
     ),
     scenarios=(
         Scenario(
-            "public", calls=(Call(),), checks=tuple(expect_fact(name, serial=my("serial")) for name in FACTS)
+            "public",
+            calls=(Call(),),
+            checks=(*FACTS, expect_fact("scan_reliability", serial=my("serial")).worth(0.4)),
         ),
     ),
     personal={"serial": (11, 17, 23, 26, 32, 38, 44, 47, 53, 59, 62, 68)},
 )
+
+PIXELS = expect_images(IMAGES)
+FOLLOWS = expect_rate(IMAGES, 5.0, begin=3.1, end=5.9).requiring(PIXELS).titled("5 Hz from 3 s on")
+REFUSED = [expect_rate(IMAGES, 5.0, begin=at, end=at + 1.8).requiring(FOLLOWS) for at in (6.1, 8.1)]
+FRAME_SET = expect_message(IMAGES, {"header.frame_id": "front"}).requiring(PIXELS)
+FRAME_AT_FIRST = expect_message(IMAGES, {"header.frame_id": "camera_link"}).requiring(PIXELS)
 
 CAMERA = Task(
     "week06.camera",
@@ -106,18 +78,48 @@ CAMERA = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=6.0,  # [s]
-            inputs=(set_parameter(3.0, "frame_rate", type=3, double_value=5.0),),
-            checks=(
-                expect_topic(IMAGES, "sensor_msgs/msg/Image").titled("images are published"),
-                expect_rate(IMAGES, my("frame_rate"), end=2.9).titled("your own rate at first"),
-                expect_rate(IMAGES, 5.0, begin=3.1).titled("5 Hz from 3 s on"),
-                expect_message(IMAGES, {"header.frame_id": "camera_link"}).titled("the frame"),
+            seconds=10.0,  # [s]
+            inputs=(
+                inputs.set_parameters("/camera", 3.0, frame_rate=5.0),
+                inputs.set_parameters("/camera", 4.0, frame_id="front"),
+                inputs.set_parameters("/camera", 6.0, frame_rate=61.0),
+                inputs.set_parameters("/camera", 8.0, frame_rate=0.5),
+            ),
+            checks=lightly(
+                PIXELS.titled("images with pixels").worth(0.2),
+                expect_rate(IMAGES, my("frame_rate"), end=2.9).worth(0.2).titled("your own rate at first"),
+                FOLLOWS,
+                FRAME_SET.titled("the frame that was set"),
+                REFUSED[0].titled("61 Hz is refused: it goes on with 5 Hz"),
+                REFUSED[1].titled("0.5 Hz is refused: it goes on with 5 Hz"),
+                expect_stamps(IMAGES).worth(0.2).requiring(PIXELS).titled("the stamp"),
+            ),
+        ),
+        Scenario(
+            "nobody sets the frame, and the limits are allowed",
+            seconds=7.0,  # [s]
+            inputs=(
+                inputs.set_parameters("/camera", 1.0, frame_rate=60.0),
+                inputs.set_parameters("/camera", 2.0, frame_rate=1.0),
+            ),
+            checks=lightly(
+                expect_rate(IMAGES, 60.0, begin=1.1, end=1.9).requiring(PIXELS).titled("60 Hz is allowed"),
+                expect_rate(IMAGES, 1.0, begin=2.1).requiring(PIXELS).titled("1 Hz is allowed"),
+                FRAME_AT_FIRST.worth(0.2).titled("the frame at first"),
             ),
         ),
     ),
     personal={"frame_rate": (12.0, 15.0, 18.0, 20.0, 24.0, 28.0)},  # [Hz]
 )
+
+LEVELS = expect_levels(
+    ("OK", "normal", "30 images in a second"),
+    ("WARN", "below normal", "24 images in a second"),
+    ("WARN", "above normal", "36 images in a second"),
+    ("ERROR", "low", "9 images in a second"),
+)
+KEY_VALUE = {"status.0.values.0.key": "Rate (Hz)", "status.0.values.0.value": "9"}
+NAMES = {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_id")}
 
 CAMERA_MONITOR = Task(
     "week06.camera_monitor",
@@ -132,22 +134,43 @@ CAMERA_MONITOR = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=9.5,  # [s]
-            inputs=(*images(30.0, 0.0, 3.0), *images(20.0, 3.0, 6.0), *images(5.0, 6.0, 9.5)),
-            checks=(
-                expect_stamps(DIAGNOSTICS).titled("the stamp"),
-                expect_message(
-                    DIAGNOSTICS,
-                    {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_id")},
-                ).titled("name and hardware_id"),
-                expect_level("OK", says="normal", begin=0.0, end=3.0).titled("30 images in a second"),
-                expect_level("WARN", says="below normal", begin=3.0, end=6.0).titled("20 images in a second"),
-                expect_level("ERROR", says="low", begin=6.0, end=9.0).titled("5 images in a second"),
+            seconds=12.5,  # [s]
+            inputs=(
+                *inputs.images(IMAGES, 30.0, 0.0, 3.0),
+                *inputs.images(IMAGES, 24.0, 3.0, 6.0),
+                *inputs.images(IMAGES, 36.0, 6.0, 9.0),
+                *inputs.images(IMAGES, 9.0, 9.0, 12.5),
+            ),
+            checks=lightly(
+                *LEVELS,
+                expect_message(DIAGNOSTICS, NAMES).requiring(LEVELS[0]).titled("name and hardware_id"),
+                expect_message(DIAGNOSTICS, KEY_VALUE).requiring(LEVELS[0]).titled("the KeyValue"),
+                expect_rate(DIAGNOSTICS, 1.0).requiring(LEVELS[0]).worth(0.2).titled("once a second"),
+                expect_stamps(DIAGNOSTICS).requiring(LEVELS[0]).worth(0.2).titled("the stamp"),
+            ),
+        ),
+        Scenario(
+            "at the limits, then silent",
+            seconds=12.5,  # [s]
+            inputs=(
+                *inputs.images(IMAGES, 25.0, 0.0, 3.0),
+                *inputs.images(IMAGES, 35.0, 3.0, 6.0),
+                *inputs.images(IMAGES, 10.0, 6.0, 9.0),
+            ),
+            checks=lightly(
+                *expect_levels(
+                    ("OK", "normal", "25 images in a second"),
+                    ("OK", "normal", "35 images in a second"),
+                    ("WARN", "below normal", "10 images in a second"),
+                    ("ERROR", "low", "no images"),
+                )
             ),
         ),
     ),
     personal={"hardware_id": ("front_cam_003", "front_cam_007", "front_cam_012", "front_cam_021")},
 )
+
+TWO = [["/image", 2.0, 2000.0, 4000.0, 0.75], ["/load", 0.0, 8.0, 0.0, 0.0]]
 
 PERFORMANCE_TABLE = Task(
     "week06.performance_table",
@@ -165,17 +188,21 @@ PERFORMANCE_TABLE = Task(
             calls=(
                 Call({"/scan": [(0.0, 400), (0.1, 400), (0.2, 400)]}),
                 Call({"/load": [(1.0, 8)], "/image": [(0.5, 1000), (0.75, 2000), (1.5, 3000)]}),
+                Call({"/silent": []}),
             ),
-            checks=(
+            checks=lightly(
                 expect_value([["/scan", 10.0, 400.0, 4000.0, 0.1]], call=0, name="the table of one topic"),
-                expect_value(
-                    [["/image", 2.0, 2000.0, 4000.0, 0.75], ["/load", 0.0, 8.0, 0.0, 0.0]],
-                    call=1,
-                    name="the table of two topics",
-                ),
+                expect_value(TWO, call=1, name="the table of two topics"),
+                expect_value([["/silent", 0.0, 0.0, 0.0, 0.0]], call=2, name="the table of a silent topic"),
             ),
         ),
     ),
+)
+
+TF_DRAWN = expect_drawn("TF", ROBOT)
+WITH_KEEP = expect_display("Odometry", "/robot/odom", properties={"Keep": my("keep")})
+BEST_EFFORT_IMAGES = expect_display(
+    "Image", "/robot/front_cam/image_raw", properties={"Topic/Reliability Policy": "Best Effort"}
 )
 
 INSPECTION_LAYOUT = Task(
@@ -193,31 +220,19 @@ INSPECTION_LAYOUT = Task(
             "public",
             calls=(Call(),),
             checks=(
-                expect_layout(fixed_frame="odom").titled("the Fixed Frame"),
-                expect_drawn("LaserScan", ROBOT, best_effort=BEST_EFFORT).titled("the scan is drawn"),
-                expect_display("Odometry", "/robot/odom", properties={"Keep": my("keep")}).titled(
-                    "the odometry, with your Keep"
-                ),
-                expect_display(
-                    "Image",
-                    "/robot/front_cam/image_raw",
-                    properties={"Topic/Reliability Policy": "Best Effort"},
-                ).titled("the images"),
+                expect_layout(fixed_frame="odom").requiring(TF_DRAWN).worth(0.5).titled("the Fixed Frame"),
+                TF_DRAWN.titled("the frames are drawn"),
+                expect_drawn("LaserScan", ROBOT, best_effort=("/robot/scan",)).titled("the scan is drawn"),
+                WITH_KEEP.titled("the odometry, with your Keep"),
+                expect_drawn("Odometry", ROBOT).titled("the odometry is drawn"),
+                expect_drawn("Path", ROBOT).titled("the plan is drawn"),
+                expect_drawn("MarkerArray", ROBOT).titled("the annotations are drawn"),
+                BEST_EFFORT_IMAGES.titled("the images"),
             ),
         ),
     ),
     personal={"keep": (20, 30, 40, 50, 60, 80)},
 )
-
-
-def words(evidence: Evidence) -> Verdict:
-    """A text of about the length that was asked for."""
-    text = evidence.returns[0] if evidence.returns else ""
-    count = len(str(text or "").split())
-    low, high = LENGTH
-    if 0.8 * low <= count <= 1.25 * high:
-        return passed(f"{count} words")
-    return failed(f"{count} words, expected {low} to {high}", "the text has another length")
 
 
 FINDINGS = Task(
@@ -230,13 +245,15 @@ FINDINGS = Task(
         "A number alone says little: name its topic, its unit, and the tool that gave it.",
         "I measured ... with ...; LaserScan shows ...; I recommend ..., because ... is ...",
     ),
-    scenarios=(Scenario("public", checks=(Check("its length", words),)),),
+    scenarios=(Scenario("public", checks=(expect_length(80, 200),)),),
     rubric=(
         Row("Measured: three numbers, each with the tool that gave it", 4),
         Row("Seen: what two displays of the layout show about the robot", 3),
         Row("Recommended: one thing to change, with a reason that follows from a number", 3),
     ),
 )
+
+ONE_OF_TWO = expect_value([0.05, 0.05, 0.5], call=0, name="one of two images")
 
 DETECTION_LATENCY = Task(
     "week06.detection_latency",
@@ -253,11 +270,19 @@ DETECTION_LATENCY = Task(
             "public",
             calls=(
                 Call([[0.02, 0.0], [0.12, 0.1]], [[0.07, 0.0]]),
+                Call([[0.02, 0.0], [0.12, 0.1], [0.22, 0.2]], [[0.05, 0.0], [0.21, 0.1]]),
+                Call([[0.02, 0.0], [0.12, 0.1]], [[0.32, 0.3], [0.07, 0.0]]),
+                Call([[0.02, 0.0], [0.12, 0.1]], [[0.07, 0.0003]]),
                 Call([[0.02, 0.0], [0.12, 0.1], [0.22, 0.2]], []),
+                Call([], [[0.07, 0.0]]),
             ),
-            checks=(
-                expect_value([0.05, 0.05, 0.5], call=0, name="one of two images"),
-                expect_value([0.0, 0.0, 1.0], call=1, name="no detection"),
+            checks=lightly(
+                ONE_OF_TWO,
+                expect_value([0.06, 0.09, 1 / 3], call=1, name="two of three images"),
+                expect_value([0.05, 0.05, 0.5], call=2, name="a detection of a strange image"),
+                expect_value([0.05, 0.05, 0.5], call=3, name="stamps that differ by 0.3 ms"),
+                expect_value([0.0, 0.0, 1.0], call=4, name="no detection").requiring(ONE_OF_TWO),
+                expect_value([0.0, 0.0, 0.0], call=5, name="no image").requiring(ONE_OF_TWO),
             ),
         ),
     ),

@@ -4,60 +4,64 @@ from collections.abc import Iterable
 from math import cos, pi, sin
 from typing import Any
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
-from course_lib.grading.inputs import Found, detections, pose, set_parameters, transforms
+from course_lib.grading.evidence import Check, lightly
+from course_lib.grading.inputs import Found, corners, detections, pose, set_parameters, transforms
 from course_lib.grading.task import Call, Message, Row, Scenario, Task, my
 from course_lib.grading.vocabulary import (
+    expect_colors_apart,
     expect_display,
+    expect_gone,
     expect_layout,
+    expect_length,
     expect_marker,
     expect_marker_count,
+    expect_nothing_before,
     expect_parameters,
     expect_path,
     expect_rate,
+    expect_stamps,
     expect_value,
 )
 
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
 K = [277.0, 0.0, 159.5, 0.0, 277.0, 119.5, 0.0, 0.0, 1.0]  # [px]
-FEWEST, MOST = 150, 300  # words of a report
+WIDE = [150.0, 0.0, 99.5, 0.0, 160.0, 74.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
 
 PERSON = Found(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
 CAR = Found(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
 BICYCLE = Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
-OBJECTS = (PERSON, CAR, BICYCLE)
+DOG = Found(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)  # just sure enough, and of no color
+OBJECTS = (CAR, DOG, PERSON, BICYCLE)
 
 
-def corners(center: tuple[float, float, float], size: tuple[float, float, float]) -> list[list[float]]:
-    """The eight corners of a box, [m]."""
-    signs = [(a, b, c) for a in (-0.5, 0.5) for b in (-0.5, 0.5) for c in (-0.5, 0.5)]
-    return [[m + s * e for m, s, e in zip(center, sign, size, strict=True)] for sign in signs]
+def seen(until: float) -> Iterable[Message]:
+    """The same detections again and again, five times a second until a time [s]."""
+    return (detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(round(until * 5) - 1))
 
 
-def seen(first: float, last: float, rate: float = 5.0) -> Iterable[Message]:
-    """The same detections again and again, between two times [s]."""
-    return (
-        detections(OBJECTS, at=first + step / rate, frame="world")
-        for step in range(round((last - first) * rate))
-    )
+def driven(begin: float, end: float, world: str = "world", base: str = "base_link") -> Iterable[Message]:
+    """The robot on a circle of 3 m, ahead, 20 times a second, between two times [s]."""
+    for step in range(round((end - begin) * 20)):
+        at = begin + step / 20  # [s]
+        yield transforms([pose(world, base, on_circle(at), at + pi / 2)], at)
 
 
-def driven(seconds: float) -> Iterable[Message]:
-    """The robot on a circle of 3 m, ahead, 20 times a second for so long [s]."""
-    for step in range(round(seconds * 20)):
-        angle = 0.1 * step / 2  # [rad]
-        place = (3.0 * cos(angle), 3.0 * sin(angle), 0.0)  # [m]
-        yield transforms([pose("world", "base_link", place, angle + pi / 2)], 0.03 + step / 20)
+def on_circle(at: float) -> tuple[float, float, float]:
+    """Where it is, [m], `at` [s] after the start."""
+    return (3.0 * cos(at), 3.0 * sin(at), 0.0)
 
 
-def words(evidence: Evidence) -> Verdict:
-    """As many words as a report needs; a person reads what they say."""
-    text = evidence.returns[0] if evidence.returns else ""
-    count = len(text.split()) if isinstance(text, str) else 0
-    if FEWEST <= count <= MOST:
-        return passed(f"{count} words; a person reads them")
-    return failed(f"{count} words, expected {FEWEST} to {MOST}", "the length of the report")
+def rectangle(k: list[float], box: list[list[float]]) -> list[float]:
+    """The check's own answer for the corners of a box ahead, [px]."""
+    columns, rows = [k[0] * x / z + k[2] for x, _, z in box], [k[4] * y / z + k[5] for _, y, z in box]
+    return [min(columns), min(rows), max(columns), max(rows)]
 
+
+AHEAD, ASIDE = corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5)), corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0))
+BEYOND, CLOSE = corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0)), corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
+PARTLY = "a box that is partly behind the camera"
+EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
+IN_MIDDLE = expect_value(rectangle(K, AHEAD), call=0, tolerance=0.01, unit="px", name="the rectangle")
 
 BOX_ON_IMAGE = Task(
     "week07.box_on_image",
@@ -72,23 +76,38 @@ BOX_ON_IMAGE = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(
-                Call(K, corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5))),
-                Call(K, corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))),
-            ),
-            checks=(
-                expect_value(
-                    [141.0333, 53.02, 177.9667, 185.98],
-                    call=0,
-                    tolerance=0.01,
-                    unit="px",
-                    name="the rectangle",
-                ),
-                expect_value([], call=1, name="the answer for a box that is partly behind the camera"),
+            calls=(Call(K, AHEAD), Call(WIDE, ASIDE), Call(K, EDGE), Call(K, BEYOND), Call(K, CLOSE)),
+            checks=lightly(
+                IN_MIDDLE,
+                expect_value(rectangle(WIDE, ASIDE), call=1, tolerance=0.01, name="another rectangle"),
+                expect_value(rectangle(K, EDGE), call=2, tolerance=0.01, name="the one from 0.1 m on"),
+                expect_value([], call=3, name=f"the answer for {PARTLY}").requiring(IN_MIDDLE),
+                expect_value([], call=4, name="the answer for a box 0.05 m ahead").requiring(IN_MIDDLE),
             ),
         ),
     ),
 )
+
+GREEN, GREY = (0.0, 1.0, 0.0, 0.5), (0.5, 0.5, 0.5, 0.5)  # RGBA
+PERSON_BOX = expect_marker(
+    MARKERS, type="CUBE", ns="boxes", id=1, position=PERSON.center, scale=PERSON.size, color=GREEN
+)
+DOG_BOX = expect_marker(MARKERS, type="CUBE", ns="boxes", id=7, scale=DOG.size, color=GREY)
+SURE = PERSON_BOX.titled("the box with the highest score")
+BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=(0.0, 0.5, 1.0, 0.5))
+
+
+def boxes(count: int) -> Check:
+    """Return a check of the number of boxes, which counts where the person's is right."""
+    return expect_marker_count(MARKERS, count, type="CUBE").requiring(PERSON_BOX)
+
+
+def changed(*checks: Check, **parameter: Any) -> Scenario:
+    """Return a scenario in which a parameter is set while the node runs."""
+    inputs = (*seen(4.0), set_parameters("/perception_node", 1.5, **parameter))
+    name = f"{next(iter(parameter))}, set while it runs"
+    return Scenario(name, seconds=4.0, seed=3, inputs=inputs, checks=lightly(*checks))
+
 
 MARKERS_TASK = Task(
     "week07.markers",
@@ -105,34 +124,30 @@ MARKERS_TASK = Task(
             "public",
             seconds=4.0,  # [s]
             seed=1,
-            inputs=(*seen(0.2, 4.0),),
-            checks=(
-                expect_marker_count(MARKERS, 2, type="CUBE").titled("two boxes are sure enough"),
-                expect_marker(
-                    MARKERS,
-                    type="CUBE",
-                    ns="boxes",
-                    id=1,
-                    position=PERSON.center,
-                    scale=PERSON.size,
-                    color=(0.0, 1.0, 0.0, 0.5),
-                ).titled("the person's box: place, size and color"),
-                expect_rate(MARKERS, 10.0),
+            inputs=tuple(seen(4.0)),
+            checks=lightly(
+                PERSON_BOX.titled("the person's box: place, size and color"),
+                DOG_BOX.titled("the dog's box: a class without a color is grey"),
+                boxes(3).titled("three boxes are sure enough"),
+                expect_rate(MARKERS, 10.0).requiring(PERSON_BOX).worth(0.2),
             ),
         ),
+        changed(boxes(1).titled("one is above your threshold"), SURE, confidence_threshold=my("threshold")),
+        changed(boxes(1).titled("one box only"), SURE, max_detections=1),
+        changed(BLUE_CAR.titled("the car in its new color"), car_color=[0.0, 0.5, 1.0, 0.5]),
         Scenario(
-            "your threshold, set while it runs",
-            seconds=4.0,  # [s]
-            seed=3,
-            inputs=(
-                *seen(0.2, 4.0),
-                set_parameters("/perception_node", 1.5, confidence_threshold=my("threshold")),
-            ),
-            checks=(expect_marker_count(MARKERS, 1, type="CUBE").titled("one box is above your threshold"),),
+            "the detector stops",
+            seconds=4.5,  # [s]
+            inputs=tuple(seen(2.0)),
+            checks=lightly(expect_gone(MARKERS).titled("no box is left when the last message is too old")),
         ),
     ),
     personal={"threshold": (0.72, 0.75, 0.78, 0.81, 0.84, 0.87)},
 )
+
+WHOLE, END = (on_circle(1.08), on_circle(4.98)), (on_circle(3.08), on_circle(4.98))  # [m]
+WAY = expect_path(TRAJECTORY, count=40, frame="world", ends=WHOLE, yaw=4.98 + pi / 2, tolerance=0.2)
+LAST_20 = expect_path(TRAJECTORY, count=20, frame="odom", ends=END, tolerance=0.2)
 
 TRAJECTORY_TASK = Task(
     "week07.trajectory",
@@ -147,22 +162,35 @@ TRAJECTORY_TASK = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=4.0,  # [s]
+            seconds=5.0,  # [s]
             seed=1,
-            inputs=(*driven(3.9),),
-            checks=(
-                expect_path(
-                    TRAJECTORY,
-                    count=40,
-                    frame="world",
-                    ends=((3.0 * cos(0.05), 3.0 * sin(0.05), 0.0), (3.0 * cos(3.85), 3.0 * sin(3.85), 0.0)),
-                    tolerance=0.2,
-                ).titled("the way from its beginning to now"),
-                expect_rate(TRAJECTORY, 10.0),
+            inputs=tuple(driven(1.03, 4.99)),
+            checks=lightly(
+                WAY.titled("the way from its beginning to now"),
+                expect_nothing_before(TRAJECTORY, 1.0).requiring(WAY).titled("nothing until tf2 knows"),
+                expect_rate(TRAJECTORY, 10.0, begin=1.1).requiring(WAY).worth(0.2),
+                expect_stamps(TRAJECTORY, tolerance=0.12).requiring(WAY).worth(0.2).titled("the header"),
             ),
+        ),
+        Scenario(
+            "other frames and 20 points, set while it runs",
+            seconds=5.0,  # [s]
+            inputs=(
+                set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
+                set_parameters("/trajectory_node", 3.0, trajectory_max_points=20),
+                *driven(0.53, 4.99, "odom", "base"),
+            ),
+            checks=lightly(LAST_20.titled("the last 20 poses, in the frames that were set")),
         ),
     ),
 )
+
+ALL_NODES = ("/tf_publisher", "/path_planner", "/perception_node", "/trajectory_node")
+PERCEPTION = {
+    "marker_update_rate": 5.0,  # [Hz]
+    "confidence_threshold": my("threshold"),
+    "bicycle_color": [1.0, 1.0, 0.0, 0.5],
+}
 
 PARAMS = Task(
     "week07.params",
@@ -179,13 +207,17 @@ PARAMS = Task(
             "public",
             calls=(Call(),),
             checks=(
-                expect_parameters("/perception_node", {"marker_update_rate": 5.0}),
+                *(expect_parameters("/perception_node", {name: PERCEPTION[name]}) for name in PERCEPTION),
                 expect_parameters("/trajectory_node", {"trajectory_max_points": 50}),
+                *(expect_parameters(node, {"world_frame": "odom"}).worth(0.25) for node in ALL_NODES),
             ),
         ),
     ),
     personal={"threshold": (0.55, 0.6, 0.65, 0.7, 0.75, 0.8)},
 )
+
+RIGHT_VIEW = expect_layout(view=("TopDownOrtho", "Orbit"))
+WITH_TF = expect_display("TF", properties={"Show Names": True})
 
 LAYOUT = Task(
     "week07.layout",
@@ -202,10 +234,13 @@ LAYOUT = Task(
             "public",
             calls=(Call(),),
             checks=(
-                expect_layout(fixed_frame="world"),
-                expect_display("TF", properties={"Show Names": True}),
-                expect_display("MarkerArray", MARKERS),
-                expect_display("Path", PLAN),
+                WITH_TF.titled("TF with names"),
+                expect_display("MarkerArray", MARKERS).titled("the markers"),
+                expect_display("Path", PLAN).titled("the plan"),
+                expect_display("Path", TRAJECTORY).titled("the trajectory"),
+                expect_colors_apart("Path", 100).titled("two colors that differ clearly"),
+                expect_layout(fixed_frame="world").requiring(WITH_TF).worth(0.5).titled("the Fixed Frame"),
+                RIGHT_VIEW.requiring(WITH_TF).worth(0.5).titled("the view"),
             ),
         ),
     ),
@@ -221,7 +256,7 @@ REPORT = Task(
         "ros2 topic hz for the rates. For the fault: what did you see, and what did you ask next?",
         "One sentence of each kind: it publishes ..., I saw ..., because ..., somebody would miss ...",
     ),
-    scenarios=(Scenario("public", checks=(Check("its length", words),)),),
+    scenarios=(Scenario("public", checks=(expect_length(150, 300),)),),
     rubric=(
         Row("It is complete: nodes, topics and rates, measured", 5),
         Row("A fault: what was seen, and how its cause was found", 5),
@@ -229,14 +264,11 @@ REPORT = Task(
     ),
 )
 
-
-def part_ahead(a: list[float], b: list[float]) -> Any:
-    """The check's own answer, for edges whose ends are on two sides: where z is 0.1 m."""
-    share = (0.1 - a[2]) / (b[2] - a[2])
-    return [m + share * (n - m) for m, n in zip(a, b, strict=True)]
-
-
-FRONT, BACK = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9]
+FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 7.0]  # [m]
+NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.0, 0.15]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
+EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR)
+HALF_WAY = [0.5, 0.5, 0.1]  # [m]
+CUT = expect_value([FRONT, HALF_WAY], call=0, unit="m", name="the part")
 
 PART_AHEAD = Task(
     "week07.part_ahead",
@@ -251,10 +283,13 @@ PART_AHEAD = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(FRONT, BACK), Call([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])),
-            checks=(
-                expect_value([FRONT, part_ahead(FRONT, BACK)], call=0, unit="m", name="the part"),
-                expect_value([], call=1, name="the part of an edge behind the camera"),
+            calls=tuple(Call(*ends) for ends in EDGES),
+            checks=lightly(
+                CUT,
+                expect_value([HALF_WAY, FRONT], call=1, unit="m", name="the part from behind"),
+                expect_value([FRONT, FAR], call=2, unit="m", name="an edge that is ahead"),
+                expect_value([], call=3, name="the part of an edge behind the camera").requiring(CUT),
+                expect_value([[1.0, 0.0, 0.1], NEAR[1]], call=4, name="the part of an edge near the camera"),
             ),
         ),
     ),

@@ -1,16 +1,16 @@
 """Week 6, tooling and diagnostics: hidden scenarios and checks."""
 
 from collections.abc import Iterator
-from typing import Any
 
-from course_lib.grading.inputs import header, pose, scan, transforms, xyz
+from course_lib.grading import inputs
 from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import (
     expect_display,
     expect_drawn,
     expect_fact,
+    expect_images,
     expect_layout,
-    expect_level,
+    expect_levels,
     expect_message,
     expect_rate,
     expect_stamps,
@@ -18,55 +18,57 @@ from course_lib.grading.vocabulary import (
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
-FACTS = ("image_rate", "image_width", "scan_reliability", "threshold", "trigger_service")
-
-
-def set_parameter(at: float, name: str, **value: Any) -> Message:
-    """What `ros2 param set /camera …` asks."""
-    fields = {"parameters": [{"name": name, "value": value}]}
-    return Message("/camera/set_parameters", "rcl_interfaces/srv/SetParameters", fields, at=at)
-
-
-def images(hz: float, begin: float, end: float) -> Iterator[Message]:
-    """Other small images, as often as that, between two times [s]."""
-    for number in range(round(hz * (end - begin))):
-        at = begin + (number + 0.5) / hz
-        fields = {"header": header(at, "lens"), "width": 2, "height": 1, "step": 2, "data": [9, 9]}
-        yield Message(IMAGES, "sensor_msgs/msg/Image", {**fields, "encoding": "mono8"}, at=at)
+MEASURED = ("image_rate", "image_width", "threshold", "trigger_service")
 
 
 def robot_messages(at: float) -> Iterator[Message]:
     """A robot at another place, that looks elsewhere."""
-    base = pose("odom", "base_link", (-3.0, 2.0, 0.0), 1.5)
-    fixed = (pose("base_link", name, (0.1, 0.0, 0.4)) for name in ("laser_link", "camera_link"))
-    yield transforms((base, *fixed), at)
-    ranges = scan([1.0] * 21, at, "laser_link", first=0.0, step=0.05)
+    place = (-3.0, 2.0, 0.0)  # [m]
+    links = (inputs.pose("base_link", name, (0.1, 0.0, 0.4)) for name in ("laser_link", "camera_link"))
+    ranges = inputs.scan([1.0] * 21, at, "laser_link", first=0.0, step=0.05)
+    yield inputs.transforms((inputs.pose("odom", "base_link", place, 1.5), *links), at)
     yield Message("/robot/scan", ranges.type_name, ranges.fields, at=at)
-    place = {"position": xyz((-3.0, 2.0, 0.0)), "orientation": {"w": 1.0}}
-    odometry = {"header": header(at, "odom"), "child_frame_id": "base_link", "pose": {"pose": place}}
-    yield Message("/robot/odom", "nav_msgs/msg/Odometry", odometry, at=at)
-    plan = {"header": header(at, "odom"), "poses": [{"pose": place}, {"pose": {"orientation": {"w": 1.0}}}]}
-    yield Message("/robot/plan", "nav_msgs/msg/Path", plan, at=at)
-    ball = {
-        "header": header(at, "laser_link"),
-        "ns": "people",
-        "type": 2,
-        "pose": {"orientation": {"w": 1.0}},
-        "scale": xyz((0.4, 0.4, 0.4)),
-        "color": {"r": 1.0, "a": 1.0},
-    }
-    markers = {"markers": [ball]}
-    yield Message("/robot/annotations", "visualization_msgs/msg/MarkerArray", markers, at=at)
+    yield inputs.odometry("/robot/odom", at, place)
+    yield inputs.path("/robot/plan", at, (place, (0.0, 0.0, 0.0)))
+    yield inputs.marker_array(
+        "/robot/annotations", at, "laser_link", (0.0, 0.0, 0.0), (0.4, 0.4, 0.4), kind=2
+    )
 
 
 ROBOT = tuple(message for n in range(1, 5) for message in robot_messages(n / 2))
+
+PIXELS = expect_images(IMAGES)
+FOLLOWS = expect_rate(IMAGES, 40.0, begin=4.1, end=5.9).requiring(PIXELS)
+TF_DRAWN = expect_drawn("TF", ROBOT)
+OTHER_TOPICS = expect_value(
+    [
+        ["/b", 3 / 2.25, 200.0, 200.0 * 3 / 2.25, 1.5],
+        ["/a", 2.0, 20.0, 40.0, 0.5],
+        ["/silent", 0.0, 0.0, 0.0, 0.0],
+    ],
+    call=0,
+)
+STRANGERS = expect_value([0.085, 0.1, 0.5], call=0)
+LEVELS = expect_levels(
+    ("WARN", "above normal", "40"),
+    ("WARN", "below normal", "11"),
+    ("ERROR", "low", "9"),
+    ("ERROR", "low", "none"),
+    ("OK", "normal", "34"),
+    ("OK", "normal", "26"),
+)
+NAMES = {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_id")}
+KEY_VALUE = {"status.0.values.0.key": "Rate (Hz)", "status.0.values.0.value": "26"}
 
 HIDDEN = {
     "week06.robot_facts": (
         Scenario(
             "again",
             calls=(Call(),),
-            checks=tuple(expect_fact(name, serial=my("serial")) for name in FACTS),
+            checks=(
+                *(expect_fact(name, serial=my("serial")) for name in MEASURED),
+                expect_fact("scan_reliability", serial=my("serial")).worth(0.4),
+            ),
         ),
     ),
     "week06.camera": (
@@ -75,17 +77,18 @@ HIDDEN = {
             seconds=10.0,  # [s]
             seed=5,
             inputs=(
-                set_parameter(2.0, "frame_id", type=4, string_value="lens"),
-                set_parameter(4.0, "frame_rate", type=3, double_value=40.0),
-                set_parameter(6.0, "frame_rate", type=3, double_value=0.0),
-                set_parameter(8.0, "frame_rate", type=3, double_value=61.0),
+                inputs.set_parameters("/camera", 2.0, frame_id="lens"),
+                inputs.set_parameters("/camera", 4.0, frame_rate=40.0),
+                inputs.set_parameters("/camera", 6.0, frame_rate=0.0),
+                inputs.set_parameters("/camera", 8.0, frame_rate=75.0),
             ),
             checks=(
-                expect_rate(IMAGES, my("frame_rate"), end=3.9),
-                expect_rate(IMAGES, 40.0, begin=4.1, end=5.9),
-                expect_rate(IMAGES, 40.0, begin=6.1).worth(2),
-                expect_message(IMAGES, {"header.frame_id": "lens"}),
-                expect_stamps(IMAGES),
+                expect_rate(IMAGES, my("frame_rate"), end=3.9).requiring(PIXELS).worth(0.1),
+                FOLLOWS.worth(3),
+                expect_rate(IMAGES, 40.0, begin=6.1, end=7.9).requiring(FOLLOWS),
+                expect_rate(IMAGES, 40.0, begin=8.1).requiring(FOLLOWS),
+                expect_message(IMAGES, {"header.frame_id": "lens"}).requiring(PIXELS).worth(2),
+                expect_stamps(IMAGES).requiring(PIXELS).worth(0.1),
             ),
         ),
         Scenario(
@@ -93,8 +96,8 @@ HIDDEN = {
             seconds=3.0,  # [s]
             seed=6,
             checks=(
-                expect_rate(IMAGES, my("frame_rate")),
-                expect_message(IMAGES, {"header.frame_id": "camera_link"}),
+                expect_rate(IMAGES, my("frame_rate")).requiring(PIXELS).worth(0.1),
+                expect_message(IMAGES, {"header.frame_id": "camera_link"}).requiring(PIXELS).worth(0.1),
             ),
         ),
     ),
@@ -104,30 +107,18 @@ HIDDEN = {
             seconds=18.5,  # [s]
             seed=7,
             inputs=(
-                *images(40.0, 0.0, 3.0),
-                *images(11.0, 3.0, 6.0),
-                *images(9.0, 6.0, 9.0),
-                *images(34.0, 12.0, 15.0),
-                *images(26.0, 15.0, 18.5),
+                *inputs.images(IMAGES, 40.0, 0.0, 3.0, "lens"),
+                *inputs.images(IMAGES, 11.0, 3.0, 6.0, "lens"),
+                *inputs.images(IMAGES, 9.0, 6.0, 9.0, "lens"),
+                *inputs.images(IMAGES, 34.0, 12.0, 15.0, "lens"),
+                *inputs.images(IMAGES, 26.0, 15.0, 18.5, "lens"),
             ),
             checks=(
-                expect_level("WARN", says="above normal", begin=0.0, end=3.0),
-                expect_level("WARN", says="below normal", begin=3.0, end=6.0),
-                expect_level("ERROR", says="low", begin=6.0, end=9.0),
-                expect_level("ERROR", says="low", begin=9.0, end=12.0),
-                expect_level("OK", says="normal", begin=12.0, end=15.0),
-                expect_level("OK", says="normal", begin=15.0, end=18.0),
-                expect_rate(DIAGNOSTICS, 1.0),
-                expect_stamps(DIAGNOSTICS),
-                expect_message(
-                    DIAGNOSTICS,
-                    {
-                        "status.0.name": "Front camera",
-                        "status.0.hardware_id": my("hardware_id"),
-                        "status.0.values.0.key": "Rate (Hz)",
-                        "status.0.values.0.value": "26",
-                    },
-                ),
+                *LEVELS,
+                expect_rate(DIAGNOSTICS, 1.0).requiring(LEVELS[0]).worth(0.2),
+                expect_stamps(DIAGNOSTICS).requiring(LEVELS[0]).worth(0.2),
+                expect_message(DIAGNOSTICS, NAMES).requiring(LEVELS[0]),
+                expect_message(DIAGNOSTICS, KEY_VALUE).requiring(LEVELS[0]),
             ),
         ),
         Scenario(
@@ -135,16 +126,16 @@ HIDDEN = {
             seconds=12.5,  # [s]
             seed=8,
             inputs=(
-                *images(25.0, 0.0, 3.0),
-                *images(35.0, 3.0, 6.0),
-                *images(36.0, 6.0, 9.0),
-                *images(10.0, 9.0, 12.5),
+                *inputs.images(IMAGES, 35.0, 0.0, 3.0),
+                *inputs.images(IMAGES, 36.0, 3.0, 6.0),
+                *inputs.images(IMAGES, 25.0, 6.0, 9.0),
+                *inputs.images(IMAGES, 10.0, 9.0, 12.5),
             ),
-            checks=(
-                expect_level("OK", says="normal", begin=0.0, end=3.0),
-                expect_level("OK", says="normal", begin=3.0, end=6.0),
-                expect_level("WARN", says="above normal", begin=6.0, end=9.0),
-                expect_level("WARN", says="below normal", begin=9.0, end=12.0),
+            checks=expect_levels(
+                ("OK", "normal", "35"),
+                ("WARN", "above normal", "36"),
+                ("OK", "normal", "25"),
+                ("WARN", "below normal", "10"),
             ),
         ),
     ),
@@ -162,15 +153,8 @@ HIDDEN = {
                 Call({}),
             ),
             checks=(
-                expect_value(
-                    [
-                        ["/b", 3 / 2.25, 200.0, 200.0 * 3 / 2.25, 1.5],
-                        ["/a", 2.0, 20.0, 40.0, 0.5],
-                        ["/silent", 0.0, 0.0, 0.0, 0.0],
-                    ],
-                    call=0,
-                ),
-                expect_value([], call=1),
+                OTHER_TOPICS.worth(2),
+                expect_value([], call=1).requiring(OTHER_TOPICS).worth(0.2),
             ),
         ),
     ),
@@ -179,10 +163,9 @@ HIDDEN = {
             "the robot elsewhere",
             calls=(Call(),),
             checks=(
-                expect_layout(fixed_frame="odom"),
-                expect_drawn("TF", ROBOT),
+                expect_layout(fixed_frame="odom").requiring(TF_DRAWN).worth(0.5),
+                TF_DRAWN,
                 expect_drawn("LaserScan", ROBOT, best_effort=("/robot/scan",)),
-                expect_display("LaserScan", "/robot/scan"),
                 expect_display("Odometry", "/robot/odom", properties={"Keep": my("keep")}),
                 expect_drawn("Odometry", ROBOT),
                 expect_drawn("Path", ROBOT),
@@ -204,10 +187,12 @@ HIDDEN = {
                     [[1.09, 1.0], [0.95, 0.9], [1.42, 1.30004]],
                 ),
                 Call([], [[1.0, 0.9]]),
+                Call([[2.0, 1.9]], [[1.0, 0.9]]),
             ),
             checks=(
-                expect_value([0.085, 0.1, 0.5], call=0),
-                expect_value([0.0, 0.0, 0.0], call=1),
+                STRANGERS.worth(3),
+                expect_value([0.0, 0.0, 0.0], call=1).requiring(STRANGERS).worth(0.2),
+                expect_value([0.0, 0.0, 1.0], call=2).requiring(STRANGERS).worth(0.2),
             ),
         ),
     ),

@@ -1,19 +1,17 @@
 """Week 7, the dashboard: hidden scenarios and checks."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import product
-from typing import Any
+from collections.abc import Iterable
 
-from course_lib.displays.layout import layout_of, text_at
-from course_lib.errors import CourseError
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
-from course_lib.grading.inputs import Found, detections, pose, set_parameters, transforms
+from course_lib.grading.inputs import Found, corners, detections, pose, set_parameters, transforms
 from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import (
+    expect_colors_apart,
     expect_display,
+    expect_gone,
     expect_layout,
     expect_marker,
     expect_marker_count,
+    expect_nothing_before,
     expect_parameters,
     expect_path,
     expect_rate,
@@ -23,8 +21,6 @@ from course_lib.grading.vocabulary import (
 
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
 K = [138.0, 0.0, 79.5, 0.0, 140.0, 59.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
-USUAL = "25; 255; 0"  # of a Path whose color nobody changed
-CLEARLY = 100  # of 255, between two colors
 
 DOG = Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
 CAR = Found(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
@@ -44,55 +40,57 @@ def driven(frame: str, base: str, seconds: float) -> Iterable[Message]:
         yield transforms([pose(frame, base, (0.02 * step, 1.0, 0.2), 1.2)], 1.03 + step / 20)
 
 
-def on_image(center: tuple[float, ...], size: tuple[float, ...]) -> tuple[list[list[float]], list[float]]:
-    """The corners of a box ahead, [m], and its rectangle, [px]."""
-    ends = [(m - e / 2, m + e / 2) for m, e in zip(center, size, strict=True)]
-    corners = [list(corner) for corner in product(*ends)]
-    columns = [K[0] * x / z + K[2] for x, _, z in corners]
-    rows = [K[4] * y / z + K[5] for _, y, z in corners]
-    return corners, [min(columns), min(rows), max(columns), max(rows)]
+def rectangle(box: list[list[float]]) -> list[float]:
+    """The rectangle of the corners of a box ahead, [px]."""
+    columns, rows = [K[0] * x / z + K[2] for x, _, z in box], [K[4] * y / z + K[5] for _, y, z in box]
+    return [min(columns), min(rows), max(columns), max(rows)]
 
 
-ASIDE, ASIDE_BOX = on_image((-1.5, 0.4, 3.0), (1.0, 0.6, 2.0))
-FAR, FAR_BOX = on_image((2.0, -1.0, 9.0), (0.5, 1.8, 0.5))
-NEAR = on_image((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))[0]  # its front is 0.05 m ahead
+ASIDE, FAR = corners((-1.5, 0.4, 3.0), (1.0, 0.6, 2.0)), corners((2.0, -1.0, 9.0), (0.5, 1.8, 0.5))
+NEAR = corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m ahead
+JUST = [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]]
+ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01)
 
-
-def paths_of(displays: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
-    """The displays Path, those in groups too."""
-    for display in displays:
-        if text_at(display, "Class").endswith("/Path"):
-            yield display
-        yield from paths_of(display.get("Displays") or ())
-
-
-def colors_differ(evidence: Evidence) -> Verdict:
-    """Plan and trajectory are told apart by their colors."""
-    try:
-        paths = list(paths_of(layout_of(str(evidence.returns[0]), "layout").displays))
-        colors = [text_at(display, "Color") or USUAL for display in paths[:2]]
-        one, other = ([float(part) for part in color.split(";")] for color in colors)
-    except (CourseError, IndexError, ValueError):
-        return failed("the layout has no two paths with colors", "a display is missing, or not enabled")
-    if max(abs(a - b) for a, b in zip(one, other, strict=True)) >= CLEARLY:
-        return passed("as expected")
-    return failed("the two paths look alike", "the colors of the two paths do not differ clearly")
-
-
+DOG_BOX = expect_marker(
+    MARKERS,
+    ns="boxes",
+    id=3,
+    type="CUBE",
+    frame="odom",
+    position=DOG.center,
+    scale=DOG.size,
+    color=(0.5, 0.5, 0.5, 0.5),
+)
+LAST_100 = expect_path(
+    TRAJECTORY,
+    count=100,
+    frame="world",
+    ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)),
+    yaw=1.2,
+    tolerance=0.06,
+)
+PERCEPTION = {
+    "marker_update_rate": 5.0,  # [Hz]
+    "confidence_threshold": my("threshold"),
+    "bicycle_color": [1.0, 1.0, 0.0, 0.5],
+}
+ALL_NODES = ("/tf_publisher", "/path_planner", "/perception_node", "/trajectory_node")
+WITH_TF = expect_display("TF", properties={"Show Names": True})
 A, B = [2.0, -1.0, -0.4], [-1.0, 3.0, 1.6]
 CUT = [1.25, 0.0, 0.1]  # a quarter of the way
+FIRST_PART = expect_value([CUT, B], call=0)
 
 
 HIDDEN = {
     "week07.box_on_image": (
         Scenario(
             "other boxes, another camera",
-            calls=(Call(K, ASIDE), Call(K, FAR), Call(K, NEAR), Call(K, [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]])),
+            calls=(Call(K, ASIDE), Call(K, FAR), Call(K, NEAR), Call(K, JUST)),
             checks=(
-                expect_value(ASIDE_BOX, call=0, tolerance=0.01),
-                expect_value(FAR_BOX, call=1, tolerance=0.01),
-                expect_value([], call=2),
-                expect_value([79.5, 59.5, 79.5 + 13.8, 59.5 + 14.0], call=3, tolerance=0.01),
+                ASIDE_BOX,
+                expect_value(rectangle(FAR), call=1, tolerance=0.01),
+                expect_value([], call=2).requiring(ASIDE_BOX),
+                expect_value(rectangle(JUST), call=3, tolerance=0.01),
             ),
         ),
     ),
@@ -103,17 +101,8 @@ HIDDEN = {
             seed=5,
             inputs=(*seen(3.0),),
             checks=(
-                expect_marker_count(MARKERS, 3, type="CUBE"),
-                expect_marker(
-                    MARKERS,
-                    ns="boxes",
-                    id=3,
-                    type="CUBE",
-                    frame="odom",
-                    position=DOG.center,
-                    scale=DOG.size,
-                    color=(0.5, 0.5, 0.5, 0.5),
-                ).worth(2),
+                expect_marker_count(MARKERS, 3, type="CUBE").requiring(DOG_BOX),
+                DOG_BOX.worth(2),
                 expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0),
             ),
         ),
@@ -128,9 +117,9 @@ HIDDEN = {
                 set_parameters("/perception_node", 0.7, confidence_threshold=0.1),
             ),
             checks=(
-                expect_marker_count(MARKERS, 2, type="CUBE"),
-                expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center),
-                expect_marker(MARKERS, ns="boxes", id=3, position=DOG.center),
+                expect_marker_count(MARKERS, 2, type="CUBE").requiring(DOG_BOX),
+                expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size),
+                DOG_BOX,
             ),
         ),
         Scenario(
@@ -143,16 +132,19 @@ HIDDEN = {
                 set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
             ),
             checks=(
-                expect_marker_count(MARKERS, 4, type="CUBE"),
+                expect_marker_count(MARKERS, 4, type="CUBE").requiring(DOG_BOX),
                 expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8)),
             ),
         ),
         Scenario(
-            "the detector stops",
+            "the detector of others stops",
             seconds=5.0,  # [s]
             seed=11,
             inputs=(*seen(2.0),),
-            checks=(expect_marker_count(MARKERS, 0), expect_rate(MARKERS, 10.0)),
+            checks=(
+                expect_gone(MARKERS, id=3),
+                expect_rate(MARKERS, 10.0).requiring(expect_gone(MARKERS, id=3)).worth(0.2),
+            ),
         ),
     ),
     "week07.trajectory": (
@@ -162,15 +154,9 @@ HIDDEN = {
             seed=13,
             inputs=(*driven("world", "base_link", 12.9),),
             checks=(
-                expect_path(
-                    TRAJECTORY,
-                    count=100,
-                    frame="world",
-                    ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)),
-                    yaw=1.2,
-                    tolerance=0.06,
-                ),
-                expect_stamps(TRAJECTORY, tolerance=0.12),
+                LAST_100,
+                expect_nothing_before(TRAJECTORY, 1.0).requiring(LAST_100).worth(0.5),
+                expect_stamps(TRAJECTORY, tolerance=0.12).requiring(LAST_100).worth(0.2),
             ),
         ),
         Scenario(
@@ -199,17 +185,9 @@ HIDDEN = {
             "all of it",
             calls=(Call(),),
             checks=(
-                expect_parameters(
-                    "/perception_node",
-                    {
-                        "marker_update_rate": 5.0,
-                        "confidence_threshold": my("threshold"),
-                        "bicycle_color": [1.0, 1.0, 0.0, 0.5],
-                        "world_frame": "odom",
-                    },
-                ),
-                expect_parameters("/trajectory_node", {"trajectory_max_points": 50, "world_frame": "odom"}),
-                expect_parameters("/tf_publisher", {"world_frame": "odom"}),
+                *(expect_parameters("/perception_node", {name: PERCEPTION[name]}) for name in PERCEPTION),
+                expect_parameters("/trajectory_node", {"trajectory_max_points": 50}),
+                *(expect_parameters(node, {"world_frame": "odom"}).worth(0.25) for node in ALL_NODES),
             ),
         ),
     ),
@@ -218,12 +196,13 @@ HIDDEN = {
             "all of it",
             calls=(Call(),),
             checks=(
-                expect_layout(fixed_frame="world"),
-                expect_display("TF", properties={"Show Names": True}),
+                expect_layout(fixed_frame="world").requiring(WITH_TF).worth(0.5),
+                expect_layout(view=("TopDownOrtho", "Orbit")).requiring(WITH_TF).worth(0.5),
+                WITH_TF,
                 expect_display("MarkerArray", MARKERS),
                 expect_display("Path", PLAN),
                 expect_display("Path", TRAJECTORY),
-                Check("the paths differ", colors_differ),
+                expect_colors_apart("Path", 100),
             ),
         ),
     ),
@@ -237,10 +216,10 @@ HIDDEN = {
                 Call([0.0, 0.0, 0.09], [0.0, 1.0, -2.0]),
             ),
             checks=(
-                expect_value([CUT, B], call=0),
+                FIRST_PART,
                 expect_value([B, CUT], call=1),
                 expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2),
-                expect_value([], call=3),
+                expect_value([], call=3).requiring(FIRST_PART),
             ),
         ),
     ),

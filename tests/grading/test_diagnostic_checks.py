@@ -1,3 +1,4 @@
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -5,8 +6,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.facts import DIGESTS, TOOLS, digest
 from course_lib.grading.vocabulary import expect_fact, expect_level
-from course_lib.robots.unknown_make import Make
 
 MakeEvidence = Callable[..., Evidence]
 
@@ -40,14 +41,58 @@ def test_silence_on_diagnostics_is_named(evidence: MakeEvidence) -> None:
     assert "nothing was published on /diagnostics" in said
 
 
+def test_two_statuses_in_a_message_are_named(evidence: MakeEvidence) -> None:
+    two = [DiagnosticStatus(level=DiagnosticStatus.OK, message="normal") for _ in range(2)]
+    came = evidence((2.0, "/diagnostics", DiagnosticArray(status=two)))
+    said = expect_level("OK", says="normal", begin=0.0, end=2.0).judge(came).message
+    assert said == "a message has 2 statuses from 0 to 2 s, expected one"
+
+
+@pytest.fixture
+def table(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Facts about a robot that nobody has."""
+    right: tuple[Any, ...] = (20, 48, "RELIABLE", 0.7, "/robot/start")
+    row = tuple(digest(1, name, value) for name, value in zip(TOOLS, right, strict=True))
+    monkeypatch.setitem(DIGESTS, 1, row)
+
+
+@pytest.mark.usefixtures("table")
 @pytest.mark.parametrize(
-    ("factor", "score"), [(1.0, 1.0), (1.02, 1.0), (0.9, 0.0), ("30", 0.0), (float("nan"), 0.0)]
+    ("rate", "score"),
+    [
+        (20, 1),
+        (20.4, 1),
+        (19.41, 1),
+        (18.0, 0),
+        ("20", 0),
+        (math.nan, 0),
+        (math.inf, 0),
+        (True, 0),
+        ([20], 0),
+    ],
 )
-def test_a_measured_rate_may_be_a_little_off(evidence: MakeEvidence, factor: Any, score: float) -> None:
-    rate = factor if isinstance(factor, str) else factor * Make(26).image_hz
-    verdict = expect_fact("image_rate", serial=26).judge(evidence(returns=({"image_rate": rate},)))
+def test_a_measured_rate_may_be_a_little_off(evidence: MakeEvidence, rate: Any, score: float) -> None:
+    verdict = expect_fact("image_rate", serial=1).judge(evidence(returns=({"image_rate": rate},)))
     assert verdict.score == score
-    assert str(Make(26).image_hz) not in verdict.message.replace(repr(rate), "")
+    assert "20" not in verdict.message.replace(repr(rate), "")
+
+
+@pytest.mark.usefixtures("table")
+@pytest.mark.parametrize(
+    ("name", "value", "score"),
+    [
+        ("image_width", 48.0, 1), ("image_width", 49, 0), ("image_width", "48", 0),
+        ("threshold", 0.7000001, 1), ("threshold", 0.71, 0),
+        ("scan_reliability", " RELIABLE", 1), ("scan_reliability", "reliable", 0),
+        ("trigger_service", "/robot/start", 1), ("trigger_service", "\udcff", 0),
+        ("trigger_service", None, 0),
+    ],
+)  # fmt: skip
+def test_a_fact_is_compared_without_being_told(
+    evidence: MakeEvidence, name: str, value: Any, score: float
+) -> None:
+    verdict = expect_fact(name, serial=1).judge(evidence(returns=({name: value},)))
+    assert verdict.score == score
 
 
 def test_a_fact_that_is_not_there_is_named(evidence: MakeEvidence) -> None:

@@ -147,3 +147,14 @@ def test_formal_checks_weigh_a_tenth_together_and_need_the_shape() -> None:
     assert [check.score for check in result.checks] == [0, 1, 0, 0]
     assert sum(check.weight for check in checks[2:]) == pytest.approx(0.1 * sum(c.weight for c in checks))
     assert with_formal((shape,)) == (shape,)
+
+
+def test_a_check_names_its_own_mistake_before_that_of_a_check_which_it_requires() -> None:
+    shape = Check("a cube", lambda evidence: Verdict(0.0, "no cube"))
+    rate = Check("once a second", lambda evidence: Verdict(0.5, "too slow", "a rate is wrong"))
+    scenario = Scenario("public", checks=(rate.requiring(shape),))
+    run = Run(scenario, Evidence("week01.demo", "public", 5.0))
+
+    (check,) = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run]).checks
+
+    assert (check.score, check.message, check.mistake) == (0.0, "too slow", "a rate is wrong")

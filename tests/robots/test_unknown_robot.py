@@ -6,11 +6,17 @@ from typing import Any
 import pytest
 import rclpy
 from rclpy.node import Node
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import Image
 
+from course_lib.errors import CourseError
+from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.facts import DIGESTS, TOOLS, digest, is_fact
 from course_lib.recording import record
-from course_lib.robots.unknown_make import Make
 from course_lib.robots.unknown_robot import unknown_robot
 from course_lib.ros import virtual_time
+from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.qos import incompatible
 from course_lib.tools.performance.report import PerformanceReport, performance_report
@@ -40,15 +46,70 @@ def unheard(graph: Graph) -> set[str]:
     }
 
 
-@pytest.mark.parametrize("serial", [11, 26])
-def test_a_robot_is_as_its_make_says(graph: Graph, serial: int) -> None:
-    make, nodes = Make(serial), unknown_robot(serial)
-    rates = {row.topic: row.rate for row in measured(*nodes).topics}
-    assert rates["/robot/front_cam/image_raw"] == pytest.approx(make.image_hz, rel=0.03)
-    assert rates["/robot/detections"] == pytest.approx(make.image_hz, rel=0.03)
+class Inspector(Node):
+    """Finds out the facts that week 6 asks for, as the tools do."""
+
+    def __init__(self) -> None:
+        super().__init__("inspector")
+        self.times, self.widths = list[int](), set[int]()  # [ns], [px]
+        self.create_subscription(Image, "/robot/front_cam/image_raw", self.see, qos_profile_sensor_data)
+        self.parameters = AsyncParameterClient(self, "/robot/detector")
+
+    def see(self, image: Image) -> None:
+        self.times.append(self.get_clock().now().nanoseconds)
+        self.widths.add(image.width)
+
+
+def looked_at(serial: int) -> dict[str, Any]:
+    """Return the facts that week 6 asks for, as a robot that runs shows them."""
+    inspector, nodes = Inspector(), unknown_robot(serial)
+    spin_for(2.0, inspector, *nodes)  # [s]
+    asked: Any = inspector.parameters.get_parameters(["threshold"])
+    spin_for(0.5, inspector, *nodes)  # [s]
+    (scans,) = inspector.get_publishers_info_by_topic("/robot/scan")
+    services = inspector.get_service_names_and_types()
+    return {
+        "image_rate": (len(inspector.times) - 1) / (inspector.times[-1] - inspector.times[0]) * 1e9,
+        "image_width": max(inspector.widths),
+        "scan_reliability": scans.qos_profile.reliability.name,
+        "threshold": asked.result().values[0].double_value,
+        "trigger_service": next(name for name, types in services if "std_srvs/srv/Trigger" in types),
+    }
+
+
+def test_the_table_has_the_facts_of_every_robot_that_a_student_may_get(graph: Graph) -> None:
+    assert set(shipped_catalog().task("week06.robot_facts").personal["serial"]) == set(DIGESTS)
+
+
+@pytest.mark.parametrize("serial", DIGESTS)
+def test_a_robot_is_as_the_table_says(graph: Graph, serial: int) -> None:
+    facts = looked_at(serial)
+    assert list(facts) == list(TOOLS)
+    meant = facts | {"image_rate": round(facts["image_rate"])}
+    assert tuple(digest(serial, name, value) for name, value in meant.items()) == DIGESTS[serial]
+    assert all(is_fact(serial, name, value) for name, value in facts.items())
     assert unheard(graph) == set()
-    detector = next(node for node in nodes if node.get_name() == "detector")
-    assert detector.get_parameter("threshold").value == make.threshold
+
+
+def test_no_robot_of_a_student_has_the_facts_of_the_lesson(graph: Graph) -> None:
+    lesson = {
+        "image_rate": 30,
+        "image_width": 64,
+        "threshold": 0.5,
+        "trigger_service": "/robot/reset_odometry",
+    }
+    for serial in DIGESTS:
+        assert [name for name, value in lesson.items() if is_fact(serial, name, value)] == []
+
+
+def test_a_robot_that_does_not_run_tells_nothing_of_itself(graph: Graph) -> None:
+    camera, detector, _, base, *_ = unknown_robot(26)
+    assert camera.get_parameter("frame_rate").value == 30.0
+    assert detector.get_parameter("threshold").value == 0.5
+    assert not any("Trigger" in str(types) for _, types in base.get_service_names_and_types())
+    assert base.get_publishers_info_by_topic("/robot/scan") == []
+    with pytest.raises(CourseError, match="This robot does not run"):
+        vars(type(camera))["begin"](camera)
 
 
 def test_number_0_has_a_mismatch_a_wrong_frame_and_a_slow_node(graph: Graph) -> None:
@@ -66,6 +127,7 @@ def test_number_0_has_a_mismatch_a_wrong_frame_and_a_slow_node(graph: Graph) -> 
 
 def test_its_camera_follows_its_parameter_and_refuses_what_is_too_much(graph: Graph) -> None:
     camera = unknown_robot(26)[0]
+    spin_for(0.1, camera)  # [s]
     (result,) = camera.set_parameters([rclpy.parameter.Parameter("frame_rate", value=5.0)])
     assert result.successful
     assert measured(camera).topics[0].rate == pytest.approx(5.0)

@@ -3,32 +3,28 @@
 from collections.abc import Iterable
 from typing import Any
 
-from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.values import compare
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.facts import TOOLS, is_fact
 from course_lib.grading.vocabulary.wording import Problem, heard, word
-from course_lib.robots.unknown_make import Make
 
 TOPIC, ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
+LAST_WEIGHT = 0.3  # of the part that counts alone
 SETTLED = 1.005  # [s] after its beginning a part of a run shows in what is reported every second
-FACTS = {  # about an unknown robot, and the tool that tells
-    "image_rate": "ros2 topic hz",
-    "image_width": "ros2 topic echo --once --field width",
-    "scan_reliability": "ros2 topic info -v",
-    "threshold": "ros2 param get",
-    "trigger_service": "ros2 service list -t",
-}
 
 
 @word("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
-    """Each status about a second between two times [s] has this level, and its message this word in it."""
+    """Expect one status about each second between two times [s]: of a level, with a word in its message."""
     came = heard(evidence, TOPIC, ARRAY)
-    arrays = [m for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
-    statuses = [status for array in arrays for status in array.status]
+    lists = [list(m.status) for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
+    statuses = [status for together in lists for status in together]
     when = f"from {begin:g} to {end:g} s"
     if not statuses:
         return [Problem(f"no status came {when}", "a status is missing")]
+    if most := max(len(together) for together in lists) - 1:
+        message = f"a message has {most + 1} statuses {when}, expected one"
+        return [Problem(message, "a message has more than one status")]
     for status in statuses:
         reported = LEVELS[min(status.level[0], len(LEVELS) - 1)]
         if reported != level:
@@ -39,22 +35,26 @@ def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end
     return []
 
 
+def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[Check, ...]:
+    """Return a check of each part of a run: (level, word in its message, title), each of so many seconds.
+
+    The first part requires the last one, and all others the first: one level for all times is worth little.
+    """
+    first, *others, last = (
+        expect_level(level, says=says, begin=seconds * n, end=seconds * (n + 1)).titled(title)
+        for n, (level, says, title) in enumerate(parts)
+    )
+    first = first.requiring(last)
+    return (first, *(other.requiring(first) for other in others), last.worth(LAST_WEIGHT))
+
+
 @word("{name}")
 def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Problem]:
-    """A dict has a fact about the robot of this number, rates within 3 %; the right one is not said."""
+    """Expect a dict with a fact about the robot of this number, rates within 3 %; no message tells it."""
     facts: Any = evidence.returns[0] if evidence.returns else None
     if not isinstance(facts, dict) or name not in facts:
         return [Problem(f"there is no {name!r} in what came back", "a fact is missing")]
-    make = Make(serial)
-    right: Any = {
-        "image_rate": make.image_hz,
-        "image_width": make.image_width,
-        "scan_reliability": "RELIABLE" if make.scans_reliably else "BEST_EFFORT",
-        "threshold": make.threshold,
-        "trigger_service": "/robot/reset_odometry",
-    }[name]
-    tolerance = 0.03 * right if isinstance(right, float) else 0.0
-    if not list(compare(facts[name], right, tolerance, "", name)):
+    if is_fact(serial, name, facts[name]):
         return []
-    message = f"{name} is {facts[name]!r}, and that is not what your robot has. Look with {FACTS[name]}"
+    message = f"{name} is {facts[name]!r}, and that is not what your robot has. Look with {TOOLS[name]}"
     return [Problem(message, "a fact about the robot is wrong")]

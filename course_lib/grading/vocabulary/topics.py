@@ -13,6 +13,8 @@ from course_lib.grading.vocabulary.wording import Problem, close, heard, nothing
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
+IMAGE = "sensor_msgs/msg/Image"
+KEPT = 1 << 20  # bytes of an image whose pixels the evidence has for certain
 LONGEST_GAP = 2  # periods, between two messages of a topic that keeps its rate
 
 
@@ -80,6 +82,21 @@ def expect_throughout(evidence: Evidence, topic: str) -> Iterable[Problem]:
     often = "was published only once" if len(times) == 1 else f"is silent for {number(max(gaps), 's')}"
     message = f"{topic} {often} in {evidence.seconds:g} s, expected messages from beginning to end"
     return [Problem(message, "a topic is not published all the time")]
+
+
+@word("the images on {topic} have pixels")
+def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
+    """Expect images of at least one pixel; the data of the first are as long as its rows are together."""
+    came = [image for _, image in heard(evidence, topic, IMAGE)]
+    empty = [image for image in came if not (image.width and image.height)]
+    if empty:
+        message = f"an image on {topic} has {empty[0].width} x {empty[0].height} pixels"
+        return [Problem(message, "an image has no pixels")]
+    first, size = came[0], came[0].step * came[0].height  # later ones may be kept without their pixels
+    if size < KEPT and (first.step < first.width or len(first.data) != size):
+        message = f"{len(first.data)} bytes of data for {first.height} rows of {first.step} bytes (step)"
+        return [Problem(f"the first image on {topic} has {message}", "the data of an image do not fit")]
+    return []
 
 
 @word("the stamps on {topic}")

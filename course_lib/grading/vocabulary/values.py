@@ -44,6 +44,16 @@ def expect_text(evidence: Evidence, *any_of: str, name: str = "your answer") -> 
     return [Problem(f"{name} is {_short(text)}: that is not it", "the answer is not right")]
 
 
+@word("its length")
+def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Problem]:
+    """Expect a text of so many words."""
+    text = evidence.returns[0] if evidence.returns else None
+    count = len(text.split()) if isinstance(text, str) else 0
+    if fewest <= count <= most:
+        return []
+    return [Problem(f"{count} words, expected {fewest} to {most}", "the text has another length")]
+
+
 def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -> Iterator[Problem]:
     """Compare plain data with what was expected: the problems, those of the innermost values."""
     came = f"{name} is {_short(value)}"

@@ -34,7 +34,7 @@ class Camera(Node):
         self.create_timer(1 / float(self.get_parameter("frame_rate").value), self.take)
 
     def take(self) -> None:
-        image = Image()
+        image = Image(width=2, height=1, step=2, encoding="mono8", data=[0, 0])
         image.header.frame_id = self.get_parameter("frame_id").value
         image.header.stamp = self.get_clock().now().to_msg()
         self.publisher.publish(image)

@@ -37,7 +37,7 @@ class Camera(Node):
         return SetParametersResult(successful=True)
 
     def take(self) -> None:
-        image = Image()
+        image = Image(width=2, height=1, step=2, encoding="mono8", data=[0, 0])
         image.header.frame_id = "camera"
         image.header.stamp = self.get_clock().now().to_msg()
         self.publisher.publish(image)
