@@ -77,7 +77,8 @@ def grade(
         OutError: `out` can't be written.
         CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use.
     """
-    course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
+    course = course or Course(exercises_dir(), solutions_dir())
+    course = replace(course, sandbox=need, handed_in=(submissions, out))
     chosen = _chosen(find_submissions(submissions, catalog_of(course).course.counts), only)
     with sole_use(out):
         batches, work = _plan(chosen, course)
@@ -166,7 +167,7 @@ def _graded(
     jobs = min(jobs, max(len(batches), 1))
     with executors(jobs, dask) as (run, judge, window):
         if needed:
-            run.submit(demand, course.sandbox).result()
+            run.submit(demand, course.sandbox, course.refused).result()
         ready = _ready(batches, flow(run, run_job, ((k, [job]) for k, job in needed.items()), window), out)
         calls = ((batch, (batch.attempts, course, out, batch.fault)) for batch in ready)
         for batch, future in flow(judge, judge_one, calls, window):
