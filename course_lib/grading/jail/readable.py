@@ -81,7 +81,8 @@ def allow(needed: Iterable[str], folders: Collection[str], refused: Collection[s
     looked_in = map(os.path.realpath, [*folders, KIT])
     listed = [path for path in looked_in if not any(_holds(path, one) for one in course)]
     links = dict(link for path in wanted for link in links_on(path))
-    return Readable(tuple(_outermost(paths)), tuple(links.items()), tuple(listed), torn)
+    links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}  # and not where they lead
+    return Readable(tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed), torn)
 
 
 def links_on(path: str) -> Iterator[tuple[str, str]]:
