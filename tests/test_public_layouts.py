@@ -1,7 +1,7 @@
 """Layouts that others have made open, and are saved so that nothing changes any more.
 
-The folder that COURSE_LAYOUTS names holds .rviz files, for instance those of navigation2, turtlebot3 or
-moveit2; the documents in that of COURSE_SEEDS show one. Nothing of them is kept here.
+tests/data has layouts that RViz2 reads. The folder that COURSE_LAYOUTS names may hold more, for instance
+those of navigation2, turtlebot3 or moveit2; the documents in that of COURSE_SEEDS show one.
 """
 
 import os
@@ -18,7 +18,8 @@ from course_lib.displays.yaml_file import parse_yaml
 from course_lib.viewer.scene import Scene
 
 FOLDER = os.environ.get("COURSE_LAYOUTS")
-LAYOUTS = sorted(Path(FOLDER).rglob("*.rviz")) if FOLDER else []
+OWN = Path(__file__).parent / "data"
+LAYOUTS = [path for folder in (OWN, FOLDER) if folder for path in sorted(Path(folder).rglob("*.rviz"))]
 DOCUMENTS = sorted(Path(os.environ["COURSE_SEEDS"]).glob("*.txt")) if "COURSE_SEEDS" in os.environ else []
 
 
@@ -33,8 +34,7 @@ def lasting(session: Session) -> list[StatusRow]:
     return [row for row in session.rows() if row.name not in ("Layout", "View", "Properties")]
 
 
-@pytest.mark.skipif(not LAYOUTS, reason="COURSE_LAYOUTS names no folder with .rviz files")
-@pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_a_layout_of_others_is_saved_alike_twice_with_the_same_statuses(path: Path, tmp_path: Path) -> None:
     once, twice = tmp_path / "once.rviz", tmp_path / "twice.rviz"
     session = opened(path)

@@ -7,6 +7,7 @@ from typing import Any
 
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.job import Job, plan
 from course_lib.grading.judge import Run, TaskResult, judge_task
 from course_lib.grading.runner import CellLog, Session
@@ -67,7 +68,8 @@ def run_exercise(
 
 def run_scenarios(job: Job) -> ExerciseRun:
     """Run all scenarios; nothing is judged yet."""
-    with closing(Session(job.cells, job.personal, job.limits, files=job.files)) as session:
+    template = shared_template(job.refused)
+    with closing(Session(job.cells, job.personal, job.limits, template, job.files)) as session:
         runs = [Run(s.scenario, session.run(s.task, s.scenario), s.hidden) for s in job.steps]
     return ExerciseRun((), tuple(runs), session.log, session.isolation, usage=session.usage)
 

@@ -82,7 +82,8 @@ def grade(
         CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use, or
             a solution or a stub does not get its mark here.
     """
-    course = replace(course or Course(exercises_dir(), solutions_dir()), sandbox=need)
+    course = course or Course(exercises_dir(), solutions_dir())
+    course = replace(course, sandbox=need, handed_in=(submissions, out))
     settings = catalog_of(course).course
     found = with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
     chosen = _chosen(found, only)
@@ -184,7 +185,7 @@ def _graded(
     jobs = min(jobs, max(len(batches), 1))
     with executors(jobs, dask) as (run, judge, window):
         if needed:
-            run.submit(demand, course.sandbox).result()
+            run.submit(demand, course.sandbox, course.refused).result()
         exercises = {attempt.exercise for batch in batches for attempt in batch.attempts if attempt.key}
         for note in try_out(exercises, course, out, run, judge, may_run=may_run):
             say(note)

@@ -35,6 +35,12 @@ class Course:
     exercises: Path
     solutions: Path
     sandbox: Need = "partial"  # without it nothing is run
+    handed_in: tuple[Path, ...] = ()  # the folders of submissions and results
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """What no submission may read."""
+        return tuple(str(path.resolve()) for path in (self.exercises, self.solutions, *self.handed_in))
 
 
 @lru_cache(maxsize=4)
@@ -75,17 +81,18 @@ def prepared(submission: Submission, course: Course) -> tuple[Submission, Job | 
         return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
     steps = tuple(step.unjudged() for step in plan(tasks, catalog, hidden=True))
     limits = catalog.course.limits
-    job = Job(notebook.cells, submission.values_of, steps, limits, dict(submission.files), course.sandbox)
+    files = dict(submission.files)
+    job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
     return replace(bare, key=job.key), job
 
 
-def demand(need: Need) -> None:
+def demand(need: Need, refused: tuple[str, ...] = ()) -> None:
     """Refuse to run anything in less than is needed.
 
     Raises:
         CourseError: Says what is missing here and what to type.
     """
-    shared_template().isolation.demand(need)
+    shared_template(refused).isolation.demand(need)
 
 
 def run_job(job: Job) -> Ran:
@@ -97,8 +104,8 @@ def run_job(job: Job) -> Ran:
     """
     with _one_at_a_time:
         for _ in range(TRIES):
-            demand(job.need)
-            template = shared_template()
+            demand(job.need, job.refused)
+            template = shared_template(job.refused)
             try:
                 run = run_scenarios(job)
             except (OSError, WorkerError):  # it may have been killed before

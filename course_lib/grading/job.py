@@ -41,6 +41,7 @@ class Job:
         limits: What it may use.
         files: What was handed in beside it, by path.
         need: The sandbox without which it is not run.
+        refused: Paths of the course that it must not read where it runs.
     """
 
     cells: tuple[str, ...]
@@ -49,6 +50,7 @@ class Job:
     limits: Limits
     files: Mapping[str, str] = field(default_factory=dict)
     need: Need = "any"
+    refused: tuple[str, ...] = ()
 
     @property
     def personal(self) -> dict[str, dict[str, Any]]:

@@ -151,7 +151,7 @@ def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
     for name, (path, data) in texts.items():
         cells = parse_notebook(data, path.name).cells
         files = working_files(path, cells)
-        job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox)
+        job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
         yield Trial(exercise, name, path, job)
 
 

@@ -248,8 +248,8 @@ def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
 ) -> None:
     submissions, out = hand_in({"right": right}), tmp_path / "out"
     with closing(TemplateProcess(off=LAYERS)) as template:
-        for module in ("grade_one", "runner"):
-            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda: template)
+        for module in ("grade_one", "exercise_run"):
+            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda _: template)
         for need in ("full", "partial"):
             with pytest.raises(CourseError, match=r"--require-sandbox|--i-trust-these-submissions"):
                 grade(submissions, out, jobs=1, course=course, need=need)

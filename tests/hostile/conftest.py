@@ -39,6 +39,7 @@ class Graded:
     connections: list[Any] = field(default_factory=list)
     library_before: str = ""
     left: set[int] = field(default_factory=set)  # processes
+    hides: bool = True
 
     def result(self, student: str) -> Any:
         return json.loads((self.top / "out/results" / student / "week01_exercise.json").read_text())
@@ -76,7 +77,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
     _hand_in_all(top, "".join(f"{name} = {str(value)!r}\n" for name, value in places.items()))
     made = Graded(top, {}, library_before=library_hash())
     threading.Thread(target=_count, args=(listener, made.connections), daemon=True).start()
-    shared_template()  # of this process: it stays
+    made.hides = shared_template().isolation.hides  # its process stays
     with orphans_become_ours():
         before = descendants()
         grade(top / "in", top / "out", jobs=2, course=course)

@@ -5,15 +5,19 @@ from tests.hostile.entry import FULL, Entry
 from tests.hostile.files import FILES, Sent
 from tests.hostile.submissions import ALL
 
+# Files can be found then, if not read, and there is no limit to their number: time ends it.
+WITHOUT_NAMESPACES = {"finds_files": "BROKEN", "fills_disk_by_files": "time", "million_files": "time"}
+
 
 @pytest.mark.parametrize("entry", ALL, ids=lambda entry: entry.name)
 def test_each_submission_gets_its_mark_and_breaks_nothing(graded: Graded, entry: Entry) -> None:
     row, result = graded.rows[entry.name], graded.result(entry.name)
     said = result["output"] + "".join(result["cell_errors"]) + str(result["tasks"])
-    assert "BROKEN" not in said
+    instead = "" if graded.hides else WITHOUT_NAMESPACES.get(entry.name, "")
+    assert "BROKEN" not in said or instead == "BROKEN"
     assert SECRET not in said
     assert (row["status"], float(row["final"])) == (entry.status, entry.final)
-    assert row["reason"] in entry.reason.split("|")
+    assert row["reason"] in [*entry.reason.split("|"), instead]
     assert entry.says in said
 
 

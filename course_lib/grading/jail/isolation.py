@@ -23,9 +23,14 @@ class Isolation:
     @property
     def protects(self) -> bool:
         """Whether code in it reaches neither files of the user who grades, nor the network."""
-        hides_files = {"bubblewrap", "Landlock"} & set(self.layers)
-        cuts_off = {"bubblewrap", "namespaces", "seccomp"} & set(self.layers)
-        return bool(hides_files and cuts_off and "limits" in self.layers)
+        closes_files = self.hides or "Landlock" in self.layers
+        cuts_off = self.hides or "seccomp" in self.layers
+        return closes_files and cuts_off and "limits" in self.layers
+
+    @property
+    def hides(self) -> bool:
+        """Whether code in it can't even find out which files there are."""
+        return bool({"bubblewrap", "namespaces"} & set(self.layers))
 
     def __str__(self) -> str:
         """For results, reports and the terminal."""
@@ -34,7 +39,8 @@ class Isolation:
         if self.is_full:
             return f"full sandbox ({have})"
         kind = "partial sandbox" if self.protects else "no sandbox"
-        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)})"
+        seen = "" if self.hides or not self.protects else "; which files there are is not hidden"
+        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)}{seen})"
 
     def demand(self, need: Need) -> None:
         """Refuse to run submissions in less than is needed.

@@ -33,8 +33,13 @@ def version() -> int:
         return 0
 
 
-def restrict(read: Sequence[str], write: Sequence[str]) -> None:
+def restrict(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
     """From now on only these files and folders can be opened; those that are missing are left out.
+
+    Args:
+        read: Files, and folders with all that is in them.
+        write: The same, for any use but to execute.
+        listed: Folders of which only the names of what is in them can be read.
 
     Raises:
         OSError: The kernel has no Landlock, or refuses.
@@ -44,7 +49,8 @@ def restrict(read: Sequence[str], write: Sequence[str]) -> None:
     rules = _Ruleset(every, NETWORK if has >= TCP_FROM else 0, SCOPES if has >= SIGNALS_FROM else 0)
     size = ctypes.c_size_t(24 if has >= SIGNALS_FROM else 16 if has >= TCP_FROM else 8)  # [B], as it grew
     ruleset = syscall(CREATE, ctypes.byref(rules), size, 0)
-    for paths, rights in ((read, EXECUTE | READ_FILE | READ_DIR), (write, every & ~EXECUTE)):
+    granted = ((read, EXECUTE | READ_FILE | READ_DIR), (write, every & ~EXECUTE), (listed, READ_DIR))
+    for paths, rights in granted:
         for path in paths:
             if os.path.exists(path):
                 _allow(ruleset, path, rights & every)

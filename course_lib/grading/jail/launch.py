@@ -9,27 +9,25 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
-from pathlib import Path
+from typing import Any
 
-import course_lib
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.jail.place import HOMES, INSIDE
+from course_lib.grading.jail.readable import KIT, Readable, readable
 from course_lib.grading.usage import Usage
 
 START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
 STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands
 PIPE_HOLDS = 2**20  # [B] of a submission's output
-NOBODY = 65534  # the user without files
-SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/etc/fonts")
-INSIDE = "/tmp/submission"  # the scratch folder in bubblewrap's files
 BUBBLEWRAP = (
     "--die-with-parent --new-session --unshare-pid --unshare-net --unshare-ipc --unshare-uts "
-    "--proc /proc --dev /dev --perms 1777 --tmpfs /tmp"
+    "--proc /proc --dev /dev --perms 0755 --tmpfs /submission"
 )
 BECOME_ANOTHER = "--cap-drop ALL --cap-add CAP_SETUID --cap-add CAP_SETGID"
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -44,30 +42,41 @@ class TemplateProcess:
 
     Args:
         off: Layers that are not to be used, for tests of what is left.
+        refused: Paths of the course that no submission may read.
 
     Raises:
         WorkerError: It does not start at all.
+        CourseError: A refused path can't be kept from submissions on this machine.
     """
 
-    def __init__(self, off: Collection[str] = ()) -> None:
+    def __init__(self, off: Collection[str] = (), refused: tuple[str, ...] = ()) -> None:
         if not hasattr(os, "fork"):
             raise WorkerError("grading needs Linux, macOS or WSL2: this system can't fork a process")
+        files = readable(refused)
         said = ""
-        for bubblewrap, user in _attempts(off):
+        for bubblewrap, roots in _attempts(off):
             scratch = INSIDE if bubblewrap else tempfile.mkdtemp(prefix="course_worker_")
+            place = {**_place(files, off), "roots": roots, "scratch": scratch}
             self._control, theirs = socket.socketpair()
             with theirs:
-                self._process = _start(theirs, scratch, bubblewrap, user, off)
+                self._process = _start(theirs, place, bubblewrap, files, off)
             self._control.settimeout(START_SECONDS)
             answer = self._control.recv(2**16)
             if answer:
-                self.isolation = Isolation((*["bubblewrap"] * bool(bubblewrap), *json.loads(answer)))
-                return
+                self.isolation = Isolation(tuple(json.loads(answer)))
+                break
             said = self._process.communicate()[0].decode("utf-8", "replace")
             self._control.close()
             if not bubblewrap:
                 shutil.rmtree(scratch, ignore_errors=True)
-        raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
+        else:
+            raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
+        if files.torn and self.isolation.protects and not self.isolation.hides:
+            self.close()
+            raise CourseError(
+                f"{files.torn} lies in a folder that Python needs in the jail, and what works here is: "
+                f"{self.isolation}. Move it to another folder, or grade where there are namespaces"
+            )
 
     def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:
         """Start a submission.
@@ -121,41 +130,46 @@ class TemplateProcess:
 
 
 @cache
-def shared_template() -> TemplateProcess:
-    """The template of this process, started when it is first asked for."""
-    template = TemplateProcess()
+def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
+    """Return the template of this process that hides these paths, started when it is first asked for."""
+    template = TemplateProcess(refused=refused)
     atexit.register(template.close)
     return template
 
 
-def _attempts(off: Collection[str]) -> Iterator[tuple[str | None, int | None]]:
-    """Ways to start, from the most closed one: bubblewrap's path or none, and the user to become."""
-    bubblewrap = shutil.which("bwrap") if "bubblewrap" not in off else None
-    users = [NOBODY, None] if os.geteuid() == 0 and "process limit" not in off else [None]
-    for program in dict.fromkeys((bubblewrap, None)):
-        for user in users:
-            yield program, user
+def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:
+    """Return ways to start, the most closed first: bubblewrap's path or none, and the roots that will do."""
+    bubblewrap = shutil.which("bwrap") or "" if "bubblewrap" not in off else ""
+    own = ["own"] if "namespaces" not in off else []
+    if not bubblewrap:
+        return [("", [*own, "host"])]
+    return [*([("", own)] if own else []), (bubblewrap, ["bubblewrap"]), ("", ["host"])]
+
+
+def _place(files: Readable, off: Collection[str]) -> dict[str, Any]:
+    """Return what `settle` needs to know, but for what differs between attempts."""
+    changes = os.geteuid() == 0 and "process limit" not in off
+    users = ["another", "real", "same"] if changes else ["same"]
+    return {"users": users, "read": files.paths, "listed": files.listed, "links": files.links}
 
 
 def _start(
-    control: socket.socket, scratch: str, bubblewrap: str | None, user: int | None, off: Collection[str]
+    control: socket.socket, place: dict[str, Any], bubblewrap: str, files: Readable, off: Collection[str]
 ) -> "subprocess.Popen[bytes]":
     environment = {
         "PATH": os.defpath,
         "LANG": "C.UTF-8",
         "MPLBACKEND": "Agg",
         "PYTHONHASHSEED": "0",
-        "PYTHONPATH": str(Path(course_lib.__file__).parents[1]),  # this kit, whichever is installed
+        "PYTHONPATH": os.path.dirname(KIT),  # this kit, whichever is installed
         "PYTHONUSERBASE": site.getuserbase(),  # the kit may be installed there, and HOME is not the user's
     }
-    read = [path for path in _readable() if os.path.exists(path)]
-    settings = {"control": control.fileno(), "scratch": scratch, "read": read, "off": list(off), "user": user}
+    settings = {"control": control.fileno(), "off": list(off), "place": place}
     command = [sys.executable, "-P", "-m", "course_lib.grading.jail.template", json.dumps(settings)]
-    if user is not None and not bubblewrap:
-        os.chown(scratch, user, -1)
+    homes = dict.fromkeys(HOMES, place["scratch"])
     return subprocess.Popen(
-        [*(_bubblewrap(bubblewrap, read, user) if bubblewrap else ()), *command],
-        env={**environment, **dict.fromkeys(("HOME", "IPYTHONDIR", "MPLCONFIGDIR"), scratch), **THREADS},
+        [*(_bubblewrap(bubblewrap, files) if bubblewrap else ()), *command],
+        env={**environment, **homes, **THREADS},
         cwd="/",
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -165,17 +179,8 @@ def _start(
     )
 
 
-def _readable() -> list[str]:
-    """What a submission may read: the system's programs, Python, its packages and the kit; no more."""
-    kit = str(Path(course_lib.__file__).parent)
-    return [*SYSTEM, sys.prefix, sys.base_prefix, site.getusersitepackages(), kit]
-
-
-def _bubblewrap(program: str, read: Collection[str], user: int | None) -> list[str]:
-    folders = dict.fromkeys(str(up) for path in read for up in reversed(Path(path).parents[:-1]))  # 0755 each
-    files = [*(("--dir", folder) for folder in folders), *(("--ro-bind", path, path) for path in read)]
-    become = BECOME_ANOTHER.split() if user is not None else []
-    return [
-        program, *BUBBLEWRAP.split(), *(word for words in files for word in words),
-        "--perms", "0777", "--dir", INSIDE, *become, "--",
-    ]  # fmt: skip
+def _bubblewrap(program: str, files: Readable) -> list[str]:
+    links = [word for link, target in files.links for word in ("--symlink", target, link)]
+    binds = [word for path in files.paths for word in ("--ro-bind", path, path)]
+    become = BECOME_ANOTHER.split() if os.geteuid() == 0 else []
+    return [program, *BUBBLEWRAP.split(), *links, *binds, "--perms", "0777", "--dir", INSIDE, *become, "--"]

@@ -2,39 +2,33 @@
 
 import os
 import platform
+import resource
 import tempfile
 from collections.abc import Callable, Collection
 from contextlib import suppress
-from dataclasses import dataclass
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail import landlock, limits, namespaces, seccomp
+from course_lib.grading.jail.place import DEVICES, HOMES, Place, works
 from course_lib.grading.jail.system_calls import DUMPABLE, NO_NEW_PRIVILEGES, drop_capabilities, prctl
-
-DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
-HOMES = ("HOME", "TMPDIR", "IPYTHONDIR", "MPLCONFIGDIR")
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where submissions run: a folder for what they write, and the files and folders that they may read."""
-
-    scratch: str
-    read: tuple[str, ...]
 
 
 def working_layers(place: Place, off: Collection[str]) -> list[str]:
-    """The layers that work here, but those that are off: each is tried in a fork, not looked up."""
+    """Return the layers that work here, but those that are off: each is tried in a fork, not looked up."""
+    layers = ["bubblewrap"] if place.root == "bubblewrap" else []
     tries: dict[str, Callable[[], None]] = {
         "namespaces": lambda: _own_namespaces(place, Limits()),
-        "Landlock": lambda: landlock.restrict(place.read, [place.scratch]),
+        "Landlock": lambda: _only_files(place, place.scratch),
         "seccomp": seccomp.restrict,
         "limits": lambda: limits.apply(Limits(), counts_from_zero=False),
     }
-    layers = [name for name, layer in tries.items() if name not in off and _works(layer)]
-    # The kernel counts no processes of the real root, and macOS bounds no memory:
-    counted = "limits" in layers and os.getuid() != 0 and platform.system() == "Linux"
-    return [*layers, *["process limit"] * (counted and "process limit" not in off)]
+    if place.root == "host":  # which namespaces alone do not hide
+        del tries["namespaces"]
+    layers += [name for name, layer in tries.items() if name not in off and works(layer)]
+    is_bounded = "limits" in layers and "process limit" not in off and platform.system() == "Linux"
+    if is_bounded and works(lambda: _count_processes(place, layers)):  # not those of the real root
+        layers.append("process limit")
+    return layers
 
 
 def enter(place: Place, layers: Collection[str], given: Limits) -> None:
@@ -51,14 +45,15 @@ def enter(place: Place, layers: Collection[str], given: Limits) -> None:
     os.chdir(folder)
     os.environ.update(dict.fromkeys(HOMES, folder))
     if "limits" in layers:
-        limits.apply(given, counts_from_zero="namespaces" in layers)
+        counts_from_zero = "namespaces" in layers or place.user != "same"
+        limits.apply(given, counts_from_zero=counts_from_zero)
     if platform.system() == "Linux":
         with suppress(OSError):  # one more wall where it works
             drop_capabilities()
             prctl(DUMPABLE, 0)
             prctl(NO_NEW_PRIVILEGES, 1)
     if "Landlock" in layers:
-        landlock.restrict([*place.read, *DEVICES], [folder])
+        _only_files(place, folder)
     if "seccomp" in layers:
         seccomp.restrict()
 
@@ -71,16 +66,18 @@ def _own_namespaces(place: Place, given: Limits) -> None:
     namespaces.own_files(place.scratch, given.scratch_megabytes)
 
 
-def _works(layer: Callable[[], None]) -> bool:
-    reader, writer = os.pipe()
-    pid = os.fork()
-    if pid == 0:
-        with suppress(BaseException):
-            layer()
-            os.write(writer, b"y")
+def _only_files(place: Place, folder: str) -> None:
+    landlock.restrict([*place.read, *DEVICES], [folder, os.devnull], place.listed)
+
+
+def _count_processes(place: Place, layers: Collection[str]) -> None:
+    """Raise OSError unless a limit of processes holds here."""
+    enter(place, {"namespaces"} & set(layers), Limits())
+    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
+    try:
+        child = os.fork()
+    except BlockingIOError:
+        return
+    if child == 0:
         os._exit(0)
-    os.close(writer)
-    worked = os.read(reader, 1) == b"y"  # from its fork, if it has one
-    os.close(reader)
-    os.waitpid(pid, 0)
-    return worked
+    raise OSError("the kernel does not count this user's processes")

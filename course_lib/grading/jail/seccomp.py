@@ -41,6 +41,9 @@ REFUSED = {
     "semop": (65, 193), "semctl": (66, 191), "semtimedop": (220, 192), "mq_unlink": (241, 181),
     "memfd_create": (319, 279), "truncate": (76, 45), "inotify_init": (253, None), "inotify_init1": (294, 26),
     "setpriority": (141, 140), "ioprio_set": (251, 30),
+    "setuid": (105, 146), "setgid": (106, 144), "setreuid": (113, 145), "setregid": (114, 143),
+    "setresuid": (117, 147), "setresgid": (119, 149), "setfsuid": (122, 151), "setfsgid": (123, 152),
+    "setgroups": (116, 159), "capset": (126, 91),
     "ioperm": (173, None), "iopl": (172, None), "modify_ldt": (154, None),
 }  # fmt: skip
 NETWORK = {"socket": (41, 198)}  # a pair of sockets is no network, and asyncio needs one

@@ -5,7 +5,7 @@ import os
 from functools import cache
 from typing import Any
 
-NO_NEW_PRIVILEGES, DUMPABLE, CHILD_SUBREAPER = 38, 4, 36  # operations of prctl
+NO_NEW_PRIVILEGES, DUMPABLE, CHILD_SUBREAPER, KEEP_CAPABILITIES = 38, 4, 36, 8  # operations of prctl
 CAPABILITIES_3 = 0x20080522  # the version of the structure
 
 
@@ -43,6 +43,17 @@ def prctl(operation: int, *arguments: int) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up what a namespace's own root may do; errors as in `function`."""
-    header = (ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)
-    function("capset", ctypes.byref(header), ctypes.byref((ctypes.c_uint32 * 6)()))
+    """Give up what root may do, or a namespace's own root; errors as in `function`."""
+    _set_capabilities((ctypes.c_uint32 * 6)())
+
+
+def use_capabilities() -> None:
+    """Have all that is permitted in effect, as after a change of the user; errors as in `function`."""
+    sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable, and the same of higher numbers
+    function("capget", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
+    sets[0], sets[3] = sets[1], sets[4]
+    _set_capabilities(sets)
+
+
+def _set_capabilities(sets: Any) -> None:
+    function("capset", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))

@@ -11,14 +11,15 @@ import resource
 import shutil
 import signal
 import socket
-import subprocess
 import sys
 from collections.abc import Collection
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.jail.layers import Place, enter, working_layers
+from course_lib.grading.jail.layers import enter, working_layers
+from course_lib.grading.jail.place import Place, settle
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
 from course_lib.grading.usage import Usage, wait_any_child
 from course_lib.grading.worker import Worker, warm_up
@@ -94,8 +95,8 @@ class Template:
                 usage += wait_any_child()
             except ChildProcessError:
                 break
-        for left in Path(self._place.scratch).iterdir():  # with namespaces nothing is
-            subprocess.run(["rm", "-rf", left], check=False)  # Python can't go as deep as a loop of mkdir
+        if "namespaces" not in self._layers:  # with them nothing is left
+            clear(self._place.scratch)
         return usage
 
 
@@ -107,6 +108,24 @@ def _keep_only(channel: int, output: int) -> Channel:
     os.closerange(3, channel)
     os.closerange(channel + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
     return Channel(socket.socket(fileno=channel))
+
+
+def clear(folder: str) -> None:
+    """Remove what is in a folder, at any depth: what lies in a folder moves up before that is removed."""
+    numbers = count()
+    waiting = [entry.path for entry in os.scandir(folder)]
+    while waiting:
+        path = waiting.pop()
+        if os.path.islink(path) or not os.path.isdir(path):
+            os.unlink(path)
+            continue
+        os.chmod(path, 0o700)
+        for entry in list(os.scandir(path)):
+            while os.path.lexists(moved := os.path.join(folder, f"{next(numbers)}")):
+                pass
+            os.rename(entry.path, moved)
+            waiting.append(moved)
+        os.rmdir(path)
 
 
 def _children() -> list[int]:
@@ -122,12 +141,7 @@ def main() -> None:
     settings = json.loads(sys.argv.pop())
     with suppress(OSError):  # not Linux
         Path("/proc/self/oom_score_adj").write_text("1000")  # where memory runs out, not the grader's
-    user = settings["user"]
-    if user is not None:
-        os.setgroups([])
-        os.setresgid(user, user, user)
-        os.setresuid(user, user, user)
-    place = Place(settings["scratch"], tuple(settings["read"]))
+    place = settle(**settings["place"])
     try:
         Template(socket.socket(fileno=settings["control"]), place, settings["off"]).serve()
     finally:

@@ -17,6 +17,7 @@ ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), 
 ATTACKS = {
     "a file of the user": "open({file!r}).read()",
     "the listing of a folder": "os.listdir({folder!r})",
+    "whether a file is there": "os.stat({file!r})",
     "a socket": "socket.socket()",
     "a connection": "socket.create_connection(('127.0.0.1', {port}), 1)",
     "another program": "os.execv('/bin/true', ['true'])",
@@ -24,12 +25,14 @@ ATTACKS = {
     "a datagram": "socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)",
     "a signal by a file": "fcntl.fcntl(0, fcntl.F_SETOWN, {pid})",
     "the mode of a file": "[os.chmod('own', 0o700), os.stat('own').st_mode & 0o100 or 1 / 0]",
+    "another user": "os.setresuid(0, 0, 0)",
     "memory in files": "libc.memfd_create(b'x', 0) >= 0 or 1 / 0",
     "much memory": "mmap.mmap(-1, 3 * 10**9)",
     "a large file": "open('f', 'wb').write(b'x' * 10**8)",
+    "many processes": "[os.fork() or signal.pause() for _ in range(300)]",
 }
 PROGRAM = """
-import ctypes, fcntl, mmap, os, socket
+import ctypes, fcntl, mmap, os, signal, socket
 libc = ctypes.CDLL(None)
 open('own', 'w').close()
 def works(line):
@@ -43,21 +46,26 @@ def works(line):
     return os.waitpid(pid, 0)[1] == 0
 answer = [name for name, line in {attacks!r}.items() if works(line)]
 """
-FILES = {"a file of the user", "the listing of a folder"}
+SEEN = {"whether a file is there"}
+FILES = {"a file of the user", "the listing of a folder", *SEEN}
 NETWORK = {"a socket", "a connection"}
-CALLS = {"another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files"}
+CALLS = {
+    "another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files",
+    "another user",
+}  # fmt: skip
 BUBBLEWRAP = "bubblewrap"
 OPEN = {  # layers that are off: what works then
     (): set[str](),
     (BUBBLEWRAP,): set[str](),
-    (BUBBLEWRAP, "namespaces"): set[str](),
-    (BUBBLEWRAP, "Landlock"): FILES,
+    (BUBBLEWRAP, "namespaces"): SEEN,
+    (BUBBLEWRAP, "Landlock"): set[str](),
     (BUBBLEWRAP, "seccomp"): {"a socket", *CALLS},
     (BUBBLEWRAP, "namespaces", "Landlock"): FILES,
-    ("Landlock",): set[str](),
+    ("namespaces",): set[str](),
+    ("namespaces", "Landlock"): set[str](),
     ("namespaces", "seccomp"): {"a socket", *CALLS},
     LAYERS[:4]: {*FILES, *NETWORK, *CALLS, "a signal"},
-    LAYERS: {*FILES, *NETWORK, *CALLS, "a signal", "much memory", "a large file"},
+    LAYERS: {*FILES, *NETWORK, *CALLS, "a signal", "much memory", "a large file", "many processes"},
 }
 
 
@@ -76,7 +84,8 @@ def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, objec
 @pytest.mark.parametrize("off", OPEN, ids=lambda off: "without " + " ".join(off) if off else "everything")
 def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object]) -> None:
     with closing(TemplateProcess(off)) as template:
-        if missing := set(LAYERS) - set(off) - set(template.isolation.layers) - {"process limit"}:
+        unused = {BUBBLEWRAP} if "namespaces" not in off else set[str]()
+        if missing := set(LAYERS) - set(off) - set(template.isolation.layers) - unused:
             pytest.skip(f"no {missing} on this machine")
         attacks = {name: line.format(**places) for name, line in ATTACKS.items()}
         cells = [PROGRAM.format(attacks=attacks)]
@@ -84,7 +93,8 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
             came = session.run(ANSWER, ANSWER.scenarios[0])
         assert session.log.errors == []
         assert set(came.returns[0]) <= OPEN[off]
-        assert template.isolation.protects == (not FILES & OPEN[off])
+        assert template.isolation.protects == (not (FILES - SEEN) & OPEN[off])
+        assert template.isolation.hides == (not SEEN & OPEN[off])
 
 
 def test_folders_in_folders_are_cleared_away() -> None:
@@ -118,7 +128,10 @@ def test_too_little_is_refused_with_what_to_type(layers: tuple[str, ...], need: 
 
 def test_what_is_missing_is_said() -> None:
     said = str(Isolation(("limits", "Landlock", "seccomp")))
-    assert said == "partial sandbox (has limits, Landlock, seccomp; lacks namespaces, process limit)"
+    assert said == (
+        "partial sandbox (has limits, Landlock, seccomp; lacks namespaces, process limit"
+        "; which files there are is not hidden)"
+    )
     assert str(Isolation()).startswith("no sandbox (lacks")
 
 
