@@ -17,8 +17,8 @@ from course_lib.grading.unzip import opened_zip, read_member
 MAX_DEPTH = 3  # of archives in archives
 MAX_NAME = 200  # [B] of each part of a path
 MAX_PATH = 1000  # [B]
-MAX_UNPACKED_FILES = 1000  # of one student, out of all archives
-MAX_UNPACKED_BYTES = 100_000_000  # of one student, out of all archives, those in between included
+MAX_UNPACKED_FILES = 1000  # of one student, out of all the archives that the student handed in
+MAX_UNPACKED_BYTES = 50_000_000  # of the same, archives in archives included
 JUNK = ("__MACOSX", "Thumbs.db")
 
 Refuse = Callable[[str, str], None]  # gets a file's name, and why
@@ -127,23 +127,25 @@ class Arrivals:
             if owner in self._full:
                 continue
             try:
-                data = self._unpacked(archive, info, owner)
+                data = self._unpacked(archive, info, owner, counted=bool(above))
             except CourseError as error:
                 self.refuse("/".join(parts), str(error))
                 continue
             if self._fits(parts, data):
                 yield Arrival(parts, data, _time(info))
 
-    def _unpacked(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, owner: str) -> bytes:
-        """Unpack a file within what its owner has left.
+    def _unpacked(
+        self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, owner: str, *, counted: bool
+    ) -> bytes:
+        """Unpack a file, within what its owner has left if it is counted: the platform's archive is not.
 
         Raises:
             CourseError: It can't be unpacked, or the owner has nothing left: the rest is not looked at.
         """
-        self._files[owner] += 1
-        left = MAX_UNPACKED_BYTES - self._bytes[owner]
+        left = MAX_UNPACKED_BYTES - self._bytes[owner] if counted else MAX_BYTES + 1
         data = read_member(archive, info, min(MAX_BYTES, left))
-        self._bytes[owner] += len(data)
+        self._files[owner] += counted
+        self._bytes[owner] += len(data) if counted else 0
         if len(data) > left or self._files[owner] > MAX_UNPACKED_FILES:
             self._full.add(owner)
             raise CourseError(

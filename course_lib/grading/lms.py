@@ -51,12 +51,9 @@ def fill_lms(
         CourseError: A file can't be read, a column is not there, or no row fits.
     """
     file, marks = LmsFile.read(lms), _marks(out, exercise)
-    place, id_place = file.column(column), file.column(id_column)
-    if place == id_place:
-        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
-    ids = _ids(file, id_place)
+    place, id_place = _places(file, column, id_column)
+    ids, most = _ids(file, id_place), _maxima(file, place)
     what = "score" if raw else "final"
-    most = _maxima(file, place)
     if cap:
         marks = {key: _capped(mark, what, most) for key, mark in marks.items()}
     left = _fill(file, place, ids, marks, what)
@@ -74,6 +71,18 @@ def fill_lms(
         *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
     ]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
+
+
+def _places(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
+    """Return where the marks go and where the IDs are.
+
+    Raises:
+        CourseError: A column is not there, or both are the same.
+    """
+    place, id_place = file.column(column), file.column(id_column)
+    if place == id_place:
+        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
+    return place, id_place
 
 
 def _ids(file: LmsFile, place: int) -> dict[int, str]:

@@ -13,6 +13,7 @@ from course_lib.errors import CourseError, counted
 from course_lib.grading.lms_file import LmsFile
 from course_lib.grading.marks import count_days_late
 from course_lib.grading.platform_times import YEARS, parse_times
+from course_lib.grading.sender import platform_name
 
 LIST = "received.csv"
 ID_FROM = "id_from"  # whether the roster told the ID of the student
@@ -163,7 +164,7 @@ class Ledger:
         time, source = (entry.time, entry.source) if entry else (None, "")
         stamp = path.with_name(TIMESTAMP)
         if time is None and stamp.is_file() and stamp.parent != self.top:
-            if entry is None:
+            if entry is None and not any(map(platform_name, path.relative_to(self.top).parts)):
                 time, problem = _stamp(stamp)
                 notes += [problem] if problem else []
                 source = TIMESTAMP

@@ -13,7 +13,6 @@ from course_lib.errors import CourseError
 from course_lib.grading.collect import Collection, collect
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
-from course_lib.grading.platform_times import parse_times
 from course_lib.grading.received import Received
 from course_lib.grading.submission import find_submissions
 from tests.grading.platforms import (
@@ -236,42 +235,46 @@ def test_a_stamp_in_a_students_zip_is_not_kept(tmp_path: Path, sort: Collect) ->
     assert find_submissions(tmp_path / "out")[0].received.time is None
 
 
-SAME_TIME = [
-    "Sunday, 8 March 2026, 11:59 PM", "8.3.2026 23:59", "domenica, 8 marzo 2026, 23:59",
-    "niedziela, 8 marca 2026, 23:59", "domingo, 8 de março de 2026 às 23:59", "8 Mart 2026, Pazar, 23:59",
-    "воскресенье, 8 марта 2026, 23:59", "2026年03月8日 星期日 23:59", "zondag, 8 maart 2026, 23:59",
-    "søndag 8. mars 2026 23.59", "sunnuntai, 8. maaliskuuta 2026, 23.59", "2026-03-08T22:59:00Z",
-    "Κυριακή, 8 Μαρτίου 2026, 11:59 μμ", "יום ראשון, 8 מרץ 2026, 23:59", "2026-03-08 23:59:00+01:00",
-]  # fmt: skip
-
-
-def test_dates_are_read_in_many_languages() -> None:
-    assert [parse_times([text], PARIS) for text in SAME_TIME] == [[TIME]] * len(SAME_TIME)
-
-
-NO_TIMES = ["", "-", "yesterday", "20231234", "100,00", "March", "8 March 2026", "Sunday, 8 March 26:99",
-            "9999-12-31T23:59:59Z", "0001-01-01T00:00:00+14:00", "a" * 10_000, "1" * 10_000]  # fmt: skip
-
-
-def test_what_is_not_a_date_with_a_time_is_none() -> None:
-    assert parse_times(NO_TIMES, PARIS) == [None] * len(NO_TIMES)
-
-
-@pytest.mark.parametrize(
-    ("column", "first"),
-    [
-        (["03/08/2026 23:59", "04/08/2026 10:00"], None),  # nothing tells the order
-        (["03/08/2026 23:59", "03/28/2026 10:00"], "2026-03-08T23:59:00+01:00"),
-        (["03/08/2026 23:59", "28/08/2026 10:00"], "2026-08-03T23:59:00+02:00"),
-    ],
-)
-def test_the_column_tells_the_order_of_day_and_month(column: list[str], first: str | None) -> None:
-    assert parse_times(column, PARIS)[0] == (first and datetime.fromisoformat(first))
-
-
 def test_an_export_that_is_broken_is_refused(tmp_path: Path, sort: Collect) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "")])
     for text in ("{", "[]", "[" * 100_000, '{"errors": "no"}'):
         (tmp_path / "s.json").write_text(text)
         with pytest.raises(CourseError, match=r"s\.json"):
             sort(times=[tmp_path / "s.json"])
+
+
+def test_the_instructors_list_may_lie_beside_the_folder_of_submissions(tmp_path: Path) -> None:
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada" / NAME).write_bytes(notebook())
+    (tmp_path / "received.csv").write_text(f"file,received\nin/ada/{NAME},2026-03-08T23:59:00+01:00\n")
+    (found,) = find_submissions(tmp_path / "in")
+    assert (found.received.time, found.received.source) == (TIME, "received.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "utc"),
+    [
+        ("2026-03-08 22:59:00.123456 UTC", "22:59"),
+        ("2026-03-08 22:59:00", "22:59"),
+        ("2026-03-08 23:59:00 CET", "22:59"),
+        ("2026-03-08 23:59:00 Europe/Paris", "22:59"),
+        ("2026-03-08T23:59:00+01:00", "22:59"),
+    ],
+)
+def test_nbgraders_stamp_is_read_in_its_zone(tmp_path: Path, text: str, utc: str) -> None:
+    folder = tmp_path / "ada/week01"
+    folder.mkdir(parents=True)
+    (folder / NAME).write_bytes(notebook())
+    (folder / "timestamp.txt").write_text(text + "\n")
+    (found,) = find_submissions(tmp_path)
+    assert found.received.source == "timestamp.txt"
+    assert f"{found.received.time:%H:%M}" == utc
+
+
+def test_a_stamp_in_an_unpacked_download_is_not_believed(tmp_path: Path) -> None:
+    folder = tmp_path / "Ada_7_assignsubmission_file_"
+    folder.mkdir()
+    (folder / NAME).write_bytes(notebook())
+    (folder / "timestamp.txt").write_text("2020-01-01 00:00:00 UTC")
+    (found,) = find_submissions(tmp_path)
+    assert found.received.time is None

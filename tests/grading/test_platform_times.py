@@ -1,0 +1,40 @@
+from datetime import datetime
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from course_lib.grading.platform_times import parse_times
+
+PARIS = ZoneInfo("Europe/Paris")
+TIME = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
+SAME_TIME = [
+    "Sunday, 8 March 2026, 11:59 PM", "8.3.2026 23:59", "domenica, 8 marzo 2026, 23:59",
+    "niedziela, 8 marca 2026, 23:59", "domingo, 8 de março de 2026 às 23:59", "8 Mart 2026, Pazar, 23:59",
+    "воскресенье, 8 марта 2026, 23:59", "2026年03月8日 星期日 23:59", "zondag, 8 maart 2026, 23:59",
+    "søndag 8. mars 2026 23.59", "sunnuntai, 8. maaliskuuta 2026, 23.59", "2026-03-08T22:59:00Z",
+    "Κυριακή, 8 Μαρτίου 2026, 11:59 μμ", "יום ראשון, 8 מרץ 2026, 23:59", "2026-03-08 23:59:00+01:00",
+]  # fmt: skip
+
+
+def test_dates_are_read_in_many_languages() -> None:
+    assert [parse_times([text], PARIS) for text in SAME_TIME] == [[TIME]] * len(SAME_TIME)
+
+
+NO_TIMES = ["", "-", "yesterday", "20231234", "100,00", "March", "8 March 2026", "Sunday, 8 March 26:99",
+            "9999-12-31T23:59:59Z", "0001-01-01T00:00:00+14:00", "a" * 10_000, "1" * 10_000]  # fmt: skip
+
+
+def test_what_is_not_a_date_with_a_time_is_none() -> None:
+    assert parse_times(NO_TIMES, PARIS) == [None] * len(NO_TIMES)
+
+
+@pytest.mark.parametrize(
+    ("column", "first"),
+    [
+        (["03/08/2026 23:59", "04/08/2026 10:00"], None),  # nothing tells the order
+        (["03/08/2026 23:59", "03/28/2026 10:00"], "2026-03-08T23:59:00+01:00"),
+        (["03/08/2026 23:59", "28/08/2026 10:00"], "2026-08-03T23:59:00+02:00"),
+    ],
+)
+def test_the_column_tells_the_order_of_day_and_month(column: list[str], first: str | None) -> None:
+    assert parse_times(column, PARIS)[0] == (first and datetime.fromisoformat(first))
