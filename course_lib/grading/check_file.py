@@ -8,12 +8,12 @@ from course_lib.errors import CourseError
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.exercise_run import run_exercise
-from course_lib.grading.first_causes import first_causes, is_not_made
+from course_lib.grading.first_causes import Causes
 from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.submission import NO_EXERCISE, unpack
 from course_lib.grading.working_files import working_files
 
-NOT_CHECKED = "{0.id} ({0.title}): not checked, as no cell that ran to its end makes {0.name}."
+NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 
 
 def check_file(path: Path) -> bool:
@@ -32,13 +32,13 @@ def check_file(path: Path) -> bool:
     run = run_exercise(
         notebook.cells, tasks, catalog, student, hidden=False, files=working_files(path, notebook.cells)
     )
-    causes = first_causes(run.cell_errors, notebook.cells)
-    said: list[object] = [*causes]
+    causes = Causes(run.cell_errors, notebook.cells)
+    said: list[object] = [*causes.lines()]
     for task, result in zip(tasks, run.results, strict=True):
         remember(task, result, notebook.cells)
         evidence = [one.evidence for one in run.runs if one.evidence.task == task.id]
-        missing = causes and is_not_made(result)
-        said.append(NOT_CHECKED.format(task) if missing else table_of(task, result, evidence, student))
+        follows = causes.explain(result)
+        said.append(NOT_CHECKED.format(task) if follows else table_of(task, result, evidence, student))
     if own and student != own:
         said.append(
             f"{path.name} names the student {student}, you are {own}. set_identity('{own}') stamps it."

@@ -9,31 +9,55 @@ from course_lib.grading.judge import TaskResult
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")
 _PLACE = re.compile(r"\(cell In\[(\d+)\]")
+MANY = 3  # names that no cell makes: a cell is missing, not a letter
 NOT_MADE = "is not in the notebook: no cell that ran to its end makes it"  # behind a task's name
 
 
-def first_causes(errors: Sequence[str], cells: Sequence[str]) -> list[str]:
-    """Return the errors of a notebook's cells, those that follow from an earlier one only counted.
+class Causes:
+    """What kept a notebook's cells from running.
 
     Args:
-        errors: In the order of the cells, as `describe` words them.
+        errors: Of the cells, in their order, as `describe` words them.
         cells: The sources of all code cells.
     """
-    kept, lost, followers = list[str](), set[str](), 0
-    for error in errors:
-        unknown, place = _UNKNOWN_NAME.match(error), _PLACE.search(error)
-        number = int(place[1]) if place else 0
-        gives = CodeCell(number, cells[number - 1], True).gives if 0 < number <= len(cells) else frozenset()
-        if unknown and unknown[1] in lost:
-            followers += 1
-        else:
-            kept.append(error)
-        lost |= gives | ({unknown[1]} if unknown else set())
-    if followers:
-        kept.append(f"{counted(followers, 'more cell')} cannot run for the same reason.")
-    return kept
 
+    def __init__(self, errors: Sequence[str], cells: Sequence[str]) -> None:
+        self._kept: list[str] = []
+        self._followers = 0
+        made = [CodeCell(number, text, True).gives for number, text in enumerate(cells, 1)]
+        unknown = (_UNKNOWN_NAME.match(error) for error in errors)
+        names = dict.fromkeys(found[1] for found in unknown if found)
+        self._made = frozenset[str]().union(*made)
+        self._nowhere = [name for name in names if name not in self._made]
+        self._cell_missing = len(self._nowhere) >= MANY
+        lost = set[str]()
+        for error in errors:
+            found, place = _UNKNOWN_NAME.match(error), _PLACE.search(error)
+            number = int(place[1]) if place else 0
+            if found and found[1] in lost:
+                self._followers += 1
+            else:
+                self._kept.append(error)
+            lost |= made[number - 1] if 0 < number <= len(made) else set()
+            if found:
+                lost |= set(self._nowhere) if self._cell_missing else {found[1]}
 
-def is_not_made(result: TaskResult) -> bool:
-    """Whether a task's object is missing, so that each of its checks would only say this again."""
-    return bool(result.errors) and all(error.endswith(NOT_MADE) for error in result.errors)
+    def lines(self) -> list[str]:
+        """Return the first errors, and how many others follow from them."""
+        found = list(self._kept)
+        if self._cell_missing:
+            names = ", ".join(self._nowhere)
+            found.append(f"No cell imports or defines {names}: is the cell with the imports missing?")
+        if self._followers:
+            found.append(f"{counted(self._followers, 'more cell')} cannot run for the same reason.")
+        return found
+
+    def explain(self, result: TaskResult) -> bool:
+        """Whether a task only failed because of these errors, so that its checks would say them again."""
+        return bool(self._kept and result.errors) and all(map(self._follows, result.errors))
+
+    def _follows(self, error: str) -> bool:
+        unknown = _UNKNOWN_NAME.match(error)
+        if unknown is None:
+            return error.endswith(NOT_MADE)
+        return unknown[1] in self._nowhere or (self._cell_missing and unknown[1] not in self._made)

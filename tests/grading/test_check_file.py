@@ -96,9 +96,7 @@ def test_a_missing_import_is_one_cause_and_not_an_error_of_every_cell(
     assert "name 'Node' is not defined" in said
     assert "hint: define or import Node first" in said
     assert "3 more cells cannot run for the same reason." in said
-    assert (
-        "week01.red_cube (A red cube): not checked, as no cell that ran to its end makes RedCubeNode." in said
-    )
+    assert "week01.red_cube (A red cube): not checked, as RedCubeNode cannot run for a reason above." in said
     assert "week01.half (Half of it): 1 of 1 checks passed" in said
     assert student_state().get("progress", "week01.red_cube")["score"] == 0
     assert student_state().get("hints", "week01.red_cube") is None
@@ -122,3 +120,16 @@ def test_what_is_printed_in_the_jail_is_shown(
     code = right.replace("    return length / 2", "    print('got', length)\n    return length / 2")
     check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
     assert "It printed:\n  | got 4.0\n" in capsys.readouterr().out
+
+
+def test_a_missing_cell_of_imports_is_one_cause_of_many_unknown_names(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = "# next cell\n".join(["class RedCubeNode(Node): ...\n", "rclpy.init()\n", "x = math.pi\n", "x\n"])
+    half = "# next cell\ndef half(length):\n    return np.divide(length, 2)\n"
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code + half))
+    said = capsys.readouterr().out
+    assert said.count("NameError") == 1
+    assert "No cell imports or defines Node, rclpy, math: is the cell with the imports missing?" in said
+    assert "3 more cells cannot run for the same reason." in said
+    assert "week01.half (Half of it): not checked, as half cannot run for a reason above." in said
