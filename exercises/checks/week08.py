@@ -1,9 +1,11 @@
 """Week 8, the painting robot: tasks, hints and public checks."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
+from course_lib.grading.evidence import lightly
 from course_lib.grading.inputs import pose, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
@@ -17,6 +19,7 @@ ARM = "/arm_controller/joint_trajectory"
 PAINT = "/visualization_marker"
 OTHERS = ("shoulder_pan", "wrist_1", "wrist_2", "wrist_3")
 UPPER_ARM, FOREARM = 0.612, 0.5723  # [m]
+LATE = 0.5  # [s] when TF begins
 RISING = [0.25 + 0.1 * step for step in range(13)]  # [m] heights of the wrist, one per 0.1 s
 FIRST = [(1.0, 0.2, z) for z in RISING if z > 0.5]  # [m] where paint belongs
 SECOND = [(1.0, 0.6, z) for z in RISING[-2::-1] if z > 0.5]
@@ -39,7 +42,7 @@ def motion() -> Iterable[Message]:
     heights = [0.25] * 5 + RISING + [RISING[-1]] * 9 + RISING[-2::-1] + [0.25] * 5
     lefts = [0.0] * 18 + [0.05 * step for step in range(1, 9)] + [0.4] * 30
     for step, (height, left) in enumerate(zip(heights, lefts, strict=False)):
-        yield robot(0.05 + 0.1 * step, (0.0, left, 0.0), height)
+        yield robot(LATE + 0.05 + 0.1 * step, (0.0, left, 0.0), height)
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
@@ -47,6 +50,9 @@ def folded(lift: float, elbow: float) -> tuple[float, float]:
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 
+
+HALF = expect_value(0.75, call=0, unit="rad", name="the joint at half the time")
+AFTER = expect_value(-1.0, call=2, unit="rad", name="the joint after the end")
 
 JOINT_AT = Task(
     "week08.joint_at",
@@ -61,11 +67,17 @@ JOINT_AT = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(0.0, 1.5, 3.0, 1.5), Call(1.0, -1.0, 4.0, 1.0), Call(1.0, -1.0, 4.0, 5.0)),
-            checks=(
-                expect_value(0.75, call=0, unit="rad", name="the joint at half the time"),
+            calls=(
+                Call(0.0, 1.5, 3.0, 1.5),
+                Call(1.0, -1.0, 4.0, 1.0),
+                Call(1.0, -1.0, 4.0, 5.0),
+                Call(0.5, 2.0, 4.0, -1.0),
+            ),
+            checks=lightly(
+                HALF.requiring(AFTER),
                 expect_value(0.6875, call=1, unit="rad", name="the joint at a quarter of the time"),
-                expect_value(-1.0, call=2, unit="rad", name="the joint after the end"),
+                AFTER.requiring(HALF),
+                expect_value(0.5, call=3, unit="rad", name="the joint before the start").requiring(HALF),
             ),
         ),
     ),
@@ -84,18 +96,52 @@ SWEEP_NODE = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=7.0,  # [s]
+            seconds=9.0,  # [s]
             seed=1,
             checks=(
-                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0).titled("the first command"),
-                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0).titled(
+                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0, points=1).titled(
+                    "the first command"
+                ),
+                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1).titled(
                     "the second command, with your number"
                 ),
+                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, of=2)
+                .worth(0.5)
+                .titled("two commands, and no more"),
             ),
         ),
     ),
     personal={"lift": (-0.4, -0.35, -0.3, -0.2, -0.15, -0.1)},  # [rad]; -0.25 is the lesson's
 )
+
+RAMP = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *[(0.0, 0.05 * n, 0.7) for n in range(1, 6)]]
+SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *[(0.0, 0.0, 0.7 + 0.006 * n) for n in range(1, 8)]]
+SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
+FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
+
+
+def painted(steps: Sequence[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
+    """The stripes by the two rules, for x and z of the base and the height of the wrist, [m]."""
+    stripes: list[list[tuple[float, float, float]]] = []
+    last: tuple[float, float] | None = None
+    for (_, _, before), (x, z, height) in pairwise(steps):
+        if abs(height - before) > 0.01 and height > 0.5:
+            if last is None or math.dist(last, (x, z)) > 0.1:
+                stripes.append([])
+            stripes[-1].append((x + 1.0, 0.2, z + height))
+            last = (x, z)
+    return stripes
+
+
+def rule(name: str, steps: Sequence[tuple[float, float, float]]) -> Scenario:
+    """A scenario of a few steps, one per 0.1 s, that shows whether one rule is kept."""
+    inputs = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
+    stripes = [expect_marker(PAINT, points=stripe).titled(name) for stripe in painted(steps)]
+    count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
+    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(inputs), checks=lightly(*stripes, count))
+
+
+SWEEPS = [expect_marker(PAINT, points=points) for points in (FIRST, SECOND)]
 
 PAINT_NODE = Task(
     "week08.paint_node",
@@ -110,15 +156,21 @@ PAINT_NODE = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=5.0,  # [s]
+            seconds=LATE + 5.0,  # [s]
             seed=1,
             inputs=tuple(motion()),
-            checks=(
-                expect_marker_count(PAINT, 2, type="LINE_STRIP").titled("two stripes, two ids"),
-                expect_marker(PAINT, points=FIRST).titled("the points of the first sweep"),
-                expect_marker(PAINT, points=SECOND).titled("the points of the second sweep"),
+            checks=lightly(
+                expect_marker_count(PAINT, 2, type="LINE_STRIP")
+                .requiring(*SWEEPS)
+                .titled("two stripes, two ids"),
+                SWEEPS[0].titled("the points of the first sweep"),
+                SWEEPS[1].titled("the points of the second sweep"),
             ),
         ),
+        rule("a base that drives up a ramp paints nothing", RAMP),
+        rule("a wrist that moves slowly paints nothing", SLOW),
+        rule("a drive of less than 0.1 m does not begin a stripe", SMALL_DRIVE),
+        rule("two small drives together begin a stripe", FAR_IN_STEPS),
     ),
     ghost=tuple(
         Message(
@@ -139,6 +191,8 @@ PAINT_NODE = Task(
     ),
 )
 
+ABOVE = expect_value([-1.2, 0.5], call=0, unit="rad", name="(lift, elbow) for a place above")
+
 LIFT_AND_ELBOW = Task(
     "week08.lift_and_elbow",
     title="Two angles for a place",
@@ -152,15 +206,23 @@ LIFT_AND_ELBOW = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(*folded(-1.2, 0.5)), Call(*folded(0.3, math.pi / 2)), Call(1.2, 0.5)),
-            checks=(
-                expect_value([-1.2, 0.5], call=0, unit="rad", name="(lift, elbow) for a place above"),
+            calls=(
+                Call(*folded(-1.2, 0.5)),
+                Call(*folded(0.3, math.pi / 2)),
+                Call(1.2, 0.5),
+                Call(0.01, -0.02),
+            ),
+            checks=lightly(
+                ABOVE,
                 expect_value([0.3, math.pi / 2], call=1, unit="rad", name="(lift, elbow) for a place below"),
-                expect_value([], call=2, name="the answer for a place out of reach"),
+                expect_value([], call=2, name="the answer for a place out of reach").requiring(ABOVE),
+                expect_value([], call=3, name="the answer for a place too near").requiring(ABOVE),
             ),
         ),
     ),
 )
+
+ONE_STRIPE = expect_value(0.1, call=0, tolerance=0.01, name="the coverage of one stripe")
 
 COVERAGE = Task(
     "week08.coverage",
@@ -178,10 +240,14 @@ COVERAGE = Task(
             calls=(
                 Call([[0.5, 0.5, 1.5]], 1.0, 2.0),
                 Call([[0.5, 0.5, 1.5], [0.6, 0.5, 1.5]], 1.0, 2.0),
+                Call([[0.0, 1.0, 3.0], [1.5, 0.0, 2.0]], 1.0, 2.0),
+                Call([], 1.0, 2.0),
             ),
-            checks=(
-                expect_value(0.1, call=0, tolerance=0.01, name="the coverage of one stripe"),
+            checks=lightly(
+                ONE_STRIPE,
                 expect_value(0.15, call=1, tolerance=0.01, name="the coverage of two that overlap"),
+                expect_value(0.05, call=2, tolerance=0.01, name="the coverage of stripes beside the wall"),
+                expect_value(0.0, call=3, tolerance=0.01, name="the coverage of none").requiring(ONE_STRIPE),
             ),
         ),
     ),

@@ -1,11 +1,10 @@
 """Week 8, the painting robot: hidden scenarios and checks."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
 from course_lib.grading.inputs import pose, transforms
 from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import (
@@ -36,11 +35,14 @@ STEPS: list[Step] = [
 LATE = 0.75  # [s] when TF begins
 
 
-def painted() -> list[list[tuple[float, float, float]]]:
+ONE_SWEEP: list[Step] = [(0.1, 0.0, 0.38 + 0.05 * step) for step in range(9)]
+
+
+def painted(steps: Sequence[Step] = STEPS) -> list[list[tuple[float, float, float]]]:
     """The stripes that belong there, by the two rules; points in map, [m]."""
     stripes: list[list[tuple[float, float, float]]] = []
     last: tuple[float, float] | None = None
-    for (_, _, before), (x, z, height) in pairwise(STEPS):
+    for (_, _, before), (x, z, height) in pairwise(steps):
         if abs(height - before) > 0.01 and height > 0.5:
             if last is None or math.dist(last, (x, z)) > 0.1:
                 stripes.append([])
@@ -49,9 +51,9 @@ def painted() -> list[list[tuple[float, float, float]]]:
     return stripes
 
 
-def motion() -> Iterable[Message]:
+def motion(steps: Sequence[Step] = STEPS) -> Iterable[Message]:
     """The steps, one per 0.1 s, half way between two ticks of the painter."""
-    for number, (x, z, height) in enumerate(STEPS):
+    for number, (x, z, height) in enumerate(steps):
         wrist = pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
         yield transforms((pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
 
@@ -68,25 +70,27 @@ def folded(lift: float, elbow: float) -> tuple[float, float]:
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 
 
-def two_commands(evidence: Evidence) -> Verdict:
-    """Commands are not repeated."""
-    came = len(evidence.messages(ARM))
-    return (
-        passed("as expected")
-        if came == 2
-        else failed(f"{came} commands came", "the count of commands is wrong")
-    )
-
+LIFT = expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1)
+HALF, AFTER = expect_value(4.0, call=3, unit="rad"), expect_value(3.0, call=2, unit="rad")
+STRIPES = [expect_marker(PAINT, frame="map", points=stripe) for stripe in painted()]
+NEAR_PLACE = expect_value([-0.4, 1.1], call=0, unit="rad")
+WITH_PARTS_BESIDE = expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01)
 
 HIDDEN = {
     "week08.joint_at": (
         Scenario(
             "other ways",
-            calls=(Call(-1.2, 1.5, 2.0, 1.5), Call(0.4, 0.2, 5.0, -1.0), Call(2.0, 3.0, 0.5, 9.0)),
+            calls=(
+                Call(-1.2, 1.5, 2.0, 1.5),
+                Call(0.4, 0.2, 5.0, -1.0),
+                Call(2.0, 3.0, 0.5, 9.0),
+                Call(2.0, 6.0, 1.0, 0.5),
+            ),
             checks=(
                 expect_value(-1.2 + 2.7 * 0.84375, call=0, unit="rad").worth(2),
-                expect_value(0.4, call=1, unit="rad"),
-                expect_value(3.0, call=2, unit="rad"),
+                expect_value(0.4, call=1, unit="rad").requiring(HALF),
+                AFTER.requiring(HALF),
+                HALF.requiring(AFTER),
             ),
         ),
     ),
@@ -96,9 +100,9 @@ HIDDEN = {
             seconds=20.0,  # [s]
             seed=7,
             checks=(
-                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0),
-                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0),
-                Check("two commands, and no more", two_commands),
+                expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0, points=1),
+                LIFT,
+                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, of=2).worth(0.5),
             ),
         ),
     ),
@@ -109,9 +113,16 @@ HIDDEN = {
             seed=11,
             inputs=tuple(motion()),
             checks=(
-                expect_marker_count(PAINT, len(painted()), type="LINE_STRIP"),
-                *(expect_marker(PAINT, frame="map", points=stripe) for stripe in painted()),
+                expect_marker_count(PAINT, len(STRIPES), type="LINE_STRIP").requiring(*STRIPES),
+                *(stripe.worth(2) for stripe in STRIPES),
             ),
+        ),
+        Scenario(
+            "one sweep",
+            seconds=3.0,  # [s]
+            seed=12,
+            inputs=tuple(motion(ONE_SWEEP)),
+            checks=(expect_marker(PAINT, frame="map", points=painted(ONE_SWEEP)[0]).worth(0.5),),
         ),
     ),
     "week08.lift_and_elbow": (
@@ -119,10 +130,10 @@ HIDDEN = {
             "other places",
             calls=(Call(*folded(-0.4, 1.1)), Call(*folded(0.2, 0.3)), Call(0.02, -0.01), Call(0.9, -0.9)),
             checks=(
-                expect_value([-0.4, 1.1], call=0, unit="rad"),
+                NEAR_PLACE,
                 expect_value([0.2, 0.3], call=1, unit="rad"),
-                expect_value([], call=2),
-                expect_value([], call=3),
+                expect_value([], call=2).requiring(NEAR_PLACE),
+                expect_value([], call=3).requiring(NEAR_PLACE),
             ),
         ),
     ),
@@ -135,9 +146,9 @@ HIDDEN = {
                 Call([], 1.0, 1.0),
             ),
             checks=(
-                expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01),
+                WITH_PARTS_BESIDE,
                 expect_value((0.2 * 1.5 + 0.05 * 0.5) / 2.0, call=1, tolerance=0.01),
-                expect_value(0.0, call=2, tolerance=1e-9),
+                expect_value(0.0, call=2, tolerance=1e-9).requiring(WITH_PARTS_BESIDE).worth(0.2),
             ),
         ),
     ),

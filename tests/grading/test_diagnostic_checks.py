@@ -7,7 +7,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.facts import DIGESTS, TOOLS, digest
-from course_lib.grading.vocabulary import expect_fact, expect_level
+from course_lib.grading.judge import Run, judge_task
+from course_lib.grading.task import Scenario, Task
+from course_lib.grading.vocabulary import expect_fact, expect_level, expect_levels
 
 MakeEvidence = Callable[..., Evidence]
 
@@ -34,6 +36,17 @@ def test_levels_hold_for_the_seconds_that_lie_in_a_part(
     # What is reported at a part's begin is about the second before it.
     check = expect_level(level, says=says, begin=begin, end=begin + 2)
     assert check.judge(came).message == message
+
+
+@pytest.mark.parametrize(("levels", "passed"), [("OE", 2), ("OO", 0), ("EE", 1), ("EO", 0)])
+def test_one_level_for_all_times_is_worth_little(evidence: MakeEvidence, levels: str, passed: int) -> None:
+    words = {"O": (DiagnosticStatus.OK, "normal"), "E": (DiagnosticStatus.ERROR, "low")}
+    came = evidence(*(status(2.0 + 3.0 * n, *words[level]) for n, level in enumerate(levels)), seconds=6.0)
+    checks = expect_levels(("OK", "normal", "well"), ("ERROR", "low", "bad"))
+    task = Task("week06.x", "X", "node", "X", ("a", "b", "c"))
+    result = judge_task(task, 10, False, [Run(Scenario("public", checks=checks), came)])
+    assert sum(check.passed for check in result.checks) == passed
+    assert passed == 2 or result.fraction < 0.25
 
 
 def test_silence_on_diagnostics_is_named(evidence: MakeEvidence) -> None:

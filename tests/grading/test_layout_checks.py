@@ -6,7 +6,13 @@ import pytest
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.task import Message
-from course_lib.grading.vocabulary import expect_display, expect_drawn, expect_layout
+from course_lib.grading.vocabulary import (
+    expect_colors_apart,
+    expect_display,
+    expect_displays_on,
+    expect_drawn,
+    expect_layout,
+)
 from course_lib.grading.vocabulary.layouts import MAX_TEXT
 
 LAYOUT = """
@@ -55,6 +61,40 @@ def test_options_and_view_are_compared() -> None:
     assert "the view is 'Orbit', expected 'FPS'" in said(expect_layout(view="FPS"))
 
 
+def test_one_of_several_views_and_a_range_of_its_values_are_enough() -> None:
+    assert said(expect_layout(view=("FPS", "Orbit"), view_within={"Distance": (0.5, 50.0)})) == ""
+    assert said(expect_layout(view=("FPS", "XYOrbit"))) == "the view is 'Orbit', expected 'FPS' or 'XYOrbit'"
+    too_far = "'Distance' of the view is 8, expected 0.5 to 5"
+    assert said(expect_layout(view_within={"Distance": (0.5, 5.0)})) == too_far
+    assert said(expect_layout(view_within={"Yaw": (0.0, 1.0)})) == "the view has no Yaw"
+    nowhere = LAYOUT.replace("Distance: 8", "Distance: nan")
+    assert "expected 0.5 to 50" in said(expect_layout(view_within={"Distance": (0.5, 50.0)}), nowhere)
+
+
+def test_a_topic_without_a_display_or_with_two_is_named() -> None:
+    assert said(expect_displays_on("/scan")) == ""
+    assert said(expect_displays_on("/scan", "/plan")) == "0 enabled displays listen to '/plan', expected 1"
+    assert said(expect_displays_on()) == "1 enabled displays listen to '/scan', expected 0"
+
+
+@pytest.mark.parametrize(
+    ("colors", "message"),
+    [
+        (("255; 0; 0", "150; 0; 0"), ""),
+        (("255; 0; 0", "160; 0; 0"), "the colors of Path are 255; 0; 0 and 160; 0; 0: no channel differs by"),
+        (("25; 255; 0", ""), "no channel differs by 100 or more"),
+        (("255; 0; 0",), "the layout has one enabled display Path, expected two"),
+        (("red", "0; 0; 0"), "the color is 'red', expected like '25; 255; 0'"),
+        (("nan; 0; 0", "0; 0; 0"), "no channel differs"),
+    ],
+)
+def test_colors_that_look_alike_are_named(colors: tuple[str, ...], message: str) -> None:
+    rows = "".join(f"    - {{Class: rviz_default_plugins/Path, Color: {color}}}\n" for color in colors)
+    layout = f"Visualization Manager:\n  Displays:\n{rows}"
+    assert message in said(expect_colors_apart("Path", 100), layout)
+    assert (message == "") == (said(expect_colors_apart("Path", 100), layout) == "")
+
+
 def test_drawn_is_what_a_robots_messages_show_in_the_layout() -> None:
     check = expect_drawn("LaserScan", ROBOT, best_effort=("/scan",))
     assert said(check) == ""
@@ -77,7 +117,13 @@ def test_drawn_is_what_a_robots_messages_show_in_the_layout() -> None:
     ],
 )
 def test_what_is_no_layout_fails_with_a_sentence(layout: Any) -> None:
-    checks = (expect_display("Grid"), expect_layout(fixed_frame="a"), expect_drawn("LaserScan", ROBOT))
+    checks = (
+        expect_display("Grid"),
+        expect_layout(fixed_frame="a"),
+        expect_drawn("LaserScan", ROBOT),
+        expect_colors_apart("Path", 100),
+        expect_displays_on("/scan"),
+    )
     assert all(said(check, layout) for check in checks)
 
 

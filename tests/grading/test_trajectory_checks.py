@@ -62,3 +62,12 @@ def test_a_trajectory_that_did_not_come_is_missed(evidence: MakeEvidence) -> Non
     assert "nothing was published on" in CHECK.judge(evidence()).message
     second = expect_trajectory(TOPIC, {"lift": 1.5, "elbow": 0.5}, index=1, at=1.0, seconds=3.0)
     assert "1 trajectories came on" in second.judge(evidence(sent())).message
+
+
+def test_more_trajectories_or_points_than_asked_for_are_named(evidence: MakeEvidence) -> None:
+    goal = {"lift": 1.5, "elbow": 0.5}
+    two = evidence(sent(), sent(at=2.0))
+    only_one = expect_trajectory(TOPIC, goal, at=1.0, seconds=3.0, of=1)
+    assert only_one.judge(two).message == f"2 trajectories came on {TOPIC}, expected 1"
+    of_two = expect_trajectory(TOPIC, goal, at=1.0, seconds=3.0, points=2)
+    assert of_two.judge(two).message == "the trajectory has 1 points, expected 2"

@@ -12,7 +12,7 @@ from course_lib.ros.clock import START_NS
 from tests.notebooks.graded import catalog, judged, run_of, solution
 
 MOST = 0.1  # of a task's points
-WEEKS = ("week05", "week06", "week07")
+WEEKS = ("week05", "week06", "week07", "week08")
 
 
 def asked(scenario: Scenario, personal: Mapping[str, Any]) -> list[str]:

@@ -16,12 +16,27 @@ TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
 
 @word("trajectory {index} on {topic}")
 def expect_trajectory(
-    evidence: Evidence, topic: str, goal: Mapping[str, float], *, index: int = 0, at: float, seconds: float
+    evidence: Evidence,
+    topic: str,
+    goal: Mapping[str, float],
+    *,
+    index: int = 0,
+    at: float,
+    seconds: float,
+    points: int | None = None,
+    of: int | None = None,
 ) -> Iterable[Problem]:
-    """A trajectory, counted from 0, is one that joint_trajectory_controller takes, and it ends in `goal`.
+    """Expect a trajectory that joint_trajectory_controller takes, and that ends in `goal`.
 
-    Goal is by joint, in any order, [rad]; it stands still there. The message comes `at` [s] after the start,
-    and its last point is `seconds` later.
+    Args:
+        evidence: With the trajectories.
+        topic: Where they come.
+        goal: By joint, in any order, [rad]; the arm stands still there.
+        index: Which trajectory, counted from 0.
+        at: When it comes, [s] after the start.
+        seconds: The time of its last point, [s] after that.
+        points: How many it has; any number if it is not given.
+        of: How many trajectories come; any number if it is not given.
     """
     standin_path.install()  # the judge's process has not imported any ROS name yet
     from rclpy.time import Time
@@ -32,7 +47,13 @@ def expect_trajectory(
     if len(came) <= index:
         message = f"{len(came)} trajectories came on {topic}, expected at least {index + 1}"
         return [Problem(message, "a trajectory is missing")]
+    if len(came) > (of or len(came)):
+        message = f"{len(came)} trajectories came on {topic}, expected {of}"
+        return [Problem(message, "the count of trajectories is wrong")]
     when, sent = came[index]
+    if len(sent.points) != (points or len(sent.points)):
+        message = f"the trajectory has {len(sent.points)} points, expected {points}"
+        return [Problem(message, "a trajectory has the wrong number of points")]
     try:
         *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
     except CourseError as refused:

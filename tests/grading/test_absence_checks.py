@@ -1,0 +1,92 @@
+"""Expectations on what is not there, and on images."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from sensor_msgs.msg import Image
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import (
+    expect_gone,
+    expect_images,
+    expect_length,
+    expect_nothing_before,
+)
+
+MakeEvidence = Callable[..., Evidence]
+
+
+def cube(at: float, id_: int = 3, seconds: int = 1) -> tuple[float, str, Any]:
+    marker = Marker(type=Marker.CUBE, id=id_)
+    marker.lifetime.sec = seconds
+    return at, "/boxes", MarkerArray(markers=[marker])
+
+
+@pytest.mark.parametrize(
+    ("published", "message"),
+    [
+        ((cube(0.5), cube(1.0)), "as expected"),
+        ((cube(0.5), cube(2.5)), "/boxes still shows 1 marker at the end, expected none"),
+        ((cube(0.5, id_=4),), "no marker with id 3 was on /boxes"),
+        ((), "nothing was published on /boxes in 3 s, nor on any other topic"),
+    ],
+)
+def test_gone_is_what_was_there_and_is_not_shown_any_more(
+    evidence: MakeEvidence, published: tuple[Any, ...], message: str
+) -> None:
+    assert expect_gone("/boxes", id=3).judge(evidence(*published)).message == message
+
+
+@pytest.mark.parametrize(
+    ("at", "message"),
+    [
+        (1.1, "as expected"),
+        (0.1, "/words was published after 0.10 s, expected nothing before 1.00 s"),
+    ],
+)
+def test_a_message_that_comes_too_early_is_named(evidence: MakeEvidence, at: float, message: str) -> None:
+    came = evidence((at, "/words", String()), (2.0, "/words", String()))
+    assert expect_nothing_before("/words", 1.0).judge(came).message == message
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        (Image(width=2, height=3, step=2, data=bytes(6)), "as expected"),
+        (Image(), "an image on /image has 0 x 0 pixels"),
+        (
+            Image(width=2, height=3, step=2),
+            "the first image on /image has 0 bytes of data for 3 rows of 2 bytes (step)",
+        ),
+        (
+            Image(width=4, height=1, step=2, data=bytes(2)),
+            "the first image on /image has 2 bytes of data for 1 rows of 2 bytes (step)",
+        ),
+        (String(), "/image carries std_msgs/msg/String, expected sensor_msgs/msg/Image"),
+    ],
+)
+def test_an_image_without_pixels_is_named(evidence: MakeEvidence, image: Any, message: str) -> None:
+    assert expect_images("/image").judge(evidence((1.0, "/image", image))).message == message
+
+
+def test_later_images_may_be_kept_without_their_pixels(evidence: MakeEvidence) -> None:
+    first, later = Image(width=1, height=1, step=1, data=[1]), Image(width=1, height=1, step=1)
+    came = evidence((1.0, "/image", first), (2.0, "/image", later))
+    assert expect_images("/image").judge(came).score == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("one two three", "as expected"),
+        ("one", "1 words, expected 2 to 3"),
+        (None, "0 words, expected 2 to 3"),
+        (5, "0 words, expected 2 to 3"),
+    ],
+)
+def test_the_length_of_a_text_is_counted_in_words(text: Any, message: str) -> None:
+    came = Evidence("week06.x", "public", 0.0, returns=(text,))
+    assert expect_length(2, 3).judge(came).message == message
