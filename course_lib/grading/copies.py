@@ -11,7 +11,6 @@ from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
 from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import lessons_dir
 from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.copies_page import HandedOut, Work, copies_page
@@ -114,8 +113,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 @lru_cache(maxsize=2)
 def handed_out(exercises: Path) -> HandedOut:
-    """Return what students are given: all exercises and all lessons."""
-    notebooks = [*sorted(exercises.glob("*.ipynb")), *sorted(lessons_dir().glob("*.ipynb"))]
+    """Return what students are given: all exercises, and all lessons in the folder beside them."""
+    folders = (exercises, exercises.parent / "notebooks")
+    notebooks = [path for folder in folders for path in sorted(folder.glob("*.ipynb"))]
     cells = [source(cell) for path in notebooks for cell in _code_cells(read_notebook(path)["cells"])]
     lines = frozenset(line.strip() for cell in cells for line in cell.splitlines())
     return HandedOut(frozenset(run for cell in cells for run in fingerprint([cell]).runs), lines)
