@@ -84,13 +84,9 @@ def grade(
     """
     course = course or Course(exercises_dir(), solutions_dir())
     course = replace(course, sandbox=need, handed_in=(submissions, out))
-    settings = catalog_of(course).course
-    found = with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
-    chosen = _chosen(found, only)
-    if settings.zone_note:
-        say(settings.zone_note)
+    found = _found(submissions, course)
+    batches, work = _plan(_chosen(found, only), course)
     with sole_use(out):
-        batches, work = _plan(chosen, course)
         if resume:
             batches = [batch for batch in batches if not _is_done(batch, out, course)]
         _look_for_evidence(batches, out, wanted=resume or rejudge)
@@ -102,10 +98,16 @@ def grade(
         except KeyboardInterrupt:
             say("Interrupted. Nothing is lost: the same command with --resume goes on.")
             raise
-        with writing(out):
-            compare_class(found, out, course.exercises, catalog_of(course).course.zone)
-        _finish(rows, batches, out, course)
+        _finish(rows, batches, found, out, course)
     return all(row["status"] in GRADED for row in rows)
+
+
+def _found(submissions: Path, course: Course) -> list[Submission]:
+    """Return what counts of the submissions, and tell the zone of local times where nobody has chosen it."""
+    settings = catalog_of(course).course
+    if settings.zone_note:
+        say(settings.zone_note)
+    return with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
 
 
 def _chosen(found: Sequence[Submission], only: str) -> list[Submission]:
@@ -222,12 +224,22 @@ def _ready(batches: Sequence[Batch], runs: Iterable[tuple[str, Any]], out: Path)
                 yield batch
 
 
-def _finish(rows: Sequence[Row], batches: Sequence[Batch], out: Path, course: Course) -> None:
+def _finish(
+    rows: Sequence[Row],
+    batches: Sequence[Batch],
+    found: Sequence[Submission],
+    out: Path,
+    course: Course,
+) -> None:
+    """Compare the class, write what is derived from all results, and tell what was done."""
+    zone = catalog_of(course).course.zone
+    with writing(out):
+        compare_class(found, out, course.exercises, zone)
     for last in (batch.attempts[-1] for batch in batches):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = map(str, write_tables(out, catalog_of(course).course.zone))
+        files = map(str, write_tables(out, zone))
     for line in (*task_lines(results_in(out)), *broken_lines(results_in(out))):
         say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))
