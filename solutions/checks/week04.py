@@ -36,7 +36,7 @@ def turns_half_round(evidence: Evidence) -> Verdict:
     if not evidence.returns or not isinstance(evidence.returns[-1], list) or len(evidence.returns[-1]) != 3:
         return failed("no pose of three numbers came back", "a value is of the wrong kind")
     yaw = evidence.returns[-1][2]
-    if isinstance(yaw, float) and abs(math.remainder(yaw - math.pi, math.tau)) < 1e-6:
+    if isinstance(yaw, float) and math.isfinite(yaw) and abs(math.remainder(yaw - math.pi, math.tau)) < 1e-6:
         return passed("as expected")
     mistake = "the turn does not take the shorter way round"
     return failed(mistake, mistake)

@@ -1,13 +1,17 @@
-"""100,000 hostile streams into the evidence parser and the judge: no exception escapes, memory stays flat.
+"""100,000 judgements and 100,000 inputs of parsers: no exception escapes, nothing takes beyond its time.
 
-The streams are made here and swallowed in a process of its own, whose memory hypothesis has no part in.
+    python tests/benchmarks/bench_fuzz.py [JUDGEMENTS [INPUTS]]
+
+Half of the judgements are every word of the vocabulary over made-up evidence, half are the course's own
+checks over what its solutions published and returned, spoilt. A fifth of the inputs are streams of a hostile
+process, swallowed, stored and judged; the others are spoilt notebooks, layouts, parameters and evidence.
 """
 
-import gc
+import random
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 from hypothesis import HealthCheck, given, settings
@@ -16,44 +20,59 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from course_lib.ros.standin_path import install
 from tests.hostile.fuzzing import streams, swallow
+from tests.hostile.judging import course_over, right_runs, words_over
+from tests.hostile.parsing import parse_any
 
-install()  # here and in the process that swallows
-
-EXAMPLES = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
-BATCH = 500
-WARM_UP = 5  # batches, until every import and every cache of bounded size is there
+JUDGEMENTS = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+INPUTS = int(sys.argv[2]) if len(sys.argv) > 2 else 100_000
+ROUNDS = 50
 
 
-def swallow_all(batch: list[bytes]) -> float:
-    """Swallow streams; returns the memory [MB] that this process has then."""
-    for stream in batch:
+def until(count: int, judge: Callable[[int], int]) -> int:
+    """Judge so often at least; `judge` gets a seed and returns how often it judged."""
+    done = seed = 0
+    while done < count:
+        done += judge(seed)
+        seed += 1
+    return done
+
+
+def memory() -> float:
+    """Return what this process holds, [MB]."""
+    return int(Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0]) / 1024
+
+
+def swallow_streams(count: int) -> None:
+    """Swallow so many streams of a hostile process."""
+
+    @settings(max_examples=count, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+    @given(streams)
+    def fuzz(stream: bytes) -> None:
         swallow(stream)
-    gc.collect()
-    status = Path("/proc/self/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+
+    fuzz()
+
+
+def main() -> None:
+    install()
+    warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, over infinite numbers
+    start = time.perf_counter()
+    words = until(JUDGEMENTS // 2, lambda seed: words_over(random.Random(seed), ROUNDS))
+    held = memory()
+    runs = right_runs()
+    course = until(JUDGEMENTS // 2, lambda seed: course_over(random.Random(seed), runs, ROUNDS))
+    took = time.perf_counter() - start
+    print(f"{words + course} judgements in {took:.0f} s, none raised; {held:.0f} MB, then {memory():.0f} MB")
+    start, slowest = time.perf_counter(), 0.0
+    chance = random.Random(0)
+    for _ in range(INPUTS * 4 // 5):
+        slowest = max(slowest, parse_any(chance))
+    swallow_streams(INPUTS // 5)
+    took = time.perf_counter() - start
+    print(
+        f"{INPUTS} inputs in {took:.0f} s, none escaped; the slowest took {slowest:.2f} s; {memory():.0f} MB"
+    )
 
 
 if __name__ == "__main__":
-    batch: list[bytes] = []
-    memory: list[float] = []
-    start = time.perf_counter()
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-
-        @settings(
-            max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), database=None
-        )
-        @given(streams)
-        def fuzz(stream: bytes) -> None:
-            batch.append(stream)
-            if len(batch) == BATCH:
-                memory.append(pool.submit(swallow_all, batch).result())
-                batch.clear()
-
-        fuzz()
-        memory.append(pool.submit(swallow_all, batch).result())
-    seconds = time.perf_counter() - start
-    after = memory[min(WARM_UP, len(memory) - 1)]
-    print(
-        f"{EXAMPLES} streams in {seconds:.0f} s, none escaped; {after:.1f} MB after {WARM_UP * BATCH}, "
-        f"{memory[-1]:.1f} MB at the end, {max(memory):.1f} MB at most"
-    )
+    main()

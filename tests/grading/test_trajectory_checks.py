@@ -58,6 +58,13 @@ def test_what_is_wrong_is_named(evidence: MakeEvidence, wrong: Any, message: str
     assert (verdict.score, verdict.message, verdict.mistake) == (0.0, message, mistake)
 
 
+def test_a_stamp_before_1970_is_the_students_mistake(evidence: MakeEvidence) -> None:
+    at, topic, message = sent()
+    message.header.stamp.sec = -1
+    verdict = CHECK.judge(evidence((at, topic, message)))
+    assert verdict.message == "the controller says: Seconds value must not be negative"
+
+
 def test_a_trajectory_that_did_not_come_is_missed(evidence: MakeEvidence) -> None:
     assert "nothing was published on" in CHECK.judge(evidence()).message
     second = expect_trajectory(TOPIC, {"lift": 1.5, "elbow": 0.5}, index=1, at=1.0, seconds=3.0)

@@ -1,0 +1,131 @@
+"""Every word of the vocabulary, and every check of the course, over made-up and spoilt evidence."""
+
+import random
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.grading import vocabulary as v
+from course_lib.grading.catalog import load_catalog
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.exercise_run import run_scenarios
+from course_lib.grading.inputs import header, pose, transforms
+from course_lib.grading.job import Job, plan
+from course_lib.grading.judge import CHECK_SECONDS, Run
+from course_lib.grading.notebook import parse_notebook
+from course_lib.grading.task import Message
+from course_lib.grading.time_limit import time_limit
+from course_lib.grading.working_files import working_files
+from tests.hostile.made_up import made_up, spoilt_evidence
+
+T = "/topic"
+SCAN = {"angle_max": 1.0, "angle_increment": 0.1, "range_max": 9.0, "ranges": [1.0] * 11}
+ROBOT = (
+    transforms([pose("map", "laser", (1.0, 0.0, 0.0))], 0.1),
+    Message("/scan", "sensor_msgs/msg/LaserScan", {"header": header(0.1, "laser"), **SCAN}, at=0.2),
+)
+MARKER, ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray"
+JOINTS, TF = "sensor_msgs/msg/JointState", "tf2_msgs/msg/TFMessage"
+SQUARE = ((0, 0, 0), (1, 0, 0), (1, 1, 0))
+# Each word with arguments that use all that it can look at; and the topics with what it expects there.
+WORDS: tuple[tuple[str, Check], ...] = (
+    ("expect_circle", v.expect_circle(T, radius=2.0, height=0.0, period=5.0, counter_clockwise=True)),
+    ("expect_circle", v.expect_circle(T, radius=1.0, ns="", id=1, type="CUBE")),
+    ("expect_circling_frame", v.expect_circling_frame("map", "base_link", radius=2.0, heading=0.0)),
+    ("expect_display", v.expect_display("LaserScan", "/scan", properties={"Topic/Depth": 5})),
+    ("expect_drawn", v.expect_drawn("LaserScan", ROBOT)),
+    ("expect_drawn", v.expect_drawn("TF", ROBOT)),
+    ("expect_fact", v.expect_fact("image_rate", serial=3)),
+    ("expect_fact", v.expect_fact("threshold", serial=3)),
+    ("expect_joint_states", v.expect_joint_states(["joint_1", "joint_2"])),
+    ("expect_joint_swing", v.expect_joint_swing("joint_1", amplitude=0.5, hz=1.0)),
+    ("expect_joint_swing", v.expect_joint_swing("joint_1", amplitude=0.0, hz=1.0)),
+    ("expect_layout", v.expect_layout(fixed_frame="map", view="Orbit", view_properties={"Focal/X": 1.0})),
+    ("expect_level", v.expect_level("WARN", says="slow", begin=0.0, end=3.0)),
+    ("expect_marker", v.expect_marker(T, type="CUBE", frame="map", position=(0, 0, 0), yaw=0.0)),
+    ("expect_marker", v.expect_marker(T, color=(1, 0, 0, 1), text="a", points=SQUARE, lifetime=1.0)),
+    ("expect_marker", v.expect_marker(T, ns="", id=0, scale=(1, 1, 1))),
+    ("expect_marker_count", v.expect_marker_count(T, 3, type="SPHERE")),
+    ("expect_message", v.expect_message(T, {"header.frame_id": "map", "status.0.name": "a", "pose": [1.0]})),
+    ("expect_parameters", v.expect_parameters("/node", {"rate": 5.0, "names": ["a", "b"], "n": 3})),
+    ("expect_path", v.expect_path(T, count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.0)),
+    ("expect_rate", v.expect_rate(T, 10.0, begin=0.5, end=2.5)),
+    ("expect_stamps", v.expect_stamps(T)),
+    ("expect_text", v.expect_text("fixed frame")),
+    ("expect_topic", v.expect_topic(T, MARKER, at_least=2)),
+    ("expect_trajectory", v.expect_trajectory(T, {"joint_1": 1.0}, at=0.0, seconds=1.0)),
+    ("expect_transform", v.expect_transform("map", "base_link", translation=(1, 0, 0), yaw=0.0)),
+    ("expect_transform", v.expect_transform("map", "odom", at=1.0)),
+    ("expect_value", v.expect_value({"x": [1.0, None, "a", True]})),
+    ("expect_value", v.expect_value([1.0, 2.0], call=1)),
+    ("expect_value", v.expect_value(1.0, call=2)),
+)  # fmt: skip
+ON_TOPIC = (
+    MARKER, ARRAY, JOINTS, "nav_msgs/msg/Path", "trajectory_msgs/msg/JointTrajectory",
+    "action_msgs/msg/GoalStatusArray", "visualization_msgs/msg/InteractiveMarkerUpdate",
+    "std_msgs/msg/String", "sensor_msgs/msg/LaserScan",
+)  # fmt: skip
+FIXED = (
+    ("/joint_states", JOINTS), ("/tf", TF), ("/tf_static", TF),
+    ("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
+)  # fmt: skip
+
+
+def judge(check: Check, evidence: Evidence) -> None:
+    """Judge once; the check must give a score from 0 to 1, and in its time.
+
+    Raises:
+        AssertionError: The check raised something; names the check, the exception and the evidence.
+    """
+    try:
+        with time_limit(CHECK_SECONDS):
+            verdict = check.judge(evidence)
+        assert 0 <= float(verdict.score) <= 1, verdict
+    except Exception as error:
+        topics = sorted(evidence.topics.items())
+        what = f"{check.title}: {error!r} over {topics}, {evidence.returns!r:.300}"
+        raise AssertionError(what) from error
+
+
+def words_over(chance: random.Random, rounds: int) -> int:
+    """Judge made-up evidence by every word; returns the number of judgements."""
+    for _ in range(rounds):
+        evidence = made_up(chance, ((T, chance.choice(ON_TOPIC)), *FIXED), seconds=3.0)
+        for _, check in WORDS:
+            judge(check, evidence)
+    return rounds * len(WORDS)
+
+
+def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
+    """Return what comes out of the solutions, with the checks that judge it."""
+    catalog = load_catalog(exercises_dir(), solutions_dir())
+    runs: list[Run] = []
+    for week in weeks or catalog.course.weeks:
+        path, tasks = solutions_dir() / f"{week}_solution.ipynb", catalog.of_week(week)
+        if tasks:
+            cells = parse_notebook(path.read_bytes(), path.name).cells
+            steps = plan(tasks, catalog, hidden=True)
+            job = Job(cells, "fuzz", steps, catalog.course.limits, working_files(path, cells))
+            runs += run_scenarios(job).runs
+    return runs
+
+
+def checks_of(run: Run) -> Iterator[Check]:
+    """Yield the checks of a scenario and what they require."""
+    waiting: list[Any] = list(run.scenario.checks)
+    while waiting:
+        check = waiting.pop()
+        waiting += check.requires
+        yield check
+
+
+def course_over(chance: random.Random, runs: Sequence[Run], rounds: int) -> int:
+    """Judge spoilt evidence by the checks of its scenario; returns the number of judgements."""
+    judged = 0
+    for _ in range(rounds):
+        run = chance.choice(runs)
+        evidence = spoilt_evidence(chance, run.evidence)
+        for check in checks_of(run):
+            judge(check, evidence)
+            judged += 1
+    return judged

@@ -1,0 +1,89 @@
+"""What parses the files and texts of students: each takes anything, or says what is wrong with it."""
+
+import json
+import random
+import time
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+from course_lib.displays.layout import layout_of
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.exercise_run import ExerciseRun
+from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.job import Step
+from course_lib.grading.judge import Run
+from course_lib.grading.notebook import parse_notebook
+from course_lib.grading.runner import CellLog
+from course_lib.grading.store import pack, unpack
+from course_lib.grading.task import Scenario, Task
+from course_lib.grading.time_limit import time_limit
+from course_lib.ros.parameter_yaml import read_text
+from tests.hostile.made_up import made_text, spoilt
+
+SECONDS = 5.0  # [s] of processor time for one input
+TASK = Task("week01.any", "Any", "value", "any", ("a", "b", "c"), (Scenario("public"),))
+STEPS = [Step(TASK, TASK.scenarios[0])]
+
+
+@cache
+def notebook() -> bytes:
+    """Return an exercise as students get it."""
+    return (Path(__file__).parents[2] / "exercises" / "week01_exercise.ipynb").read_bytes()
+
+
+@cache
+def stored() -> bytes:
+    """Return stored evidence."""
+    run = Run(TASK.scenarios[0], Evidence(TASK.id, "public", 1.0, returns=(1, "a", [1.0])))
+    return pack(ExerciseRun((), (run,), CellLog(), Isolation()))
+
+
+def _notebook(chance: random.Random) -> None:
+    data = spoilt(chance, notebook())
+    if chance.random() < 0.5:  # JSON still, of another form
+        content = json.loads(notebook())
+        key = chance.choice(("cells", "metadata", "nbformat", "worksheets"))
+        content[key] = chance.choice(
+            (None, [], {}, 4, "x", [None], [{}], [{"cell_type": "code", "source": 3}])
+        )
+        data = json.dumps(content).encode()
+    parse_notebook(data, "week01_exercise.ipynb")
+
+
+def _layout(chance: random.Random) -> None:
+    layout_of(made_text(chance), "the layout")
+
+
+def _parameters(chance: random.Random) -> None:
+    read_text(made_text(chance))
+
+
+def _stored(chance: random.Random) -> None:
+    unpack(spoilt(chance, stored()), STEPS)
+
+
+# Each parser with what it may raise.
+PARSERS: tuple[tuple[Callable[[random.Random], None], type[Exception]], ...] = (
+    (_notebook, CourseError),
+    (_layout, CourseError),
+    (_parameters, ValueError),
+    (_stored, CourseError),
+)
+
+
+def parse_any(chance: random.Random) -> float:
+    """Parse one made-up input; returns the processor time that it took, [s].
+
+    Raises:
+        Exception: The parser raised what it does not announce, or took too long.
+    """
+    parse, announced = chance.choice(PARSERS)
+    start = time.process_time()
+    try:
+        with time_limit(SECONDS):
+            parse(chance)
+    except announced:
+        pass  # it says what is wrong, and the class goes on
+    return time.process_time() - start
