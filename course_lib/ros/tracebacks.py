@@ -32,18 +32,25 @@ def _repeat(frames: Sequence[FrameSummary]) -> bool:
     return len({(frame.filename, frame.lineno) for frame in frames[SHOWN:-SHOWN]}) <= SHOWN
 
 
-def without_the_kit(trace: TracebackType | None) -> TracebackType | None:
-    """Copy a traceback without the kit's frames; one that has no others stays whole."""
+def without_the_kit(trace: TracebackType | None) -> tuple[TracebackType | None, int]:
+    """Copy a traceback without the kit's frames and without the middle of very many frames.
+
+    Returns:
+        The copy, and how many frames of the middle it lacks. Where all frames are the kit's, it has them.
+    """
     frames = []
     step = trace
     while step is not None:
         frames.append(step)
         step = step.tb_next
     own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(KIT)]
+    hidden = len(own) - 2 * SHOWN
+    if hidden > SHOWN:
+        own = own[:SHOWN] + own[-SHOWN:]
     shortened: TracebackType | None = None
     for frame in reversed(own):
         shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
-    return shortened or trace
+    return shortened or trace, hidden if hidden > SHOWN else 0
 
 
 def print_error(error: BaseException) -> None:

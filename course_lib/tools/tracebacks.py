@@ -28,5 +28,8 @@ def _show(
         shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
     else:
         add_hint(error)
-        shell.showtraceback((kind, error, without_the_kit(trace)), tb_offset=tb_offset)
+        own, hidden = without_the_kit(trace)
+        if hidden:
+            error.add_note(f"({hidden} frames in the middle are not shown)")
+        shell.showtraceback((kind, error, own), tb_offset=tb_offset)
     return []
