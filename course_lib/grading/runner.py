@@ -120,6 +120,8 @@ class Session:
     def _end(self, worker: WorkerProcess) -> None:
         worker.close()
         self.usage += worker.usage
+        if worker.usage.fills(self._limits.scratch_megabytes):
+            self.log.limit = self.log.limit or "size"
 
     def _left(self) -> float:
         return self._deadline - wall.monotonic()

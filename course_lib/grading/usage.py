@@ -12,14 +12,23 @@ _RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3  # getrusage counts bytes
 
 @dataclass(frozen=True)
 class Usage:
-    """CPU of all processes together [s], and the most memory that one of them held [MB]."""
+    """CPU of all processes together [s], and the most memory that one of them held [MB].
+
+    Where files are on a disk, also the most that they took [MB]; else the kernel bounds them.
+    """
 
     cpu_seconds: float = 0.0
     memory_megabytes: float = 0.0
+    files_megabytes: float = 0.0
 
     def __add__(self, other: "Usage") -> "Usage":
         memory = max(self.memory_megabytes, other.memory_megabytes)
-        return Usage(round(self.cpu_seconds + other.cpu_seconds, 3), memory)
+        files = max(self.files_megabytes, other.files_megabytes)
+        return Usage(round(self.cpu_seconds + other.cpu_seconds, 3), memory, files)
+
+    def fills(self, megabytes: float) -> bool:
+        """Return whether all files take far more than the limit of a single one."""
+        return self.files_megabytes > 2 * megabytes
 
     def as_json(self) -> str:
         """Write it as a file, or into a message."""

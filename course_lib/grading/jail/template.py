@@ -16,10 +16,12 @@ from collections.abc import Collection
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
+from select import select
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail.layers import enter, working_layers
 from course_lib.grading.jail.place import Place, settle
+from course_lib.grading.jail.quota import EVERY, stop_writing
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
 from course_lib.grading.usage import Usage, wait_any_child
 from course_lib.grading.worker import Worker, warm_up
@@ -38,7 +40,8 @@ class Template:
     def __init__(self, control: socket.socket, place: Place, off: Collection[str]) -> None:
         self._control, self._place = control, place
         self._shell = warm_up()
-        self._submission = 0  # its first process
+        self._submission = 0  # its first process; 0 for none
+        self._limits, self._files = Limits(), Usage()
         with suppress(OSError):  # not Linux
             prctl(CHILD_SUBREAPER, 1)
             prctl(DUMPABLE, 0)
@@ -49,6 +52,7 @@ class Template:
         """Start and stop submissions until the grader is gone."""
         self._control.send(json.dumps(self._layers).encode())
         while True:
+            self._watch()
             message, descriptors, *_ = socket.recv_fds(self._control, 2**16, 2)
             if not message:
                 break
@@ -59,8 +63,15 @@ class Template:
                 for module in wanted["imports"]:  # the first submission pays for all that follow
                     importlib.import_module(module)
                 gc.freeze()  # so that collections in forks leave its memory shared
-                self._start(Limits(**wanted["limits"]), descriptors)
+                self._limits = Limits(**wanted["limits"])
+                self._start(self._limits, descriptors)
         self._stop()
+
+    def _watch(self) -> None:
+        """Wait for the grader, and bound meanwhile what a submission writes to the disk."""
+        has_own = "namespaces" in self._layers or "limits" not in self._layers or sys.platform != "linux"
+        while not select([self._control], [], [], None if has_own or not self._submission else EVERY)[0]:
+            self._files += stop_writing(self._place.scratch, self._limits.scratch_megabytes)
 
     def _start(self, limits: Limits, descriptors: list[int]) -> None:
         self._submission = os.fork()
@@ -86,9 +97,9 @@ class Template:
 
     def _stop(self) -> Usage:
         """Kill the submission and all that it has started: orphans become children of this process."""
-        usage = Usage()
+        usage, self._files = self._files, Usage()
         while True:
-            for pid in _children() or [self._submission]:
+            for pid in _children() or [self._submission] * bool(self._submission):
                 with suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
             try:
@@ -97,6 +108,7 @@ class Template:
                 break
         if "namespaces" not in self._layers:  # with them nothing is left
             clear(self._place.scratch)
+        self._submission = 0
         return usage
 
 

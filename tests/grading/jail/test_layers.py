@@ -105,6 +105,15 @@ def test_folders_in_folders_are_cleared_away() -> None:
         assert template.is_sound
 
 
+def test_files_on_a_disk_are_bounded_all_together() -> None:
+    cells = ["for n in range(10**5): open(str(n), 'wb').write(bytes(10**6))", "answer = 1"]
+    limits = Limits(scratch_megabytes=16)
+    with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
+        with closing(Session(cells, {ANSWER.id: {}}, limits, template)) as session:
+            assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+        assert session.log.limit == "size"
+
+
 @pytest.mark.parametrize(
     ("layers", "need", "refused"),
     [
