@@ -1,13 +1,18 @@
 """The words that check files are written in; each gives a `Check`."""
 
 from course_lib.grading.vocabulary.diagnostics import expect_fact, expect_level
-from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing
+from course_lib.grading.vocabulary.joints import (
+    expect_joint_states,
+    expect_joint_swing,
+    expect_joints_still,
+)
 from course_lib.grading.vocabulary.layouts import expect_display, expect_drawn, expect_layout
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
 from course_lib.grading.vocabulary.motion import expect_circle
 from course_lib.grading.vocabulary.parameters import expect_parameters
 from course_lib.grading.vocabulary.paths import expect_path
 from course_lib.grading.vocabulary.topics import (
+    expect_frame,
     expect_message,
     expect_rate,
     expect_stamps,
@@ -20,8 +25,8 @@ from course_lib.grading.vocabulary.values import expect_text, expect_value
 
 __all__ = [
     "expect_circle", "expect_circling_frame", "expect_display", "expect_drawn", "expect_fact",
-    "expect_joint_states", "expect_joint_swing", "expect_layout", "expect_level", "expect_marker",
-    "expect_marker_count", "expect_message", "expect_parameters", "expect_path", "expect_rate",
-    "expect_stamps", "expect_text", "expect_throughout", "expect_topic", "expect_trajectory",
-    "expect_transform", "expect_value",
+    "expect_frame", "expect_joint_states", "expect_joint_swing", "expect_joints_still", "expect_layout",
+    "expect_level", "expect_marker", "expect_marker_count", "expect_message", "expect_parameters",
+    "expect_path", "expect_rate", "expect_stamps", "expect_text", "expect_throughout", "expect_topic",
+    "expect_trajectory", "expect_transform", "expect_value",
 ]  # fmt: skip
