@@ -22,6 +22,7 @@ class Found:
         center: Of its box, [m].
         size: Edges of its box, [m].
         confidence: 0 to 1, or a value of the student's own, `my(...)`.
+        yaw: Turn of its box about z, [rad].
     """
 
     track: int
@@ -29,6 +30,7 @@ class Found:
     center: Vector
     size: Vector
     confidence: Any
+    yaw: float = 0.0
 
 
 def header(at: float, frame: str) -> dict[str, Any]:
@@ -48,6 +50,11 @@ def corners(center: Vector, size: Vector) -> list[list[float]]:
     return [list(corner) for corner in product(*ends)]
 
 
+def turned(yaw: float) -> dict[str, float]:
+    """The quaternion of a turn about z, [rad], as the fields of an orientation."""
+    return {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
+
+
 def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
     """What a detector says on `/objects`, `at` [s] after the start."""
     fields = {
@@ -59,8 +66,7 @@ def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> M
 
 def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
     """The transform child to parent of `transforms`: translation in [m], yaw about z in [rad]."""
-    turn = {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
-    placed = {"translation": xyz(translation), "rotation": turn}
+    placed = {"translation": xyz(translation), "rotation": turned(yaw)}
     return {"parent": parent, "child_frame_id": child, "transform": placed}
 
 
@@ -145,8 +151,9 @@ def _parameter(value: Any) -> Mapping[str, Any]:
 
 
 def _detection(found: Found) -> Mapping[str, Any]:
+    center = {"position": xyz(found.center), "orientation": turned(found.yaw)}
     return {
         "id": str(found.track),
-        "bbox": {"center": {"position": xyz(found.center)}, "size": xyz(found.size)},
+        "bbox": {"center": center, "size": xyz(found.size)},
         "results": [{"hypothesis": {"class_id": found.label, "score": found.confidence}}],
     }

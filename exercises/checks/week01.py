@@ -7,6 +7,7 @@ from course_lib.grading.evidence import Check, with_formal
 from course_lib.grading.task import Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
     expect_circle,
+    expect_frame,
     expect_marker,
     expect_marker_count,
     expect_message,
@@ -43,7 +44,7 @@ def steady(*content: Check, hz: float) -> tuple[Check, ...]:
     """What counts is published all the time; the rate [Hz], the stamps and the frame are formal."""
     always = expect_throughout(TOPIC).titled("published from beginning to end").worth(0)
     formal = (
-        expect_marker(TOPIC, frame="map").titled("in the frame map"),
+        expect_frame(TOPIC, "map").titled("in the frame map"),
         expect_rate(TOPIC, hz).titled(f"{hz:g} times a second" if hz > 1 else "once a second"),
         expect_stamps(TOPIC).titled("stamped with the time of publishing"),
     )
@@ -132,7 +133,6 @@ TRAFFIC_LIGHT = Task(
                         TOPIC,
                         type="SPHERE",
                         ns="traffic_light",
-                        frame="map",
                         position=(0.0, 0.0, height),
                         scale=(0.4, 0.4, 0.4),
                         color=(*color, 1.0),
@@ -162,7 +162,7 @@ PURPLE_CIRCLE = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=6.0,  # [s]
+            seconds=12.0,  # [s]
             seed=1,
             checks=steady(
                 expect_marker(TOPIC, type="SPHERE", scale=(0.5, 0.5, 0.5), color=(*PURPLE, 1.0)).titled(

@@ -2,15 +2,20 @@
 
 import math
 
+from course_lib.grading.evidence import with_formal
 from course_lib.grading.inputs import scan, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
+    expect_frame,
     expect_joint_states,
     expect_joint_swing,
+    expect_joints_still,
     expect_marker,
     expect_marker_count,
     expect_rate,
     expect_stamps,
+    expect_throughout,
+    expect_topic,
     expect_value,
 )
 
@@ -26,7 +31,12 @@ NAMES = (
 UR10 = [["z", [0.0, 0.0, 0.1273]], ["y", [0.0, 0.220941, 0.0]], ["y", [0.0, -0.1719, 0.612]]]  # axes, [m]
 WRIST = [0.0, 0.0, 0.5723]  # [m] in the forearm's frame
 SIDE, FORWARD, UP = 0.220941 - 0.1719, 0.612 + 0.5723, 0.1273  # [m]
+WRISTS = {f"wrist_{number}_joint": 0.0 for number in (1, 2, 3)}  # [rad]
+POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist_3": 0}  # [deg]
 RANGES = (math.inf, 3.0, 1.5, 0.05, 2.0, 4.0, math.inf)  # [m]; 0.05 is less than range_min
+EARLIER = (math.nan, 3.0, 2.5, 2.5, 1.2, 4.0, math.inf)
+NOTHING = (math.inf, 0.05, math.nan, 31.0, math.inf, 0.0, -math.inf)  # 31 is more than range_max
+SCANS = (EARLIER, EARLIER, NOTHING, EARLIER, NOTHING, RANGES)  # twice a second
 NEAREST = (1.5 * math.cos(-0.5), 1.5 * math.sin(-0.5), 0.0)  # [m]
 
 JOINT_WAVE = Task(
@@ -44,13 +54,21 @@ JOINT_WAVE = Task(
             "public",
             seconds=5.0,  # [s]
             seed=1,
-            checks=(
-                expect_joint_states(NAMES).titled("six names, six positions"),
-                expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25)
-                .titled("the shoulder swings by your amplitude")
-                .worth(2),
-                expect_rate(STATES, 50.0).titled("50 times a second").worth(0.5),
-                expect_stamps(STATES).titled("stamped with the time").worth(0.5),
+            checks=with_formal(
+                (
+                    expect_joint_states(NAMES, moving=True).titled("six names, six positions"),
+                    expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25)
+                    .titled("the shoulder swings by your amplitude, and first rises")
+                    .worth(2),
+                    expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5).titled(
+                        "the elbow swings by 0.5 rad"
+                    ),
+                    expect_joints_still({"shoulder_lift_joint": -1.2, **WRISTS}).titled(
+                        "the shoulder lift stands at -1.2 rad, the wrists at 0"
+                    ),
+                ),
+                expect_rate(STATES, 50.0).titled("50 times a second"),
+                expect_stamps(STATES).titled("stamped with the time"),
             ),
         ),
     ),
@@ -96,11 +114,22 @@ TOOL_PLACE = Task(
                 Call(UR10, [0.0, math.pi / 2, 0.0], WRIST),
                 Call(UR10, [math.pi / 2, math.pi / 2, 0.0], WRIST),
                 Call(UR10, [0.0, 0.0, 0.0], WRIST),
+                Call(UR10, [0.0, math.pi / 2, -math.pi / 2], WRIST),
+                Call([["x", [1.0, 0.0, 0.0]]], [math.pi / 2], [0.5, 0.0, 0.2]),
             ),
             checks=(
                 expect_value([FORWARD, SIDE, UP], call=0, unit="m", name="the wrist, arm straight ahead"),
                 expect_value([-SIDE, FORWARD, UP], call=1, unit="m", name="the wrist, turned to the left"),
                 expect_value([0.0, SIDE, UP + FORWARD], call=2, unit="m", name="the wrist, arm straight up"),
+                expect_value(
+                    [0.612, SIDE, UP + 0.5723],
+                    call=3,
+                    unit="m",
+                    name="the wrist, elbow bent (first the shift, then the turn),",
+                ).titled("the wrist, elbow bent: first the shift, then the turn"),
+                expect_value(
+                    [1.5, -0.2, 0.0], call=4, unit="m", name="the tip of one joint that turns about x"
+                ),
             ),
         ),
     ),
@@ -121,17 +150,31 @@ MENDED_STATES = Task(
             "public",
             seconds=4.0,  # [s]
             seed=1,
-            checks=(
-                expect_joint_states(NAMES).titled("all six joints have a name and a position").worth(3),
-                expect_joint_swing("elbow_joint", amplitude=0.0, hz=0.0, middle=math.radians(60)).titled(
-                    "the elbow stands at 60°"
+            checks=with_formal(
+                (
+                    expect_joint_states(NAMES, moving=True)
+                    .titled("all six joints have a name and a position")
+                    .worth(2),
+                    expect_joint_swing("shoulder_pan_joint", amplitude=math.radians(30), hz=0.5).titled(
+                        "the shoulder swings by 30°"
+                    ),
+                    expect_joints_still(
+                        {f"{name}_joint": math.radians(angle) for name, angle in POSE.items()}
+                    ).titled("the other joints stand at their angles"),
                 ),
-                expect_joint_swing("shoulder_pan_joint", amplitude=math.radians(30), hz=0.5).titled(
-                    "the shoulder swings by 30°"
-                ),
+                expect_rate(STATES, 20.0).titled("20 times a second"),
+                expect_stamps(STATES).titled("stamped with the time"),
             ),
         ),
     ),
+)
+
+COUNTING = sum(ranges is not NOTHING for ranges in SCANS)
+AGAIN = expect_throughout("/nearest").titled("published again and again").worth(0)
+SPHERE = (
+    expect_marker("/nearest", type="SPHERE", scale=(0.2, 0.2, 0.2), color=(1.0, 0.0, 0.0, 1.0))
+    .titled("a red sphere of 0.2 m")
+    .requiring(AGAIN)
 )
 
 NEAREST_OBSTACLE = Task(
@@ -149,11 +192,28 @@ NEAREST_OBSTACLE = Task(
             "public",
             seconds=3.0,  # [s]
             seed=1,
-            inputs=tuple(scan(RANGES, at=0.3 + step / 2, first=-1.5, step=0.5) for step in range(5)),
+            inputs=tuple(
+                scan(ranges, at=0.3 + step / 2, first=-1.5, step=0.5) for step, ranges in enumerate(SCANS)
+            ),
             checks=(
-                expect_marker_count("/nearest", 1, type="SPHERE").titled("one sphere"),
-                expect_marker("/nearest", position=NEAREST).titled("where the nearest beam ends"),
-                expect_marker("/nearest", frame="laser", scale=(0.2, 0.2, 0.2)).titled("frame and size"),
+                AGAIN,
+                *with_formal(
+                    (
+                        SPHERE,
+                        expect_marker("/nearest", position=NEAREST)
+                        .titled("where the nearest beam ends")
+                        .requiring(AGAIN)
+                        .worth(2),
+                        expect_topic(
+                            "/nearest", "visualization_msgs/msg/Marker", at_least=COUNTING, at_most=COUNTING
+                        )
+                        .titled("one for each scan in which a beam counts, none for the others")
+                        .requiring(SPHERE),
+                        expect_marker_count("/nearest", 1).titled("one sphere").requiring(SPHERE).worth(0.5),
+                    ),
+                    expect_frame("/nearest", "laser").titled("in the frame of the scan"),
+                    expect_stamps("/nearest").titled("with the stamp of the scan"),
+                ),
             ),
         ),
     ),

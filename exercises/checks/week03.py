@@ -3,18 +3,37 @@
 from dataclasses import replace
 from typing import Any
 
-from course_lib.grading.inputs import Found, detections, xyz
+from course_lib.grading.evidence import Check, with_formal
+from course_lib.grading.inputs import Found, detections, turned, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import expect_marker, expect_marker_count, expect_stamps, expect_value
+from course_lib.grading.vocabulary import (
+    expect_frame,
+    expect_marker,
+    expect_marker_count,
+    expect_stamps,
+    expect_topic,
+    expect_value,
+)
 
-MARKERS = "/detections"
+MARKERS, ARRAY = "/detections", "visualization_msgs/msg/MarkerArray"
 ABOVE = 0.5  # [m] between the top of a box and its label
 
 PERSON = Found(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
-CAR = Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.88)
+CAR = Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
 BICYCLE = Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.75)
 OBJECTS = (PERSON, CAR, BICYCLE)
-TWICE_A_SECOND = tuple(detections(OBJECTS, at=0.4 + step / 2) for step in range(6))
+COUNT = 6  # messages, twice a second
+
+
+def walked(found: Found, steps: int) -> Found:
+    """The same object some steps of 0.3 m to the left."""
+    x, y, z = found.center
+    return replace(found, center=(x, y + 0.3 * steps, z))
+
+
+TWICE_A_SECOND = tuple(
+    detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2) for step in range(COUNT)
+)
 
 
 def color_of(confidence: float) -> tuple[float, float, float, float]:
@@ -25,7 +44,14 @@ def color_of(confidence: float) -> tuple[float, float, float, float]:
 def expected_box(found: Found) -> dict[str, Any]:
     """What a check of the box of a detection compares."""
     color = color_of(found.confidence)
-    return {"id": found.track, "position": found.center, "scale": found.size, "color": color}
+    place = {"position": found.center, "scale": found.size, "yaw": found.yaw}
+    return {"type": "CUBE", "id": found.track, **place, "color": color}
+
+
+def above(found: Found) -> tuple[float, float, float]:
+    """Where the centre of its label is, [m]."""
+    x, y, z = found.center
+    return x, y, z + found.size[2] / 2 + ABOVE
 
 
 def ghost(found: Found) -> Message:
@@ -35,11 +61,30 @@ def ghost(found: Found) -> Message:
         "ns": "expected",
         "id": found.track,
         "type": 1,
-        "pose": {"position": xyz(found.center)},
+        "pose": {"position": xyz(found.center), "orientation": turned(found.yaw)},
         "scale": xyz(found.size),
         "color": dict(zip("rgba", color_of(found.confidence), strict=True)),
     }
     return Message("/expected", "visualization_msgs/msg/Marker", fields)
+
+
+def from_messages(namespace: str, *content: Check, at: float | None = None) -> tuple[Check, ...]:
+    """The checks of content; namespace, frame and stamps are formal."""
+    return with_formal(
+        content,
+        expect_marker(MARKERS, ns=namespace, at=at).titled(f"in the namespace {namespace}"),
+        expect_frame(MARKERS, "base_link").titled("in the frame of the detections"),
+        expect_stamps(MARKERS).titled("stamped like the detections"),
+    )
+
+
+def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Check, ...]:
+    """The checks of what one array per message shows; the count comes first."""
+    again = expect_topic(MARKERS, ARRAY, at_least=COUNT).titled("a MarkerArray for each message").worth(0)
+    no_more = expect_topic(MARKERS, ARRAY, at_most=COUNT).titled("one MarkerArray for each message")
+    first = count.requiring(again)
+    content = (first, *(check.requiring(again) for check in details), no_more.requiring(first).worth(0.25))
+    return (again, *from_messages(namespace, *content))
 
 
 CONFIDENCE_COLOR = Task(
@@ -55,10 +100,11 @@ CONFIDENCE_COLOR = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(1.0), Call(0.75)),
+            calls=(Call(1.0), Call(0.75), Call(0.0)),
             checks=(
                 expect_value(color_of(1.0), call=0, name="the colour of 1.0"),
                 expect_value(color_of(0.75), call=1, name="the colour of 0.75"),
+                expect_value(color_of(0.0), call=2, name="the colour of 0.0"),
             ),
         ),
     ),
@@ -81,13 +127,16 @@ BOXES = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=TWICE_A_SECOND,
-            checks=(
+            checks=for_each_message(
+                "boxes",
                 expect_marker_count(MARKERS, 3, type="CUBE").titled("three boxes"),
-                expect_marker(MARKERS, type="CUBE", frame="base_link", **expected_box(CAR)).titled(
-                    "the car's box: place, size and colour"
+                *(
+                    expect_marker(MARKERS, **expected_box(found)).titled(
+                        f"the {found.label.lower()}'s box: id, place, turn, size and colour"
+                    )
+                    for found in OBJECTS
                 ),
                 expect_marker(MARKERS, lifetime=1.0).titled("a lifetime of 1 s"),
-                expect_stamps(MARKERS).titled("stamped like the detections"),
             ),
         ),
     ),
@@ -110,20 +159,33 @@ LABELS = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=TWICE_A_SECOND,
-            checks=(
+            checks=for_each_message(
+                "labels",
                 expect_marker_count(MARKERS, 3, type="TEXT_VIEW_FACING").titled("three labels"),
-                expect_marker(MARKERS, id=1, text="Person (0.95)").titled("what the person's label says"),
-                expect_marker(MARKERS, id=2, position=(5.0, -2.0, 0.8 + 0.8 + ABOVE)).titled(
-                    "0.5 m above the car's top"
+                *(
+                    expect_marker(MARKERS, id=found.track, text=text).titled(
+                        f"what the {found.label.lower()}'s label says"
+                    )
+                    for found, text in ((PERSON, "Person (0.95)"), (CAR, "Car (0.90)"))
                 ),
-                expect_marker(MARKERS, type="TEXT_VIEW_FACING", scale=(0.0, 0.0, my("letters"))).titled(
-                    "letters of your height, white"
+                *(
+                    expect_marker(MARKERS, id=found.track, position=above(found)).titled(
+                        f"0.5 m above the {found.label.lower()}'s top"
+                    )
+                    for found in (PERSON, CAR)
                 ),
+                expect_marker(MARKERS, scale=(None, None, my("letters"))).titled("letters of your height"),
+                expect_marker(MARKERS, color=(1.0, 1.0, 1.0, 1.0)).titled("white, alpha 1"),
+                expect_marker(MARKERS, lifetime=1.0).titled("a lifetime of 1 s"),
             ),
         ),
     ),
     personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; 0.3 is left out: it is the lesson's
 )
+
+JUST_SURE = Found(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
+NOT_SURE = Found(8, "Post", (4.0, 1.0, 0.5), (0.1, 0.1, 1.0), my("threshold", times=0.99))
+A_BOX = expect_marker(MARKERS, type="CUBE", at=1.0).titled("a box is there at first")
 
 SURE = Task(
     "week03.sure_boxes",
@@ -140,20 +202,54 @@ SURE = Task(
             "public",
             seconds=3.0,  # [s]
             seed=1,
-            inputs=(detections(OBJECTS, at=0.5), detections((PERSON, BICYCLE), at=2.0)),
-            checks=(
-                expect_marker(MARKERS, type="CUBE", **expected_box(PERSON)).titled(
-                    "the person's box is there"
+            inputs=(
+                detections((*OBJECTS, JUST_SURE, NOT_SURE), at=0.5),
+                detections((PERSON, BICYCLE), at=1.5),
+                detections((), at=2.5),
+            ),
+            checks=from_messages(
+                "boxes",
+                expect_marker_count(MARKERS, 3, type="CUBE", at=1.0).titled(
+                    "at first the person, the car, and a sign just at your threshold"
                 ),
-                expect_marker_count(MARKERS, 1, type="CUBE").titled(
-                    "at the end only what is sure and still there"
+                expect_marker(MARKERS, at=1.0, **expected_box(CAR)).titled("the car's box is right"),
+                expect_marker(MARKERS, at=1.0, id=JUST_SURE.track, position=JUST_SURE.center).titled(
+                    "at least your threshold: equal is enough"
                 ),
+                expect_marker(MARKERS, at=1.0, lifetime=0.0).titled("no lifetime").worth(0.5),
+                expect_marker(MARKERS, at=2.0, **expected_box(PERSON)).titled(
+                    "then the person's box is still there"
+                ),
+                expect_marker_count(MARKERS, 1, type="CUBE", at=2.0).titled(
+                    "and the boxes of the others are gone"
+                ),
+                expect_marker_count(MARKERS, 0, type="CUBE")
+                .titled("where nothing is detected, nothing is left")
+                .requiring(A_BOX)
+                .worth(0.5),
+                at=1.0,
             ),
         ),
     ),
     personal={"threshold": (0.77, 0.79, 0.81, 0.83, 0.85, 0.87)},
     ghost=(ghost(PERSON),),
 )
+
+STAMPS = (0.1, 0.6, 1.0, 1.6)  # [s]
+DELAYS = (0.0, 0.0, 0.04, 0.0)  # [s] of the arrival: velocities come from the stamps
+SEEN = (
+    (PERSON,),
+    (replace(PERSON, center=(2.5, 1.0, 0.9)), BICYCLE),
+    (replace(PERSON, center=(3.0, 1.0, 0.9)), replace(BICYCLE, center=(3.0, 3.2, 0.5))),
+    (replace(PERSON, center=(3.6, 1.0, 0.9)), replace(BICYCLE, center=(3.0, 3.5, 0.8)), CAR),
+)
+MET = tuple(
+    replace(detections(found, at=stamp), at=stamp + delay)
+    for found, stamp, delay in zip(SEEN, STAMPS, DELAYS, strict=True)
+)
+PERSON_ARROW = ((3.6, 1.0, 0.9), (4.6, 1.0, 0.9))  # [m], at 1 m/s
+BICYCLE_ARROW = ((3.0, 3.5, 0.8), (3.0, 4.0, 1.3))  # [m], at 0.5 m/s to the left and up
+ARROWS_AGAIN = expect_topic(MARKERS, ARRAY, at_least=3).titled("arrows from the second message on").worth(0)
 
 VELOCITY = Task(
     "week03.velocity_arrows",
@@ -170,14 +266,31 @@ VELOCITY = Task(
             "public",
             seconds=2.0,  # [s]
             seed=1,
-            inputs=tuple(
-                detections([replace(PERSON, center=(2.0 + 0.5 * step, 1.0, 0.9))], at=0.1 + 0.5 * step)
-                for step in range(4)
-            ),
+            inputs=MET,
             checks=(
-                expect_marker(MARKERS, type="ARROW", id=1).titled("an arrow for the person"),
-                expect_marker(MARKERS, type="ARROW", points=((3.5, 1.0, 0.9), (4.5, 1.0, 0.9))).titled(
-                    "from the centre to where it will be in 1 s"
+                ARROWS_AGAIN,
+                *from_messages(
+                    "velocities",
+                    *(
+                        check.requiring(ARROWS_AGAIN)
+                        for check in (
+                            expect_marker_count(MARKERS, 2, type="ARROW").titled(
+                                "an arrow for each that was met before"
+                            ),
+                            expect_marker(MARKERS, type="ARROW", id=1, points=PERSON_ARROW).titled(
+                                "the person's arrow: from the centre to where it will be in 1 s"
+                            ),
+                            expect_marker(MARKERS, type="ARROW", id=5, points=BICYCLE_ARROW).titled(
+                                "the bicycle's arrow: from the centre to where it will be in 1 s"
+                            ),
+                            expect_marker(
+                                MARKERS,
+                                type="ARROW",
+                                scale=(0.08, 0.2, None),
+                                color=(0.0, 0.0, 1.0, 1.0),
+                            ).titled("blue, shaft 0.08 m, head 0.2 m"),
+                        )
+                    ),
                 ),
             ),
         ),

@@ -1,7 +1,9 @@
 """Week 4, transforms: tasks, hints and public checks."""
 
 import math
+from typing import Any
 
+from course_lib.grading.evidence import Check, with_formal
 from course_lib.grading.inputs import header, pose, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
@@ -13,7 +15,7 @@ from course_lib.grading.vocabulary import (
     expect_value,
 )
 
-OUT = "/obstacle_in_map"
+OUT, POINT = "/obstacle_in_map", "geometry_msgs/msg/PointStamped"
 SEEN = (1.0, 0.2, 0.0)  # [m] the obstacle in camera_link
 ASKED = (0.57, 1.07, 2.52)  # [s] stamps of the obstacle, none of them that of a transform
 
@@ -27,13 +29,14 @@ def driving(at: float) -> Message:
 def obstacle(stamp: float, frame: str = "camera_link") -> Message:
     """The obstacle, 0.2 s after it was seen."""
     fields = {"header": header(stamp, frame), "point": xyz(SEEN)}
-    return Message("/obstacle", "geometry_msgs/msg/PointStamped", fields, at=stamp + 0.2)
+    return Message("/obstacle", POINT, fields, at=stamp + 0.2)
 
 
-def in_map(stamp: float) -> dict[str, float]:
+def in_map(stamp: float) -> dict[str, Any]:
     """Where the obstacle of a stamp is in the map, as fields of the message."""
     yaw, ahead, left = 0.5 * stamp, SEEN[0] + 0.3, SEEN[1]
     return {
+        "header.frame_id": "map",
         "point.x": stamp + ahead * math.cos(yaw) - left * math.sin(yaw),
         "point.y": ahead * math.sin(yaw) + left * math.cos(yaw),
         "point.z": 0.5,
@@ -53,13 +56,24 @@ POINT_TO_WORLD = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call([1.0, 0.0, 0.5], 2.0, 0.0, 0.0), Call([1.3, 0.0, 0.5], 2.0, 0.0, math.pi / 2)),
+            calls=(
+                Call([1.0, 0.0, 0.5], 2.0, 0.0, 0.0),
+                Call([1.3, 0.0, 0.5], 2.0, 0.0, math.pi / 2),
+                Call([1.0, 0.5, -0.2], -1.0, 3.0, math.pi / 2),
+            ),
             checks=(
                 expect_value([3.0, 0.0, 0.5], call=0, unit="m", name="the point, robot not turned"),
                 expect_value([2.0, 1.3, 0.5], call=1, unit="m", name="the point, robot turned by 90°"),
+                expect_value(
+                    [-1.5, 4.0, -0.2], call=2, unit="m", name="a point on the left, robot elsewhere"
+                ),
             ),
         ),
     ),
+)
+
+CAMERA = expect_transform("base_link", "camera_link", translation=(0.2, 0.0, 0.6), yaw=0.0).titled(
+    "the camera on the robot, not turned"
 )
 
 ROBOT_FRAMES = Task(
@@ -75,23 +89,59 @@ ROBOT_FRAMES = Task(
     scenarios=(
         Scenario(
             "public",
-            seconds=6.0,  # [s]
+            seconds=10.0,  # [s]
             seed=1,
-            checks=(
-                expect_circling_frame("map", "base_link", radius=my("radius"), heading=math.pi / 2).titled(
-                    "on your circle, looking along the path"
-                ),
-                expect_transform("base_link", "camera_link", translation=(0.2, 0.0, 0.6)).titled(
-                    "the camera on the robot"
+            checks=with_formal(
+                (
+                    expect_circling_frame("map", "base_link", radius=my("radius"), height=0.0).titled(
+                        "on your circle, on the ground"
+                    ),
+                    expect_circling_frame(
+                        "map", "base_link", period=8.0, counter_clockwise=True, start=0.0
+                    ).titled("counter-clockwise, one round in 8 s, from the angle 0"),
+                    expect_circling_frame("map", "base_link", heading=math.pi / 2).titled(
+                        "looking along the path"
+                    ),
+                    CAMERA,
+                    expect_transform("base_link", "camera_link", static=True)
+                    .titled("the camera goes out as static")
+                    .requiring(CAMERA)
+                    .worth(0.5),
                 ),
                 expect_rate("/tf", 50.0).titled("50 times a second"),
-                expect_topic("/tf_static", "tf2_msgs/msg/TFMessage").titled(
-                    "what is fixed goes out as static"
-                ),
             ),
         ),
     ),
     personal={"radius": (1.2, 1.5, 1.8, 2.2, 2.5, 3.0)},  # [m]; 2.0 is left out: it is the lesson's
+)
+
+DRIVEN = tuple(driving(n / 20) for n in range(1, 60))
+
+
+def at_most(count: int) -> Check:
+    """No more points than this."""
+    return expect_topic(OUT, POINT, at_most=count).titled("no second point for an obstacle")
+
+
+def stamp_of(stamp: float) -> dict[str, int]:
+    """The stamp of an obstacle, as fields of the message."""
+    return {f"header.stamp.{name}": value for name, value in header(stamp, "")["stamp"].items()}
+
+
+AGAIN = expect_topic(OUT, POINT, at_least=3).titled("a point for each obstacle").worth(0)
+PLACE = (
+    expect_message(OUT, in_map(ASKED[-1]), unit="m")
+    .titled("in map, where the obstacle was when it was seen")
+    .requiring(AGAIN)
+)
+GOES_ON = (
+    expect_topic(OUT, POINT, at_least=2).titled("points also after a frame that tf2 does not know").worth(0)
+)
+AFTERWARDS = (
+    expect_message(OUT, in_map(1.57), unit="m")
+    .titled("the point after it is at the right place")
+    .requiring(GOES_ON)
+    .worth(0.5)
 )
 
 OBSTACLE_IN_MAP = Task(
@@ -109,15 +159,33 @@ OBSTACLE_IN_MAP = Task(
             "public",
             seconds=3.0,  # [s]
             seed=1,
-            inputs=(*(driving(n / 20) for n in range(1, 60)), *(obstacle(stamp) for stamp in ASKED)),
+            inputs=(*DRIVEN, *(obstacle(stamp) for stamp in ASKED)),
             checks=(
-                expect_topic(OUT, "geometry_msgs/msg/PointStamped", at_least=3).titled("a point for each"),
-                expect_message(OUT, {"header.frame_id": "map"}).titled("in the frame map"),
-                expect_message(OUT, in_map(ASKED[-1]), unit="m").titled("at the right place"),
-                expect_message(OUT, {"header.stamp.nanosec": 520_000_000}).titled("the stamp is kept"),
+                AGAIN,
+                *with_formal(
+                    (PLACE, at_most(3).requiring(PLACE).worth(0.25)),
+                    expect_message(OUT, stamp_of(ASKED[-1])).titled("the stamp is kept"),
+                ),
+            ),
+        ),
+        Scenario(
+            "a frame that tf2 does not know",
+            seconds=3.0,  # [s]
+            seed=3,
+            inputs=(*DRIVEN, obstacle(0.57), obstacle(1.07, "nowhere"), obstacle(1.57)),
+            checks=(
+                GOES_ON,
+                AFTERWARDS,
+                at_most(2).titled("nothing is published for that frame").requiring(AFTERWARDS).worth(0.5),
             ),
         ),
     ),
+)
+
+FIXED = (("map", "base_link"), ("base_link", "arm_link"), ("hand_link", "finger_link"))
+ARM = expect_transform("map", "arm_link", translation=(0.0, 0.0, 1.2), yaw=0.0).titled("the arm")
+FINGER = expect_transform("hand_link", "finger_link", translation=(0.1, 0.0, 0.0), yaw=0.0).titled(
+    "the finger"
 )
 
 MENDED_ARM = Task(
@@ -135,14 +203,26 @@ MENDED_ARM = Task(
             "public",
             seconds=3.0,  # [s]
             seed=1,
-            checks=(
-                expect_transform("map", "arm_link", translation=(0.0, 0.0, 1.2)).titled("the arm"),
-                expect_transform("arm_link", "hand_link", at=1.0, translation=(0.4, 0.0, 0.0)).titled(
-                    "the hand, at 1 s"
+            checks=with_formal(
+                (
+                    ARM,
+                    expect_transform("map", "base_link", translation=(0.0, 0.0, 0.2), yaw=0.0)
+                    .titled("its base")
+                    .requiring(ARM)
+                    .worth(0.25),
+                    expect_transform(
+                        "arm_link", "hand_link", at=1.0, translation=(0.4, 0.0, 0.0), yaw=0.5 - 0.025
+                    ).titled("the hand, at 1 s"),
+                    FINGER,
+                    *(
+                        expect_transform(parent, child, static=True)
+                        .titled(f"{child} goes out as static")
+                        .requiring(ARM, FINGER)
+                        .worth(0.25)
+                        for parent, child in FIXED
+                    ),
                 ),
-                expect_transform("hand_link", "finger_link", translation=(0.1, 0.0, 0.0)).titled(
-                    "the finger"
-                ),
+                expect_rate("/tf", 20.0).titled("the hand, 20 times a second"),
             ),
         ),
     ),
@@ -164,6 +244,7 @@ IN_BETWEEN = Task(
             calls=(
                 Call([0.0, 0.0, 0.0], [1.0, 2.0, 0.4], 0.5),
                 Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.25),
+                Call([0.0, 0.0, -3.0], [0.0, 0.0, 3.0], 0.25),
             ),
             checks=(
                 expect_value([0.5, 1.0, 0.2], call=0, name="the pose half way"),
@@ -172,6 +253,11 @@ IN_BETWEEN = Task(
                     call=1,
                     name="the pose a quarter of the shorter way round, from 3 rad to -3 rad,",
                 ).titled("the shorter way round"),
+                expect_value(
+                    [0.0, 0.0, -3.0 - 0.25 * (2 * math.pi - 6.0)],
+                    call=2,
+                    name="the pose a quarter of the shorter way round, from -3 rad to 3 rad,",
+                ).titled("the shorter way round, clockwise"),
             ),
         ),
     ),

@@ -4,6 +4,7 @@ from course_lib.grading.evidence import Check, with_formal
 from course_lib.grading.task import Scenario, my
 from course_lib.grading.vocabulary import (
     expect_circle,
+    expect_frame,
     expect_marker,
     expect_marker_count,
     expect_message,
@@ -20,7 +21,7 @@ SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0)
 def longer(*content: Check, hz: float, seconds: float, seed: int) -> tuple[Scenario, ...]:
     """A longer run with another seed: what the public scenario asks for must hold to its end."""
     always = expect_throughout(TOPIC).worth(0)
-    formal = (expect_marker(TOPIC, frame="map"), expect_rate(TOPIC, hz), expect_stamps(TOPIC))
+    formal = (expect_frame(TOPIC, "map"), expect_rate(TOPIC, hz), expect_stamps(TOPIC))
     checks = with_formal([check.requiring(always) for check in content], *formal)
     return (Scenario("longer", seconds=seconds, seed=seed, checks=(always, *checks)),)
 
@@ -49,7 +50,6 @@ HIDDEN = {
                 TOPIC,
                 type="SPHERE",
                 ns="traffic_light",
-                frame="map",
                 position=(0.0, 0.0, height),
                 scale=(0.4, 0.4, 0.4),
                 color=color,

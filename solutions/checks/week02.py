@@ -2,15 +2,20 @@
 
 import math
 
+from course_lib.grading.evidence import with_formal
 from course_lib.grading.inputs import scan
 from course_lib.grading.task import Call, Scenario, my
 from course_lib.grading.vocabulary import (
+    expect_frame,
     expect_joint_states,
     expect_joint_swing,
+    expect_joints_still,
     expect_marker,
     expect_marker_count,
     expect_rate,
     expect_stamps,
+    expect_throughout,
+    expect_topic,
     expect_value,
 )
 
@@ -28,6 +33,13 @@ PAN, LIFT, ELBOW = 0.7, 0.6, 1.1  # [rad]
 SCAN_STEP = math.radians(30)
 LAST = (-math.inf, 7.0, 0.0, math.nan, 6.5, 31.0, 2.25, 2.5, math.inf)  # [m]; the last beam but two
 TOWARDS = -math.radians(120) + 6 * SCAN_STEP  # [rad]
+WRISTS = {f"wrist_{number}_joint": 0.0 for number in (1, 2, 3)}  # [rad]
+POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist_3": 0}  # [deg]
+MARKER, COUNTING = "visualization_msgs/msg/Marker", 31  # scans in which a beam counts
+AGAIN = expect_throughout("/nearest")
+SPHERE = expect_marker(
+    "/nearest", type="SPHERE", scale=(0.2, 0.2, 0.2), color=(1.0, 0.0, 0.0, 1.0)
+).requiring(AGAIN)
 
 
 def wrist() -> list[float]:
@@ -45,13 +57,15 @@ HIDDEN = {
             "longer",
             seconds=10.0,  # [s]
             seed=7,
-            checks=(
-                expect_joint_states(NAMES),
-                expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).worth(2),
-                expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5),
-                expect_joint_swing("shoulder_lift_joint", amplitude=0.0, hz=0.0, middle=-1.2),
-                expect_rate(STATES, 50.0).worth(0.5),
-                expect_stamps(STATES).worth(0.5),
+            checks=with_formal(
+                (
+                    expect_joint_states(NAMES, moving=True),
+                    expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).worth(2),
+                    expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5),
+                    expect_joints_still({"shoulder_lift_joint": -1.2, **WRISTS}),
+                ),
+                expect_rate(STATES, 50.0),
+                expect_stamps(STATES),
             ),
         ),
     ),
@@ -87,13 +101,14 @@ HIDDEN = {
             "longer",
             seconds=9.0,  # [s]
             seed=11,
-            checks=(
-                expect_joint_states(NAMES).worth(3),
-                expect_joint_swing("shoulder_pan_joint", amplitude=math.radians(30), hz=0.5),
-                expect_joint_swing("shoulder_lift_joint", amplitude=0.0, hz=0.0, middle=math.radians(-90)),
-                expect_joint_swing("wrist_2_joint", amplitude=0.0, hz=0.0, middle=math.radians(90)),
-                expect_rate(STATES, 20.0).worth(0.5),
-                expect_stamps(STATES).worth(0.5),
+            checks=with_formal(
+                (
+                    expect_joint_states(NAMES, moving=True).worth(2),
+                    expect_joint_swing("shoulder_pan_joint", amplitude=math.radians(30), hz=0.5),
+                    expect_joints_still({f"{name}_joint": math.radians(a) for name, a in POSE.items()}),
+                ),
+                expect_rate(STATES, 20.0),
+                expect_stamps(STATES),
             ),
         ),
     ),
@@ -107,17 +122,19 @@ HIDDEN = {
                 scan((math.inf,) * 9, at=7.7, frame="rear", first=-1.0, step=0.2),  # nothing near
                 scan(LAST, at=7.8, frame="rear", first=-math.radians(120), step=SCAN_STEP),
             ),
-            checks=(
-                expect_marker_count("/nearest", 1, type="SPHERE"),
-                expect_marker(
-                    "/nearest",
-                    type="SPHERE",
-                    frame="rear",
-                    position=(2.25 * math.cos(TOWARDS), 2.25 * math.sin(TOWARDS), 0.0),
-                    scale=(0.2, 0.2, 0.2),
-                    color=(1.0, 0.0, 0.0, 1.0),
-                ).worth(2),
-                expect_rate("/nearest", 4.0),
+            checks=with_formal(
+                (
+                    SPHERE,
+                    expect_marker(
+                        "/nearest",
+                        position=(2.25 * math.cos(TOWARDS), 2.25 * math.sin(TOWARDS), 0.0),
+                    )
+                    .requiring(AGAIN)
+                    .worth(2),
+                    expect_topic("/nearest", MARKER, at_least=COUNTING, at_most=COUNTING).requiring(SPHERE),
+                    expect_marker_count("/nearest", 1).requiring(SPHERE).worth(0.5),
+                ),
+                expect_frame("/nearest", "rear"),
                 expect_stamps("/nearest"),
             ),
         ),

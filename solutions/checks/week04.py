@@ -2,7 +2,7 @@
 
 import math
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed
+from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed, with_formal
 from course_lib.grading.inputs import header, pose, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import (
@@ -14,7 +14,7 @@ from course_lib.grading.vocabulary import (
     expect_value,
 )
 
-OUT = "/obstacle_in_map"
+OUT, POINT = "/obstacle_in_map", "geometry_msgs/msg/PointStamped"
 SPEED = 2.0  # [m/s]
 STAMP = 2.33  # [s] of the last obstacle
 
@@ -28,7 +28,7 @@ def driving(at: float) -> Message:
 def obstacle(stamp: float, frame: str = "lens") -> Message:
     """An obstacle 2 m before the lens and 0.5 m to its right, 0.13 s after it was seen."""
     fields = {"header": header(stamp, frame), "point": xyz((2.0, -0.5, 0.1))}
-    return Message("/obstacle", "geometry_msgs/msg/PointStamped", fields, at=stamp + 0.13)
+    return Message("/obstacle", POINT, fields, at=stamp + 0.13)
 
 
 def turns_half_round(evidence: Evidence) -> Verdict:
@@ -41,6 +41,22 @@ def turns_half_round(evidence: Evidence) -> Verdict:
     mistake = "the turn does not take the shorter way round"
     return failed(mistake, mistake)
 
+
+CAMERA = expect_transform("base_link", "camera_link", at=16.0, translation=(0.2, 0.0, 0.6), yaw=0.0)
+DRIVEN = tuple(driving(n / 10) for n in range(1, 30))
+PLACE = expect_message(
+    OUT,
+    {
+        "header.frame_id": "map",
+        "point.x": -0.1 - 0.5,
+        "point.y": SPEED * STAMP - 0.2 - 2.0,
+        "point.z": 1.6,
+    },
+    unit="m",
+).requiring(expect_topic(OUT, POINT, at_least=2))
+FIXED = (("map", "base_link"), ("base_link", "arm_link"), ("hand_link", "finger_link"))
+ARM = expect_transform("map", "arm_link", at=11.5, translation=(0.0, 0.0, 1.2), yaw=0.0)
+FINGER = expect_transform("hand_link", "finger_link", at=6.0, translation=(0.1, 0.0, 0.0), yaw=0.0)
 
 HIDDEN = {
     "week04.point_to_world": (
@@ -61,45 +77,38 @@ HIDDEN = {
             "two rounds",
             seconds=17.0,  # [s]
             seed=7,
-            checks=(
-                expect_circling_frame(
-                    "map",
-                    "base_link",
-                    radius=my("radius"),
-                    period=8.0,
-                    counter_clockwise=True,
-                    heading=math.pi / 2,
-                ).worth(2),
-                expect_transform("base_link", "camera_link", at=16.0, translation=(0.2, 0.0, 0.6), yaw=0.0),
-                expect_transform("map", "camera_link", at=15.5),
+            checks=with_formal(
+                (
+                    expect_circling_frame("map", "base_link", radius=my("radius"), height=0.0),
+                    expect_circling_frame("map", "base_link", period=8.0, counter_clockwise=True, start=0.0),
+                    expect_circling_frame("map", "base_link", heading=math.pi / 2),
+                    CAMERA,
+                    expect_transform("map", "camera_link", at=15.5).requiring(CAMERA).worth(0.25),
+                    expect_transform("base_link", "camera_link", static=True).requiring(CAMERA).worth(0.25),
+                ),
                 expect_rate("/tf", 50.0),
             ),
         ),
     ),
     "week04.obstacle_in_map": (
         Scenario(
-            "another robot, and a frame that nobody knows",
+            "another robot",
             seconds=3.0,  # [s]
             seed=11,
-            inputs=(
-                *(driving(n / 10) for n in range(1, 30)),
-                obstacle(0.92),
-                obstacle(1.5, "nowhere"),
-                obstacle(STAMP),
-            ),
-            checks=(
-                expect_topic(OUT, "geometry_msgs/msg/PointStamped", at_least=2),
-                expect_message(
-                    OUT,
-                    {
-                        "header.frame_id": "map",
-                        "point.x": -0.1 - 0.5,
-                        "point.y": SPEED * STAMP - 0.2 - 2.0,
-                        "point.z": 1.6,
-                    },
-                    unit="m",
-                ).worth(2),
+            inputs=(*DRIVEN, obstacle(0.92), obstacle(STAMP)),
+            checks=with_formal(
+                (PLACE, expect_topic(OUT, POINT, at_most=2).requiring(PLACE).worth(0.25)),
                 expect_message(OUT, {"header.stamp.nanosec": 330_000_000}),
+            ),
+        ),
+        Scenario(
+            "a frame that nobody knows",
+            seconds=3.0,  # [s]
+            seed=17,
+            inputs=(*DRIVEN, obstacle(0.92), obstacle(1.5, "nowhere"), obstacle(STAMP)),
+            checks=(
+                PLACE.worth(0.5),
+                expect_topic(OUT, POINT, at_most=2).requiring(PLACE).worth(0.5),
             ),
         ),
     ),
@@ -108,13 +117,19 @@ HIDDEN = {
             "longer",
             seconds=12.0,  # [s]
             seed=13,
-            checks=(
-                expect_transform(
-                    "arm_link", "hand_link", at=2.0, translation=(0.4, 0.0, 0.0), yaw=1.0 - 0.025
+            checks=with_formal(
+                (
+                    ARM,
+                    expect_transform(
+                        "arm_link", "hand_link", at=2.0, translation=(0.4, 0.0, 0.0), yaw=1.0 - 0.025
+                    ),
+                    expect_transform("map", "finger_link", at=11.5).requiring(ARM).worth(0.5),
+                    FINGER,
+                    *(
+                        expect_transform(parent, child, static=True).requiring(ARM, FINGER).worth(0.25)
+                        for parent, child in FIXED
+                    ),
                 ),
-                expect_transform("map", "finger_link", at=11.5, tolerance=0.05),
-                expect_transform("map", "arm_link", at=11.5, translation=(0.0, 0.0, 1.2), yaw=0.0),
-                expect_transform("hand_link", "finger_link", at=6.0, translation=(0.1, 0.0, 0.0), yaw=0.0),
                 expect_rate("/tf", 20.0),
             ),
         ),

@@ -7,7 +7,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_joint_states, expect_joint_swing
+from course_lib.grading.vocabulary import (
+    expect_joint_states,
+    expect_joint_swing,
+    expect_joints_still,
+)
 
 MakeEvidence = Callable[..., Evidence]
 NAMES = ("pan", "lift")
@@ -105,6 +109,22 @@ def test_a_broken_message_is_named_with_its_time(evidence: MakeEvidence, state: 
     verdict = expect_joint_states(NAMES).judge(evidence(*swing(), (5.0, "/joint_states", state)))
     assert verdict.message.startswith("after 5.00 s ")
     assert message in verdict.message
+
+
+@pytest.mark.parametrize(("amplitude", "message"), [(0.5, "as expected"), (0.0, "no joint moves")])
+def test_positions_that_never_change_are_no_motion(
+    evidence: MakeEvidence, amplitude: float, message: str
+) -> None:
+    verdict = expect_joint_states(NAMES, moving=True).judge(evidence(*swing(amplitude)))
+    assert verdict.message.startswith(message)
+
+
+def test_joints_that_stand_are_looked_at_together(evidence: MakeEvidence) -> None:
+    came = evidence(*swing(amplitude=0.0))
+    assert expect_joints_still({"pan": 0.2, "lift": 1.0}).judge(came).message == "as expected"
+    verdict = expect_joints_still({"pan": 0.2, "lift": 0.5, "knee": 0.0}).judge(came)
+    assert "the middle of lift is 1.00 rad, expected 0.50 rad" in verdict.message
+    assert "no position of knee came on /joint_states" in verdict.message
 
 
 def test_nothing_at_all_passes_no_check(evidence: MakeEvidence) -> None:

@@ -223,6 +223,36 @@ def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: Make
     assert verdict.mistake == "the lifetime of a marker is wrong"
 
 
+def test_markers_are_looked_at_at_any_time(evidence: MakeEvidence, cube: MakeCube) -> None:
+    short = cube(lifetime__sec=1)
+    came = evidence(
+        (0.5, TOPIC, cube()), (1.0, TOPIC, cube(action=Marker.DELETE)), (2.0, TOPIC, short), seconds=4
+    )
+    counts = [(0.4, 0), (0.6, 1), (1.5, 0), (2.5, 1), (3.5, 0), (None, 0)]
+    for at, count in counts:
+        assert expect_marker_count(TOPIC, count, at=at).judge(came).message == "as expected"
+    assert expect_marker(TOPIC, at=0.6, position=(0, 0, 0.5)).judge(came).score == 1
+    messages = [expect_marker(TOPIC, at=at).judge(came).message for at in (0.4, 1.5, None)]
+    assert messages == [
+        f"{TOPIC} shows no marker after 0.40 s: the first one comes later",
+        f"{TOPIC} shows no marker after 1.50 s: all were deleted, or their lifetime is over",
+        f"{TOPIC} shows no marker at the end: all were deleted, or their lifetime is over",
+    ]
+
+
+def test_an_arrow_has_a_point_and_not_only_a_line(evidence: MakeEvidence, cube: MakeCube) -> None:
+    came = evidence((1, TOPIC, cube(type=Marker.ARROW, points=[Point(), Point(x=1.0)])))
+    assert expect_marker(TOPIC, points=((0, 0, 0), (1, 0, 0))).judge(came).score == 1
+    verdict = expect_marker(TOPIC, points=((1, 0, 0), (0, 0, 0))).judge(came)
+    assert verdict.message == "the arrow points the other way: from the second point to the first"
+
+
+def test_a_length_that_does_not_matter_is_not_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
+    came = evidence((1, TOPIC, cube(scale__y=7.0)))
+    assert expect_marker(TOPIC, scale=(1.0, None, 1.0)).judge(came).score == 1
+    assert expect_marker(TOPIC, scale=(None, 1.0, None)).judge(came).score == 0
+
+
 CORNERS = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
 
 

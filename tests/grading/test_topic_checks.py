@@ -4,10 +4,12 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import Float64
+from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary import (
     expect_circle,
+    expect_frame,
     expect_marker,
     expect_message,
     expect_rate,
@@ -31,6 +33,9 @@ def test_a_topic_of_the_right_type_passes(evidence: MakeEvidence) -> None:
     assert expect_topic("/tick", KIND, at_least=2).judge(evidence(*ticks(1, 2))).score == 1
     assert (
         "expected at least 3" in expect_topic("/tick", KIND, at_least=3).judge(evidence(*ticks(1, 2))).message
+    )
+    assert (
+        "expected at most 1" in expect_topic("/tick", KIND, at_most=1).judge(evidence(*ticks(1, 2))).message
     )
     assert (
         "carries std_msgs/msg/Float64"
@@ -128,9 +133,20 @@ def test_a_type_without_a_header_is_no_fault_of_the_check(evidence: MakeEvidence
     assert expect_marker("/m", type="CUBE").judge(mixed).score == 1
 
 
-def test_an_array_without_markers_has_no_stamps(evidence: MakeEvidence) -> None:
-    from visualization_msgs.msg import MarkerArray
+def test_every_marker_is_in_the_frame(evidence: MakeEvidence, cube: MakeCube) -> None:
+    gone = cube(action=Marker.DELETE, header__frame_id="")
+    here, there = cube(), cube(id=1, header__frame_id="odom")
+    for arrays, message in (
+        ([[here], [here, gone]], "as expected"),
+        ([[here, there], [here]], "a Marker on /m is in frame 'odom', expected 'map'"),
+        ([[gone]], "no marker is added on /m"),
+    ):
+        came = evidence(*((1.0, "/m", MarkerArray(markers=array)) for array in arrays))
+        assert expect_frame("/m", "map").judge(came).message == message
+    assert "has no header" in expect_frame("/tick", "map").judge(evidence(*ticks(1))).message
 
+
+def test_an_array_without_markers_has_no_stamps(evidence: MakeEvidence) -> None:
     assert expect_stamps("/m").judge(evidence((1, "/m", MarkerArray()))).score == 0
 
 

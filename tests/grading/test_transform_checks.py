@@ -79,6 +79,36 @@ def test_a_circle_driven_otherwise_is_named(
     assert message in CIRCLE.judge(evidence(*circling(**changes))).message
 
 
+def test_what_never_moves_is_static_and_only_that(evidence: MakeEvidence) -> None:
+    check = expect_transform("base", "lens", static=True)
+    moving = (0.7, "/tf", TFMessage(transforms=[transform("base", "lens", 0.7, 0.3, 0.0)]))
+    assert check.judge(evidence(LENS, *circling())).score == 1
+    for came in (evidence(LENS, moving), evidence(moving)):
+        verdict = check.judge(came)
+        assert verdict.message == "lens is broadcast on /tf again and again, expected once on /tf_static"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message"),
+    [
+        ({"radius": None, "period": 6.0, "heading": math.pi / 2}, "as expected"),
+        ({"period": 6.0, "start": 0.0}, "base starts at the angle 0.10 rad, expected 0.00 rad"),
+        ({"period": 6.0, "start": 0.1, "height": 0.0}, "as expected"),
+        ({"height": 1.0}, "base is 1.00 m too low: z = 0.00 m, expected 1.00 m"),
+    ],
+)
+def test_a_circle_may_be_asked_for_in_parts(
+    evidence: MakeEvidence, wanted: dict[str, Any], message: str
+) -> None:
+    check = expect_circling_frame("map", "base", **{"radius": 2.0, **wanted})
+    assert check.judge(evidence(*circling())).message == message
+
+
+def test_one_pose_is_no_circle(evidence: MakeEvidence) -> None:
+    verdict = CIRCLE.judge(evidence(*circling()[-1:]))
+    assert verdict.message == "base was seen to move for 0.00 s of 3 s"
+
+
 def test_another_parent_is_named(evidence: MakeEvidence) -> None:
     check = expect_circling_frame("world", "base", radius=2.0)
     assert check.judge(evidence(*circling())).message == "the parent of 'base' is 'map', expected 'world'"

@@ -149,7 +149,7 @@ OPERATORS = (
         "hard-coded: as long as the public run",
         r"(self\.publisher\.publish\((marker|state)\))",
         r"(self.get_clock().now().nanoseconds < 1_700_000_006_500_000_000) and \1",
-        "silent",
+        "silent|too few",
         only_other_inputs=True,
     ),
 )

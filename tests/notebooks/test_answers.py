@@ -9,15 +9,14 @@ from typing import Any
 import pytest
 
 from course_lib.course.exercise import exercise_path
-from course_lib.grading.personal import give_values, personal_values
-from course_lib.grading.scenario import run_here
 from tests.notebooks.graded import (
-    A_WHILE,
+    IN_PROCESS,
     OPEN,
-    STUDENT,
     WEEKS,
     catalog,
     cells_of,
+    defined,
+    evidence_here,
     judged,
     judged_results,
     marked,
@@ -130,18 +129,11 @@ def test_kernel_and_worker_record_the_same(
     monkeypatch.chdir(tmp_path)  # answers may write files
     paths = {"solution": solution(week), "stub": exercise_path(solution(week))}
     path = paths.get(kind, ANSWERS / f"{week}_{kind}.py")
-    cells = [re.sub(r"^%.*\n", "", cell) for cell in cells_of(path)]
-    definitions = [c for c in cells if re.match(r"(class|def|import|from|[A-Z_]+ =|\"\"\"|#)", c)]
-    tasks = [task for task in catalog().of_week(week) if task.kind in ("node", "function")]
-    give_values({task.id: personal_values(task, STUDENT) for task in tasks})
-    namespace: dict[str, Any] = {}
-    for cell in definitions:
-        exec(cell, namespace)
+    namespace = defined(cells_of(path), week)
     for run in run_of(path).runs:
         task = catalog().task(run.evidence.task)
-        if task not in tasks:
+        if task.kind not in IN_PROCESS:
             continue
-        personal = personal_values(task, STUDENT)
-        here = run_here(task, run.scenario, namespace[task.name], personal, wall_limit=A_WHILE)
+        here = evidence_here(task, run.scenario, namespace)
         assert here.recording.digest() == run.evidence.recording.digest(), (task.id, run.scenario.name)
         assert here.returns == run.evidence.returns, (task.id, run.scenario.name)

@@ -10,11 +10,22 @@ from typing import Any
 import pytest
 
 from course_lib.grading.exercise_run import run_exercise
-from course_lib.grading.judge import TaskResult, judge_task
-from tests.notebooks.graded import OPEN, STUDENT, WEEKS, catalog, cells_of, run_of, said, solution
+from course_lib.grading.judge import Run, TaskResult, judge_task
+from tests.notebooks.graded import (
+    IN_PROCESS,
+    OPEN,
+    STUDENT,
+    WEEKS,
+    catalog,
+    cells_of,
+    defined,
+    evidence_here,
+    run_of,
+    said,
+    solution,
+)
 from tests.notebooks.hollow import HOLLOWINGS, Hollowing
 
-NEAR_MISSES = Path(__file__).parent / "near_misses"
 MOST = 0.1  # of a task's points, for rate, stamps and frame alone
 
 
@@ -50,43 +61,67 @@ def test_a_publisher_without_content_earns_at_most_a_tenth(week: str, hollowing:
 
 
 @dataclass(frozen=True)
-class NearMiss:
-    """A right solution with one requirement of its task missed, as a table in near_misses/ has it.
+class Variant:
+    """The solution of a task with changes, as a table in near_misses/ or other_ways/ has it.
 
     Args:
         task: The task's id.
-        miss: The requirement that is missed, in words.
         change: Pairs of what is replaced in the cell of the solution, and by what.
+        miss: The requirement that is missed, in words.
         says: What a message of a public check says of it, a regular expression.
+        raises: What the code raises then.
+        way: In what a right solution differs.
     """
 
     task: str
-    miss: str
     change: tuple[tuple[str, str], ...]
-    says: str
+    miss: str = ""
+    says: str = ""
+    raises: str = ""
+    way: str = ""
 
 
-def near_misses() -> Iterator[Any]:
-    for path in sorted(NEAR_MISSES.glob("week*.toml")):
+def variants(folder: str) -> Iterator[Any]:
+    """All rows of a folder's tables, as parameters."""
+    for path in sorted(Path(__file__).with_name(folder).glob("week*.toml")):
         for name, rows in tomllib.loads(path.read_text()).items():
             for row in rows:
-                made = NearMiss(f"{path.stem}.{name}", **row)
-                yield pytest.param(made, id=f"{made.task}: {made.miss}", marks=still_open(path.stem))
+                made = Variant(f"{path.stem}.{name}", **row)
+                ident = f"{made.task}: {made.miss or made.way}"
+                yield pytest.param(made, id=ident, marks=still_open(path.stem))
 
 
-def with_changes(miss: NearMiss) -> list[str]:
-    """The cells of the solution with the miss in them."""
-    name = catalog().task(miss.task).name
-    cells = cells_of(solution(miss.task[:6]))
-    for old, new in miss.change:
+def changed_cells(variant: Variant) -> list[str]:
+    """The cells of the solution with the changes in them."""
+    name = catalog().task(variant.task).name
+    cells = cells_of(solution(variant.task[:6]))
+    for old, new in variant.change:
         (place,) = (i for i, cell in enumerate(cells) if old in cell and re.search(rf"\b{name}\b", cell))
         cells[place] = cells[place].replace(old, new)
     return cells
 
 
-@pytest.mark.parametrize("miss", near_misses())
-def test_a_public_check_names_the_requirement_that_is_missed(miss: NearMiss) -> None:
-    task = catalog().task(miss.task)
-    run = run_exercise(with_changes(miss), [task], catalog(), STUDENT, hidden=False)
-    assert run.results[0].errors == ()
-    assert re.search(miss.says, said(run.results[0])), said(run.results[0]) or "all public checks pass"
+def result_of(variant: Variant, *, hidden: bool) -> TaskResult:
+    """Run and judge the variant, in this process where its kind allows."""
+    task, cells = catalog().task(variant.task), changed_cells(variant)
+    if task.kind not in IN_PROCESS:
+        (result,) = run_exercise(cells, [task], catalog(), STUDENT, hidden=hidden).results
+        return result
+    names = defined(cells, task.week)
+    scenarios = [(one, False) for one in task.scenarios]
+    scenarios += [(one, True) for one in catalog().hidden.get(task.id, ()) if hidden]
+    runs = [Run(one, evidence_here(task, one, names), is_hidden) for one, is_hidden in scenarios]
+    return judge_task(task, *catalog().points(task), runs)
+
+
+@pytest.mark.parametrize("miss", variants("near_misses"))
+def test_a_public_check_names_the_requirement_that_is_missed(miss: Variant) -> None:
+    result = result_of(miss, hidden=False)
+    assert [error.split(":")[0] for error in result.errors] == [miss.raises] * bool(miss.raises)
+    assert re.search(miss.says, said(result)), said(result) or "all public checks pass"
+
+
+@pytest.mark.parametrize("way", variants("other_ways"))
+def test_another_way_to_meet_the_requirements_gets_full_marks(way: Variant) -> None:
+    result = result_of(way, hidden=True)
+    assert (result.score, said(result)) == (result.points, "")

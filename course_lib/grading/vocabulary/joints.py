@@ -1,13 +1,21 @@
 """Expectations on joint states: that they are whole, and how a joint swings."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, close, heard, listed, number, word
+from course_lib.grading.vocabulary.wording import (
+    Problem,
+    close,
+    heard,
+    listed,
+    number,
+    numbers,
+    word,
+)
 from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
@@ -16,12 +24,22 @@ PHASE_TOLERANCE = 0.2  # [rad]: time may be counted from the node's start or fro
 
 
 @word("every joint has a name and a position")
-def expect_joint_states(evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC) -> Iterable[Problem]:
-    """Every message names exactly these joints, in any order, each with a finite position."""
+def expect_joint_states(
+    evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC, moving: bool = False
+) -> Iterable[Problem]:
+    """Every message names exactly these joints, in any order, each with a finite position.
+
+    With `moving`, some joint must move: positions that are forgotten are no motion.
+    """
     for seconds, state in heard(evidence, topic):
         if problems := list(_broken(state, names)):
             when = f"after {number(seconds, 's')} "
             return [Problem(when + problem.message, problem.mistake) for problem in problems]
+    poses = [list(state.position) for _, state in heard(evidence, topic)]
+    if moving and all(pose == poses[0] for pose in poses):
+        return [
+            Problem(f"no joint moves: every message has the positions {numbers(poses[0])}", "no joint moves")
+        ]
     return []
 
 
@@ -56,6 +74,18 @@ def expect_joint_swing(
         return [Problem(f"a position of {joint} is not finite", "the position of a joint is not finite")]
     wave = 2 * math.pi * hz * (times - states[0][0])
     return list(_differs(joint, wave, positions, (amplitude, hz, phase, middle), tolerance))
+
+
+@word("the joints that stand still")
+def expect_joints_still(
+    evidence: Evidence, positions: Mapping[str, float], *, topic: str = TOPIC
+) -> Iterable[Problem]:
+    """Each of these joints stands still at its position, [rad] or [m], as `expect_joint_swing` has it."""
+    for joint, middle in positions.items():
+        check = expect_joint_swing(joint, amplitude=0.0, hz=0.0, middle=middle, topic=topic)
+        verdict = check.judge(evidence)
+        if verdict.score < 1:
+            yield Problem(verdict.message, verdict.mistake)
 
 
 def _index(state: Any, joint: str) -> int:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import Problem, nothing_on
+from course_lib.grading.vocabulary.wording import Problem, nothing_on, number
 from course_lib.ros.messages import type_name
 
 TYPES = (  # by the number in Marker.type
@@ -42,13 +42,16 @@ def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
                 yield seconds, marker
 
 
-def shown(evidence: Evidence, topic: str) -> list[Any]:
-    """The markers that are there at the end, each as last added, unless its lifetime was over before."""
+def shown(evidence: Evidence, topic: str, at: float | None = None) -> list[Any]:
+    """The markers that are there `at` [s] or at the end, each as last added, unless its lifetime is over."""
+    now = evidence.seconds if at is None else at  # [s]
     markers: dict[tuple[str, int], Any] = {}
     for seconds, marker in each(evidence, topic):
+        if seconds > now:
+            break
         if marker.action == ADD:
             markers[marker.ns, marker.id] = marker
-            if 0 < lifetime(marker) < evidence.seconds - seconds - 1e-6:
+            if 0 < lifetime(marker) < now - seconds - 1e-6:
                 del markers[marker.ns, marker.id]  # nothing that came later has kept it
         elif marker.action == DELETE:
             markers.pop((marker.ns, marker.id), None)
@@ -62,15 +65,23 @@ def lifetime(marker: Any) -> float:
     return float(marker.lifetime.sec + marker.lifetime.nanosec / 1e9)
 
 
-def no_markers(evidence: Evidence, topic: str) -> Problem:
-    """Why a topic shows no marker at all."""
+def moment(at: float | None) -> str:
+    """`at` [s] in words, "after 1.00 s"; None is the end."""
+    return "at the end" if at is None else f"after {number(at, 's')}"
+
+
+def no_markers(evidence: Evidence, topic: str, at: float | None = None) -> Problem:
+    """Why a topic shows no marker at all `at` [s], or at the end."""
     if topic not in evidence.topics:
         return nothing_on(evidence, topic)
     if evidence.topics[topic] not in MARKER_MESSAGES:
         message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
         return Problem(message, "a topic has the wrong message type")
-    message = f"{topic} shows no marker at the end: all were deleted, or their lifetime is over"
-    return Problem(message, "no marker is left at the end")
+    why = "all were deleted, or their lifetime is over"
+    if at is not None and not any(seconds <= at for seconds, _ in each(evidence, topic)):
+        why = "the first one comes later"
+    mistake = "no marker is left at the end" if at is None else "no marker is there in between"
+    return Problem(f"{topic} shows no marker {moment(at)}: {why}", mistake)
 
 
 def unseen(marker: Any) -> str:

@@ -5,7 +5,15 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import INVISIBLE, fits, no_markers, shown, type_of, unseen
+from course_lib.grading.vocabulary.marker_state import (
+    INVISIBLE,
+    fits,
+    moment,
+    no_markers,
+    shown,
+    type_of,
+    unseen,
+)
 from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
 from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
 
@@ -36,24 +44,25 @@ def expect_marker(
     frame: str | None = None,
     position: Sequence[float] | None = None,
     yaw: float | None = None,
-    scale: Sequence[float] | None = None,
+    scale: Sequence[float | None] | None = None,
     color: Sequence[float] | None = None,
     text: str | None = None,
     points: Points | None = None,
     loop: Points | None = None,
     lifetime: float | None = None,
+    at: float | None = None,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """At the end the topic (Marker or MarkerArray) shows a marker with these properties, and it can be seen.
+    """`at` [s] or at the end, the topic (Marker or MarkerArray) shows such a marker, and it can be seen.
 
-    `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale, points
-    (shape (N, 3), in any order) and `tolerance` in [m]; yaw about z in [rad]; lifetime in [s]; color RGB or
-    RGBA from 0 to 1. A line strip joins the corners of `loop` one after the other, from any of them and
-    either way round, and comes back to the first.
+    `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale (None is any
+    length), points (shape (N, 3), in any order, but for an arrow) and `tolerance` in [m]; yaw about z in
+    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1. A line strip joins the corners of `loop` one after
+    the other, from any of them and either way round, and comes back to the first.
     """
-    markers = shown(evidence, topic)
+    markers = shown(evidence, topic, at)
     if not markers:
-        raise no_markers(evidence, topic)
+        raise no_markers(evidence, topic, at)
     selected = [marker for marker in markers if fits(marker, None, ns, id)]
     if not selected:
         there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])
@@ -80,14 +89,15 @@ def expect_marker_count(
     count: int,
     *,
     type: str | None = None,  # noqa: A002 - the field's name in ROS
+    at: float | None = None,
 ) -> Iterable[Problem]:
-    """At the end the topic shows exactly so many markers (of one type) that can be seen."""
+    """`at` [s] or at the end, the topic shows exactly so many markers (of one type) that can be seen."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
-    reasons = [unseen(marker) for marker in shown(evidence, topic) if fits(marker, type, None, None)]
+    reasons = [unseen(marker) for marker in shown(evidence, topic, at) if fits(marker, type, None, None)]
     there, hidden = reasons.count(""), sorted(filter(None, reasons))
     of_type = f" of type {type}" if type else ""
-    message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} at the end, expected {count}"
+    message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} {moment(at)}, expected {count}"
     why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
     return [] if there == count else [Problem(message + why, "the count is wrong")]
 
@@ -120,10 +130,10 @@ def _position(marker: Any, expected: Sequence[float], tolerance: float) -> Itera
             yield f" is {off_by(value, target, *directions)}: {where}"
 
 
-def _scale(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:
+def _scale(marker: Any, expected: Sequence[float | None], tolerance: float) -> Iterator[str]:
     for axis, target in zip("xyz", expected, strict=True):
         value = getattr(marker.scale, axis)
-        if not close(value, target, tolerance):
+        if target is not None and not close(value, target, tolerance):
             yield f": scale.{axis} is {number(value, 'm')}, expected {number(target, 'm')}"
 
 
@@ -162,12 +172,15 @@ def _lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
 
 def _points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     came = [(p.x, p.y, p.z) for p in marker.points]
+    reversed_arrow = type_of(marker) == "ARROW" and not _same(came, expected, tolerance)
     if len(came) != len(expected):
         yield f" has {len(came)} points, expected {len(expected)}"
     elif lost := _without_partner(expected, came, tolerance):
         yield f" has no point at {numbers(lost[0])} m"
     elif strange := _without_partner(came, expected, tolerance):  # a loop may start at any of its corners
         yield f" has a point at {numbers(strange[0])} m, where none belongs"
+    elif reversed_arrow:
+        yield " points the other way: from the second point to the first"
 
 
 def _loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
@@ -176,11 +189,15 @@ def _loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
         yield " does not come back to its first point"
         return
     turns = [[*expected[i:], *expected[: i + 1]] for i in range(len(expected))]
-    ways = [way for turn in turns for way in (turn, turn[::-1]) if len(way) == len(came)]
-    if not any(
-        all(close(math.dist(*pair), 0.0, tolerance) for pair in zip(came, way, strict=True)) for way in ways
-    ):
+    ways = [way for turn in turns for way in (turn, turn[::-1])]
+    if not any(_same(came, way, tolerance) for way in ways):
         yield " does not go round from corner to corner"
+
+
+def _same(points: Points, others: Points, tolerance: float) -> bool:
+    """Whether both are the same points in the same order."""
+    pairs = zip(points, others, strict=False)
+    return len(points) == len(others) and all(close(math.dist(a, b), 0.0, tolerance) for a, b in pairs)
 
 
 def _without_partner(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:

@@ -9,7 +9,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.plain import plain
 from course_lib.grading.vocabulary.marker_state import ADD
 from course_lib.grading.vocabulary.values import compare
-from course_lib.grading.vocabulary.wording import Problem, close, heard, nothing_on, number, word
+from course_lib.grading.vocabulary.wording import Problem, close, heard, number, word
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
@@ -25,16 +25,19 @@ def expect_topic(
     type: str,  # noqa: A002 - ROS says type
     *,
     at_least: int = 1,
+    at_most: int | None = None,
 ) -> Iterable[Problem]:
-    """At least so many messages of this type were published on the topic."""
+    """At least so many messages of this type were published on the topic, and no more than `at_most`."""
     came = heard(evidence, topic)
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
         return [Problem(f"{topic} carries {strange[0]}, expected {type}", "a topic has the wrong type")]
-    message = (
-        f"{counted(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected at least {at_least}"
-    )
-    return [] if len(came) >= at_least else [Problem(message, "too few messages on a topic")]
+    message = f"{counted(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected "
+    if len(came) < at_least:
+        return [Problem(f"{message}at least {at_least}", "too few messages on a topic")]
+    if at_most is not None and len(came) > at_most:
+        return [Problem(f"{message}at most {at_most}", "too many messages on a topic")]
+    return []
 
 
 @word("the rate of {topic}")
@@ -99,17 +102,24 @@ def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
     return []
 
 
+@word("the frame of {topic}")
+def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem]:
+    """All messages on the topic, and all markers that are added in them, are in this frame."""
+    for _, message in _stamped(evidence, topic):
+        if message.header.frame_id != frame:
+            noun = type_name(message).split("/")[-1]
+            problem = f"a {noun} on {topic} is in frame {message.header.frame_id!r}, expected {frame!r}"
+            return [Problem(problem, "the frame of a message is wrong")]
+    return []
+
+
 @word("the stamps on {topic}")
 def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) -> Iterable[Problem]:
     """The stamps in the headers are the robot time of publishing, within a tolerance in [s].
 
     Markers that delete need none.
     """
-    came = [(s, m) for s, message in evidence.messages(topic) for m in getattr(message, "markers", [message])]
-    came = [(seconds, message) for seconds, message in came if getattr(message, "action", ADD) == ADD]
-    for seconds, message in came:
-        if not hasattr(message, "header"):
-            return [Problem(f"{type_name(message)} on {topic} has no header", "a topic has the wrong type")]
+    for seconds, message in _stamped(evidence, topic):
         stamp = message.header.stamp
         late = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9 - seconds  # [s]
         if stamp.sec == 0:
@@ -119,7 +129,27 @@ def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) ->
             by = number(abs(late), "s")
             message = f"header.stamp on {topic} is {by} {where}, expected the time of publishing"
             return [Problem(message, f"a stamp is {where}")]
-    return [] if came else [nothing_on(evidence, topic)]
+    return []
+
+
+def _stamped(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
+    """Return ([s] since the start, message or marker with a header); markers that delete are left out.
+
+    Raises:
+        Problem: There is none, or the type has no header.
+    """
+    parts = [
+        (seconds, part)
+        for seconds, message in heard(evidence, topic)
+        for part in getattr(message, "markers", [message])
+        if getattr(part, "action", ADD) == ADD
+    ]
+    if not parts:
+        raise Problem(f"no marker is added on {topic}", "no marker is added")
+    for _, part in parts:
+        if not hasattr(part, "header"):
+            raise Problem(f"{type_name(part)} on {topic} has no header", "a topic has the wrong type")
+    return parts
 
 
 @word("the last message on {topic}")

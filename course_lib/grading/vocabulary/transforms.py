@@ -27,12 +27,17 @@ def expect_transform(
     at: float | None = None,
     translation: Sequence[float] | None = None,
     yaw: float | None = None,
+    static: bool = False,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
     """tf2 knows the pose of frame `source` in frame `target`, `at` [s] after the start or at last.
 
-    Translation and its tolerance in [m], yaw about z in [rad].
+    Translation and its tolerance in [m], yaw about z in [rad]. A static one comes on /tf_static and never on
+    /tf.
     """
+    if static and any(pose.child == source for _, pose in _published(evidence, "/tf")):
+        message = f"{source} is broadcast on /tf again and again, expected once on /tf_static"
+        return [Problem(message, "what never moves is not static")]
     try:
         found = tree(evidence).lookup(target, source, 0 if at is None else START_NS + round(at * 1e9))
     except TransformException as error:
@@ -46,16 +51,19 @@ def expect_circling_frame(
     target: str,
     frame: str,
     *,
-    radius: float,
+    radius: float | None = None,
+    height: float | None = None,
     period: float | None = None,
     counter_clockwise: bool | None = None,
     heading: float | None = None,
+    start: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
     """A frame goes round the origin of another one, for most of the scenario.
 
-    Radius and tolerance in [m], the period of one turn in [s], counter-clockwise as seen from above; heading
-    is the yaw less the direction from the origin, [rad]: 0 looks outward, pi / 2 ahead.
+    Radius and height (None: those of the first pose) and tolerance in [m], the period of one turn in [s],
+    counter-clockwise as seen from above; heading is the yaw less the direction from the origin, [rad]: 0
+    looks outward, pi / 2 ahead; start is the direction from the origin at first, [rad].
     """
     poses = [(seconds, pose) for seconds, pose in _published(evidence, "/tf") if pose.child == frame]
     if not poses:
@@ -65,12 +73,22 @@ def expect_circling_frame(
         message = f"the parent of {frame!r} is {strange[0]!r}, expected {target!r}"
         return [Problem(message, "a frame has the wrong parent")]
     path: Path = [(seconds, pose.translation) for seconds, pose in poses]
+    first = path[0][1]
+    plane = first[2] if height is None else height  # [m]
+    distance = math.hypot(*first[:2]) if radius is None else radius  # [m]
     return (
         too_short(path, evidence.seconds, frame)
-        or off_circle(path, radius, (0.0, 0.0), path[0][1][2], tolerance, frame)
+        or off_circle(path, distance, (0.0, 0.0), plane, tolerance, frame)
         or turning(path, (0.0, 0.0), period, counter_clockwise, frame)
-        or list(_headed(poses, heading))
+        or [*_headed(poses, heading), *_started(frame, first, start)]
     )
+
+
+def _started(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
+    angle = math.atan2(place[1], place[0])  # [rad]
+    if start is not None and not close(math.remainder(angle - start, math.tau), 0.0, YAW_TOLERANCE):
+        message = f"{frame} starts at the angle {number(angle, 'rad')}, expected {number(start, 'rad')}"
+        yield Problem(message, "a path starts at the wrong place")
 
 
 def tree(evidence: Evidence) -> BufferCore:
