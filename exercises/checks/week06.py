@@ -16,6 +16,7 @@ from course_lib.grading.vocabulary import (
     expect_message,
     expect_rate,
     expect_stamps,
+    expect_throughout,
     expect_value,
 )
 
@@ -58,7 +59,7 @@ ROBOT_FACTS = Task(
     personal={"serial": (11, 17, 23, 26, 32, 38, 44, 47, 53, 59, 62, 68)},
 )
 
-PIXELS = expect_images(IMAGES)
+PIXELS = expect_images(IMAGES).requiring(expect_throughout(IMAGES))
 FOLLOWS = expect_rate(IMAGES, 5.0, begin=3.1, end=5.9).requiring(PIXELS).titled("5 Hz from 3 s on")
 REFUSED = [expect_rate(IMAGES, 5.0, begin=at, end=at + 1.8).requiring(FOLLOWS) for at in (6.1, 8.1)]
 FRAME_SET = expect_message(IMAGES, {"header.frame_id": "front"}).requiring(PIXELS)

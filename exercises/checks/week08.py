@@ -5,12 +5,13 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from course_lib.grading.evidence import lightly
+from course_lib.grading.evidence import Check, lightly
 from course_lib.grading.inputs import pose, transforms, xyz
 from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.grading.vocabulary import (
     expect_marker,
     expect_marker_count,
+    expect_topic,
     expect_trajectory,
     expect_value,
 )
@@ -115,7 +116,8 @@ SWEEP_NODE = Task(
 )
 
 RAMP = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *[(0.0, 0.05 * n, 0.7) for n in range(1, 6)]]
-SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *[(0.0, 0.0, 0.7 + 0.006 * n) for n in range(1, 8)]]
+SLOWLY = [(0.0, 0.0, 0.7 + 0.006 * step) for step in range(1, 6)]
+SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *SLOWLY, (0.0, 0.0, 0.75), (0.0, 0.0, 0.77)]
 SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
 FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
 
@@ -133,15 +135,22 @@ def painted(steps: Sequence[tuple[float, float, float]]) -> list[list[tuple[floa
     return stripes
 
 
+def each_point(stripes: Sequence[Sequence[Any]]) -> Check:
+    """Return a check that a marker is published with every new point."""
+    return expect_topic(PAINT, "visualization_msgs/msg/Marker", at_least=sum(map(len, stripes))).worth(0)
+
+
 def rule(name: str, steps: Sequence[tuple[float, float, float]]) -> Scenario:
     """A scenario of a few steps, one per 0.1 s, that shows whether one rule is kept."""
     inputs = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
-    stripes = [expect_marker(PAINT, points=stripe).titled(name) for stripe in painted(steps)]
+    each = each_point(painted(steps))
+    stripes = [expect_marker(PAINT, points=stripe).requiring(each).titled(name) for stripe in painted(steps)]
     count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
-    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(inputs), checks=lightly(*stripes, count))
+    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(inputs), checks=lightly(each, *stripes, count))
 
 
-SWEEPS = [expect_marker(PAINT, points=points) for points in (FIRST, SECOND)]
+POINTWISE = each_point((FIRST, SECOND))
+SWEEPS = [expect_marker(PAINT, points=points).requiring(POINTWISE) for points in (FIRST, SECOND)]
 
 PAINT_NODE = Task(
     "week08.paint_node",
@@ -163,12 +172,13 @@ PAINT_NODE = Task(
                 expect_marker_count(PAINT, 2, type="LINE_STRIP")
                 .requiring(*SWEEPS)
                 .titled("two stripes, two ids"),
+                POINTWISE.titled("each point is published"),
                 SWEEPS[0].titled("the points of the first sweep"),
                 SWEEPS[1].titled("the points of the second sweep"),
             ),
         ),
         rule("a base that drives up a ramp paints nothing", RAMP),
-        rule("a wrist that moves slowly paints nothing", SLOW),
+        rule("a wrist that moves by 0.006 m paints nothing, by 0.02 m it does", SLOW),
         rule("a drive of less than 0.1 m does not begin a stripe", SMALL_DRIVE),
         rule("two small drives together begin a stripe", FAR_IN_STEPS),
     ),

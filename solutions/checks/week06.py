@@ -14,6 +14,7 @@ from course_lib.grading.vocabulary import (
     expect_message,
     expect_rate,
     expect_stamps,
+    expect_throughout,
     expect_value,
 )
 
@@ -37,7 +38,7 @@ def robot_messages(at: float) -> Iterator[Message]:
 
 ROBOT = tuple(message for n in range(1, 5) for message in robot_messages(n / 2))
 
-PIXELS = expect_images(IMAGES)
+PIXELS = expect_images(IMAGES).requiring(expect_throughout(IMAGES))
 FOLLOWS = expect_rate(IMAGES, 40.0, begin=4.1, end=5.9).requiring(PIXELS)
 TF_DRAWN = expect_drawn("TF", ROBOT)
 OTHER_TOPICS = expect_value(

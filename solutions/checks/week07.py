@@ -1,6 +1,7 @@
 """Week 7, the dashboard: hidden scenarios and checks."""
 
 from collections.abc import Iterable
+from typing import Any
 
 from course_lib.grading.inputs import Found, corners, detections, pose, set_parameters, transforms
 from course_lib.grading.task import Call, Message, Scenario, my
@@ -16,6 +17,7 @@ from course_lib.grading.vocabulary import (
     expect_path,
     expect_rate,
     expect_stamps,
+    expect_throughout,
     expect_value,
 )
 
@@ -51,24 +53,24 @@ NEAR = corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m ahead
 JUST = [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]]
 ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01)
 
-DOG_BOX = expect_marker(
-    MARKERS,
-    ns="boxes",
-    id=3,
-    type="CUBE",
-    frame="odom",
-    position=DOG.center,
-    scale=DOG.size,
-    color=(0.5, 0.5, 0.5, 0.5),
-)
+ALWAYS, KEPT_UP = expect_throughout(MARKERS), expect_throughout(TRAJECTORY)
+DOG_LOOKS: dict[str, Any] = {
+    "type": "CUBE",
+    "frame": "odom",
+    "position": DOG.center,
+    "scale": DOG.size,
+    "color": (0.5, 0.5, 0.5, 0.5),
+}
+DOG_BOX = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS).requiring(ALWAYS)
+RED_CAR = expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0)
+BICYCLE_BOX = expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size)
+DOG_BEFORE = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS, at=1.5)
 LAST_100 = expect_path(
-    TRAJECTORY,
-    count=100,
-    frame="world",
-    ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)),
-    yaw=1.2,
-    tolerance=0.06,
-)
+    TRAJECTORY, count=100, frame="world", ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)), yaw=1.2, tolerance=0.06
+).requiring(KEPT_UP)
+LAST_8 = expect_path(
+    TRAJECTORY, count=8, frame="odom", ends=((0.86, 1.0, 0.2), (1.14, 1.0, 0.2)), yaw=1.2, tolerance=0.06
+).requiring(KEPT_UP)
 PERCEPTION = {
     "marker_update_rate": 5.0,  # [Hz]
     "confidence_threshold": my("threshold"),
@@ -103,7 +105,7 @@ HIDDEN = {
             checks=(
                 expect_marker_count(MARKERS, 3, type="CUBE").requiring(DOG_BOX),
                 DOG_BOX.worth(2),
-                expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0),
+                RED_CAR.requiring(ALWAYS),
             ),
         ),
         Scenario(
@@ -118,7 +120,7 @@ HIDDEN = {
             ),
             checks=(
                 expect_marker_count(MARKERS, 2, type="CUBE").requiring(DOG_BOX),
-                expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size),
+                BICYCLE_BOX.requiring(ALWAYS),
                 DOG_BOX,
             ),
         ),
@@ -133,7 +135,7 @@ HIDDEN = {
             ),
             checks=(
                 expect_marker_count(MARKERS, 4, type="CUBE").requiring(DOG_BOX),
-                expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8)),
+                expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8)).requiring(ALWAYS),
             ),
         ),
         Scenario(
@@ -142,8 +144,8 @@ HIDDEN = {
             seed=11,
             inputs=(*seen(2.0),),
             checks=(
-                expect_gone(MARKERS, id=3),
-                expect_rate(MARKERS, 10.0).requiring(expect_gone(MARKERS, id=3)).worth(0.2),
+                expect_gone(MARKERS).requiring(DOG_BEFORE),
+                expect_rate(MARKERS, 10.0).requiring(expect_gone(MARKERS), DOG_BEFORE).worth(0.2),
             ),
         ),
     ),
@@ -168,16 +170,7 @@ HIDDEN = {
                 set_parameters("/trajectory_node", 2.0, trajectory_max_points=8),
                 *driven("odom", "base", 2.9),
             ),
-            checks=(
-                expect_path(
-                    TRAJECTORY,
-                    count=8,
-                    frame="odom",
-                    ends=((0.86, 1.0, 0.2), (1.14, 1.0, 0.2)),
-                    yaw=1.2,
-                    tolerance=0.06,
-                ),
-            ),
+            checks=(LAST_8,),
         ),
     ),
     "week07.params": (

@@ -10,6 +10,7 @@ from course_lib.grading.task import Call, Message, Scenario, my
 from course_lib.grading.vocabulary import (
     expect_marker,
     expect_marker_count,
+    expect_topic,
     expect_trajectory,
     expect_value,
 )
@@ -72,7 +73,12 @@ def folded(lift: float, elbow: float) -> tuple[float, float]:
 
 LIFT = expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1)
 HALF, AFTER = expect_value(4.0, call=3, unit="rad"), expect_value(3.0, call=2, unit="rad")
-STRIPES = [expect_marker(PAINT, frame="map", points=stripe) for stripe in painted()]
+POINTWISE, ONE_BY_ONE = (
+    expect_topic(PAINT, "visualization_msgs/msg/Marker", at_least=sum(map(len, painted(steps))))
+    for steps in (STEPS, ONE_SWEEP)
+)
+STRIPES = [expect_marker(PAINT, frame="map", points=stripe).requiring(POINTWISE) for stripe in painted()]
+SWEEP = expect_marker(PAINT, frame="map", points=painted(ONE_SWEEP)[0]).requiring(ONE_BY_ONE)
 NEAR_PLACE = expect_value([-0.4, 1.1], call=0, unit="rad")
 WITH_PARTS_BESIDE = expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01)
 
@@ -122,7 +128,7 @@ HIDDEN = {
             seconds=3.0,  # [s]
             seed=12,
             inputs=tuple(motion(ONE_SWEEP)),
-            checks=(expect_marker(PAINT, frame="map", points=painted(ONE_SWEEP)[0]).worth(0.5),),
+            checks=(SWEEP.worth(0.5),),
         ),
     ),
     "week08.lift_and_elbow": (

@@ -18,8 +18,6 @@ from course_lib.grading.scenario import run_here
 from course_lib.grading.task import Scenario, Task
 
 WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))
-# Weeks whose public checks do not cover every requirement yet.
-OPEN = ("week05", "week06", "week07", "week08")
 STUDENT = "s1"
 A_WHILE = 100.0  # [s]
 IN_PROCESS = ("node", "function")  # kinds of tasks that need only the cells that define something
