@@ -36,7 +36,8 @@ def run_files(
 
     `args` is what each finds in `sys.argv` behind its name; `beside` is started last; `own` are executables
     that launch files may start beside those of packages. Notebooks without other programs work in their
-    folder, as in Jupyter. A CourseError says which file cannot be run. Returns the first exit code that is not 0.
+    folder, as in Jupyter. A CourseError says which file cannot be run. Returns the first exit code that is
+    not 0.
     """
     standin_path.install()
     virtual_time.install()
