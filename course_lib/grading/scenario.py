@@ -17,6 +17,7 @@ from course_lib.grading.watchdog import watchdog
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import serialize
+from course_lib.ros.own_line import line_of_traceback
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 
@@ -92,14 +93,16 @@ def run_here(
     with redirect_stdout(output), redirect_stderr(output), watchdog(wall_limit) as dog:
         try:
             perform(stage.part, subject, stage.graph, outcome)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as interrupt:
             if not dog.barked:
                 raise
             stopped = "time"
-            outcome.errors.append(still_running(wall_limit))
+            line = line_of_traceback(interrupt.__traceback__) or dog.line
+            outcome.errors.append(still_running(wall_limit, line))
     return stage.evidence(outcome, output=output.getvalue(), stopped=stopped)
 
 
-def still_running(seconds: float) -> str:
-    """What is said of code that does not come to an end."""
-    return f"still running after {seconds:.3g} s: an endless loop? It was stopped."
+def still_running(seconds: float, line: str = "") -> str:
+    """Return the message about code that does not come to an end; `line` is where it was, if known."""
+    where = line and f" ({line})"
+    return f"still running after {seconds:.3g} s{where}: an endless loop? It was stopped."

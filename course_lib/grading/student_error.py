@@ -1,17 +1,10 @@
 """A student's exception in one sentence, with the line of the student's own code."""
 
-import linecache
-import sys
-import sysconfig
-from pathlib import Path
-from traceback import extract_tb
-
-import course_lib
 from course_lib.errors import CourseError
 from course_lib.ros.hints import hint
+from course_lib.ros.own_line import line_of_traceback, name_line
 
 MAX_LENGTH = 500  # characters
-OTHERS = (str(Path(course_lib.__file__).parent), *sysconfig.get_paths().values())
 
 
 def describe(error: BaseException) -> str:
@@ -41,26 +34,5 @@ def _what(error: BaseException) -> str:
 
 def _place(error: BaseException) -> str:
     if isinstance(error, SyntaxError) and error.lineno:
-        return _line(error.filename or "", error.lineno)
-    frames = [(frame.filename, frame.lineno) for frame in extract_tb(error.__traceback__)]
-    own = [(name, line) for name, line in frames if line and not _is_others(name)]
-    return _line(*own[-1]) if own else ""
-
-
-def _is_others(filename: str) -> bool:
-    return filename.startswith(("<frozen", *OTHERS))
-
-
-def _line(filename: str, line: int) -> str:
-    code = linecache.getline(filename, line).strip()
-    return f"{_cell(filename)}line {line}{code and f': {code}'}"
-
-
-def _cell(filename: str) -> str:
-    """The cell's name where IPython knows it, else the file's."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    named = shell.compile.format_code_name(filename) if shell is not None else None
-    if named is not None:
-        return f"{named[0].lower()} {named[1]}, "
-    return f"{Path(filename).name}, " if filename and not filename.startswith("<") else ""
+        return name_line(error.filename or "", error.lineno)
+    return line_of_traceback(error.__traceback__)

@@ -7,6 +7,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from course_lib.ros.own_line import line_of_thread
+
 AGAIN = 1.0  # [s] code that swallows an interrupt gets another one
 
 
@@ -15,6 +17,7 @@ class Watchdog:
 
     def __init__(self) -> None:
         self.barked = False
+        self.line = ""  # that a thread started meanwhile was in
         self._over = threading.Event()
         self._older = set(threading.enumerate())
 
@@ -23,6 +26,7 @@ class Watchdog:
         while not self._over.wait(AGAIN if self.barked else seconds):
             self.barked = True
             for thread in set(threading.enumerate()) - self._older - {threading.current_thread()}:
+                self.line = self.line or line_of_thread(thread.ident or 0)
                 end = ctypes.py_object(SystemExit)
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), end)
             if hasattr(signal, "pthread_kill"):  # a real signal: it also ends a wait for a lock

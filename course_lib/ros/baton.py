@@ -41,6 +41,11 @@ class Baton:
         """Return whether a thread, by default the calling one, belongs to the program."""
         return (_thread.get_ident() if ident is None else ident) in self._threads
 
+    def is_held_here(self) -> bool:
+        """Return whether the calling thread belongs to the program and it is its turn."""
+        me = self._threads.get(_thread.get_ident())
+        return me is not None and self._holder is me
+
     @contextmanager
     def known(self) -> Iterator[None]:
         """Let the calling thread belong to the program for a while."""

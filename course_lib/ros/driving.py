@@ -9,6 +9,8 @@ from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
+from course_lib.ros.interrupts import interruptible
+from course_lib.ros.own_line import line_of_traceback
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -68,12 +70,18 @@ def wait_for(ready: Callable[[], bool], *, seconds: float | None) -> bool:
 
 
 def spin_until(executor: "Executor", until_ns: int | None, ready: Callable[[], bool] = lambda: False) -> None:
-    """Run an executor's callbacks until `ready()` or robot time `until_ns`, events due then included."""
+    """Run an executor's callbacks until `ready()` or robot time `until_ns`, events due then included.
+
+    Callbacks that take robot time may end later; then none is begun any more.
+    """
+    graph = current_graph()
 
     def something_to_do() -> bool:
         return executor.can_work() or ready()
 
-    while not ready() and baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+    while not ready() and (until_ns is None or graph.now_ns <= until_ns):
+        if not baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+            return
         executor.run_next()
 
 
@@ -122,9 +130,12 @@ def until_interrupted() -> Iterator[None]:
     graph = current_graph()
     start_ns = graph.now_ns
     try:
-        yield
-    except KeyboardInterrupt:
-        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time.")
+        with interruptible():
+            yield
+    except KeyboardInterrupt as interrupt:
+        line = line_of_traceback(interrupt.__traceback__)
+        where = line and f", in {line}"
+        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{where}.")
 
 
 def say(line: str) -> None:

@@ -69,12 +69,20 @@ class WallPace:
     """Holds robot time back to the wall clock, from now on, at the graph's speed."""
 
     def __init__(self, graph: Graph) -> None:
+        self._graph = graph
         self._speed = speed_of(graph)
         self._allowed_ns = graph.now_ns  # robot time that the wall clock has come to
         self._wall = wall.monotonic()
 
+    def come_to(self, limit: float) -> int:
+        """Return the robot time that the wall clock has come to, [ns], at most `limit` [s] more."""
+        before, self._wall = self._wall, wall.monotonic()
+        passed_ns = self._speed.passed_ns(min(self._wall - before, limit))
+        self._allowed_ns = max(self._allowed_ns, self._graph.now_ns) + passed_ns
+        return self._allowed_ns
+
     def __call__(self, due_ns: int) -> bool:
-        """Say whether the wall clock has come to robot time `due_ns`, [ns]; wait for it a little if not."""
+        """Return whether the wall clock has come to robot time `due_ns`, [ns]; wait a little if not."""
         before, self._wall = self._wall, wall.monotonic()
         self._allowed_ns += self._speed.passed_ns(self._wall - before)
         left = (due_ns - self._allowed_ns) * 1e-9 / self._speed.rate

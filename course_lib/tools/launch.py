@@ -1,5 +1,6 @@
 """`ros2 launch` and `ros2 run`: in a notebook they go on between the cells, like run_live."""
 
+import threading
 from argparse import REMAINDER, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -7,7 +8,8 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.live import LiveRun, go_live, live_runs
+from course_lib.ros.live import go_live, live_runs
+from course_lib.ros.live_run import LiveRun
 from course_lib.ros.packages import find_package, why_not_found
 from course_lib.ros.process import Processes
 from course_lib.tools.executables import EXECUTABLES
@@ -44,8 +46,9 @@ class LaunchedRun(LiveRun):
             super().stop()
             with baton.known():
                 self._processes.interrupt()
-                limit_ns = current_graph().now_ns + 10**9  # [ns]; one may go on regardless
-                baton.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
+                if threading.current_thread() is threading.main_thread():  # else nothing moves robot time
+                    limit_ns = current_graph().now_ns + 10**9  # [ns]; one may go on regardless
+                    baton.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
 
 
 def _launch(source: Source, arguments: Namespace, write: Write) -> None:

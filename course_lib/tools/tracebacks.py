@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.hints import add_hint
+from course_lib.ros.own_line import line_of_traceback
 from course_lib.ros.tracebacks import without_the_kit
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ def _show(
     tb_offset: int | None = None,
 ) -> list[str]:
     if isinstance(error, CourseError | KeyboardInterrupt):
-        said = str(error) or "the cell was stopped."
+        line = line_of_traceback(trace) if isinstance(error, KeyboardInterrupt) else ""
+        said = str(error) or f"the cell was stopped{line and f' in {line}'}."
         shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
     else:
         add_hint(error)

@@ -1,3 +1,4 @@
+import re
 import threading
 import time
 from collections.abc import Iterator
@@ -9,7 +10,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import driving, pace, virtual_time, wall
+from course_lib.ros import busy, driving, pace, virtual_time, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes, spin_for
@@ -43,6 +44,52 @@ def test_a_burst_of_callbacks_takes_no_time(notebook: Graph) -> None:
         publisher.publish(String())
     spin_for(0.001, node)
     assert (len(got), notebook.now_ns) == (1500, START_NS + SECOND // 1000)
+
+
+def test_spin_for_ends_although_a_callback_takes_its_whole_period_and_that_is_said_once(
+    notebook: Graph, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node, calls = Node("sleeper"), []
+
+    def tick() -> None:
+        calls.append(notebook.now_ns - START_NS)
+        time.sleep(1.0)
+
+    node.create_timer(1.0, tick)
+    spin_for(2.0, node)
+    assert (calls, notebook.now_ns) == ([SECOND, 2 * SECOND], START_NS + 3 * SECOND)
+    hint = "hint: tick of /sleeper took 1 s, and its timer's period is 1 s: the node is always late"
+    assert capsys.readouterr().out.count(hint) == 1
+
+
+def test_a_callback_that_sleeps_less_than_its_period_gets_no_hint(
+    notebook: Graph, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = Node("sleeper")
+    node.create_timer(1.0, lambda: time.sleep(0.5))
+    spin_for(3.0, node)
+    assert (capsys.readouterr().out, notebook.now_ns) == ("", START_NS + 3 * SECOND + SECOND // 2)
+
+
+def test_the_line_that_keeps_a_cell_busy_is_named_and_so_is_the_one_that_was_interrupted(
+    notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(busy, "PATIENCE", 0.0)
+    node = Node("stuck")
+
+    def tick() -> None:
+        callback = busy.watch.under_way
+        while callback is not None and not callback.named:
+            pass
+        while True:
+            interrupt_main()
+
+    node.create_timer(1.0, tick)
+    spin_for(10.0, node)
+    named, stopped = capsys.readouterr().out.splitlines()
+    line = r"test_driving.py, line \d+: "
+    assert re.fullmatch(rf"/stuck has been busy for \d+ s in {line}.* \(■ stops it\)", named)
+    assert re.fullmatch(rf"Stopped after 1.0 s of robot time, in {line}.*\.", stopped)
 
 
 @pytest.mark.parametrize("seconds", [-1, "2", float("nan"), 1e7])

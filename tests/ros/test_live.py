@@ -1,5 +1,9 @@
 import asyncio
+import re
+import threading
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 
 import pytest
 import rclpy
@@ -7,11 +11,12 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import live, pace, virtual_time, wall
+from course_lib.ros import busy, live_loop, pace, virtual_time, wall
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.live import LiveRun, run_live, stop_all
+from course_lib.ros.live import run_live, stop_all
+from course_lib.ros.live_run import LiveRun
 
 Captured = pytest.CaptureFixture[str]
 A_MINUTE = 60.0  # [s]
@@ -113,7 +118,7 @@ def test_all_that_runs_can_be_stopped_at_once(notebook: Graph, monkeypatch: pyte
 
 
 def test_a_shutdown_ends_it_without_a_word(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "_stop_with_an_error", lambda graph: pytest.fail("an error was shown"))
+    monkeypatch.setattr(live_loop, "show_error", lambda: pytest.fail("an error was shown"))
     node = Node("talker")
     runs: list[LiveRun] = []
 
@@ -153,3 +158,65 @@ def test_paused_nodes_rest_and_a_step_lets_them_run_so_long(
         lambda: run_live(node), monkeypatch, until=lambda: len(calls) > 1 and wall.monotonic() > rested
     )
     assert (len(calls), notebook.now_ns) == (2, START_NS + 110_000_000)
+
+
+def test_robot_time_keeps_to_the_wall_clock_where_a_callback_sleeps_its_whole_period(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, calls = Node("sleeper"), []
+
+    def tick() -> None:
+        calls.append(1)
+        time.sleep(0.1)
+
+    node.create_timer(0.1, tick)
+    start = wall.monotonic()
+    in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(calls) > 3)
+    assert (notebook.now_ns - START_NS) * 1e-9 <= wall.monotonic() - start
+    stop_all()
+
+
+def loop_for_ever() -> None:
+    while True:
+        pass
+
+
+def swallow_all() -> None:
+    while True:
+        try:  # noqa: SIM105  the mistake under test
+            wall.sleep(0.01)
+        except:  # noqa: E722
+            pass
+
+
+def sleep_and_swallow_all() -> None:
+    while True:
+        with suppress(BaseException):
+            time.sleep(0.01)
+
+
+@pytest.mark.parametrize("tick", [loop_for_ever, swallow_all, sleep_and_swallow_all])
+@pytest.mark.parametrize("by_click", [True, False])
+def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_its_line(
+    tick: Callable[[], None], by_click: bool, notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stuck, other = Node("stuck"), Node("other")
+    stuck.create_timer(0.05, tick)
+    runs: list[LiveRun] = []
+
+    def press() -> None:
+        while busy.watch.under_way is None:
+            wall.sleep(0.01)
+        if by_click:
+            runs[0]._stop_clicked()
+        else:
+            busy.interrupt_main_thread()
+
+    def cell() -> None:
+        runs.extend((run_live(stuck), run_live(other)))
+        threading.Thread(target=press, daemon=True).start()
+
+    in_a_kernel(cell, monkeypatch, until=lambda: runs[0].note)
+    assert re.search(r"■ stopped: stuck .*, interrupted in test_live.py, line \d+: ", runs[0].state())
+    assert [run.running for run in runs] == [False, by_click]
+    stop_all()

@@ -75,4 +75,5 @@ def test_a_syntax_error_keeps_its_caret(tmp_path: Path) -> None:
 def test_what_the_kit_says_and_an_interrupt_need_no_traceback(tmp_path: Path) -> None:
     start = CELLS.partition("---")[0] + "from course_lib import spin_for\n---\n"
     assert run(start + "spin_for('2')", tmp_path).startswith("CourseError: spin_for('2', …): give the")
-    assert run(start + "raise KeyboardInterrupt", tmp_path) == "KeyboardInterrupt: the cell was stopped.\n"
+    stopped = "KeyboardInterrupt: the cell was stopped in cell In[1], line 1: raise KeyboardInterrupt.\n"
+    assert run(start + "raise KeyboardInterrupt", tmp_path) == stopped

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from course_lib.ros import driving
 from course_lib.ros.baton import DeadlockError, baton
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
@@ -43,6 +44,7 @@ class Timer(Entity):
         self._alarm: Alarm | None = None
         self._due = False  # it has become ready and was not taken yet
         self._canceled = not autostart
+        self._hinted = False
         self.is_destroyed = False
         self._next_ns = self._graph.now_ns + timer_period_ns
         if autostart:
@@ -63,6 +65,18 @@ class Timer(Entity):
         if self.callback is None:
             raise TypeError("'NoneType' object is not callable")
         return self.callback
+
+    def note_time_taken(self, span_ns: int) -> None:
+        """Print a hint, once, if the callback took a whole period or more."""
+        if self._hinted or not 0 < self.timer_period_ns <= span_ns:
+            return
+        self._hinted = True
+        took, period = f"{span_ns * 1e-9:g} s", f"{self.timer_period_ns * 1e-9:g} s"
+        name = f"{getattr(self.callback, '__name__', 'the callback')} of {self.node_handle.full_name}"
+        driving.say(
+            f"hint: {name} took {took}, and its timer's period is {period}: the node is always late, and its "
+            "other callbacks wait. Return at once, without time.sleep; the timer calls again."
+        )
 
     def cancel(self) -> None:
         """Call back no more, until `reset`."""

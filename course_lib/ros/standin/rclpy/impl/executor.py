@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.ros import driving
 from course_lib.ros.baton import baton
+from course_lib.ros.busy import watch
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
 from rclpy.impl.node_handle import Entity, Turn
@@ -184,6 +185,8 @@ class Executor(AbstractContextManager["Executor"]):
                 await await_or_execute(call)
             finally:
                 group.ending_execution(entity)
+                if graph.now_ns > start_ns and graph.notebook:
+                    entity.note_time_taken(graph.now_ns - start_ns)
                 for listener in graph.callback_listeners:
                     listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
 
@@ -196,9 +199,13 @@ class Executor(AbstractContextManager["Executor"]):
         ident = threading.get_ident()
         outer = self._under_way.get(ident)
         self._under_way[ident] = task
+        outer_callback = watch.under_way
+        if self.context.graph.notebook and task.entity is not None:
+            watch.begin(task.entity.node_handle.full_name)
         try:
             task()
         finally:
+            watch.under_way = outer_callback
             if outer is None:
                 del self._under_way[ident]
             else:

@@ -95,3 +95,6 @@ class Entity:
     def take(self) -> Callable[[], object] | None:
         """Take what made it ready; returns the call to make, None if there is nothing any more."""
         raise NotImplementedError
+
+    def note_time_taken(self, span_ns: int) -> None:
+        """Note that its callback took robot time, [ns]: it slept, or waited."""

@@ -1,0 +1,139 @@
+"""Nodes that keep the kernel busy, in real JupyterLab: Stop and ■ work, and the line is named."""
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Locator, expect
+
+from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.waiting import wait_until
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+START = "%load_ext course_lib\nimport time\nimport rclpy\nfrom course_lib import run_live, spin_for\n"
+NODES = """from rclpy.node import Node
+
+rclpy.init()
+
+class Stuck(Node):
+    def __init__(self):
+        super().__init__("stuck")
+        self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        while True:
+            pass
+
+class Stubborn(Stuck):
+    def tick(self):
+        while True:
+            try:
+                time.sleep(0.1)
+            except:
+                pass
+
+class Sleeper(Node):
+    def __init__(self):
+        super().__init__("sleeper")
+        self.create_timer(1.0, self.tick)
+
+    def tick(self):
+        time.sleep(1)
+"""
+ENDLESS = r"cell in\[2\], line 1[12]: (while True|pass)"
+BY_STOP, BY_INTERRUPT = "run_live(Stuck())  # Stop", "run_live(Stuck())  # ■"
+STUBBORN, SLEEPER = "run_live(Stubborn())", "run_live(Sleeper())"
+SPIN, SLEEPY_SPIN = "spin_for(100.0, Stuck())", "spin_for(2.0, Sleeper())"
+AWAITED, OVERRUN = "await spin_for(1000.0)", "import asyncio\nrun_live(Stuck())\nawait asyncio.sleep(1)"
+CELLS = (START, NODES, BY_STOP, BY_INTERRUPT, STUBBORN, SLEEPER, SPIN, SLEEPY_SPIN, AWAITED, OVERRUN)
+
+
+@pytest.fixture(scope="module")
+def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
+    folder = tmp_path_factory.mktemp("student") / "my_course"
+    with opened(browser, folder, "busy.ipynb", CELLS) as notebook:
+        for source in (START, NODES):
+            start(notebook, source)
+            notebook.wait_idle()
+        yield notebook
+
+
+def start(notebook: Notebook, source: str) -> Locator:
+    """Run one cell, and do not wait for its end."""
+    cell = notebook.cell(source)
+    notebook.page.evaluate("() => { jupyterapp.commands.execute('notebook:run-cell') }")
+    return cell
+
+
+def interrupt(notebook: Notebook) -> None:
+    """Click ■."""
+    notebook.page.get_by_title("Interrupt the kernel").click()
+
+
+def label(cell: Locator) -> Locator:
+    return cell.locator(".widget-label")
+
+
+def text(pattern: str) -> re.Pattern[str]:
+    return re.compile(pattern, re.IGNORECASE)
+
+
+def test_a_click_on_stop_ends_an_endless_loop_and_names_its_line(notebook: Notebook) -> None:
+    cell = start(notebook, BY_STOP)
+    expect(label(cell)).to_have_text(text(rf"running: stuck .* busy for \d+ s in {ENDLESS}"))
+    cell.get_by_role("button", name="Stop").click()
+    expect(label(cell)).to_have_text(text(rf"stopped: stuck .* interrupted in {ENDLESS}"))
+    assert notebook.kernel("print(1 + 1)") == "2\n"
+
+
+def test_the_interrupt_button_ends_an_endless_loop_between_the_cells(notebook: Notebook) -> None:
+    cell = start(notebook, BY_INTERRUPT)
+    expect(label(cell)).to_have_text(text("busy for"))
+    interrupt(notebook)
+    expect(label(cell)).to_have_text(text(rf"stopped: stuck .* interrupted in {ENDLESS}"))
+    assert notebook.kernel("print(1 + 1)") == "2\n"
+
+
+def test_stop_ends_a_loop_that_swallows_interrupts(notebook: Notebook) -> None:
+    cell = start(notebook, STUBBORN)
+    expect(label(cell)).to_have_text(text("busy for"))
+    cell.get_by_role("button", name="Stop").click()
+    expect(label(cell)).to_have_text(text("stopped: stuck"))
+
+
+def test_other_cells_run_beside_a_node_that_sleeps_a_whole_period(notebook: Notebook) -> None:
+    cell = start(notebook, SLEEPER)
+    expect(cell.get_by_text("hint: tick of /sleeper took 1 s")).to_be_visible()
+    assert notebook.kernel("print(1 + 1)") == "2\n"
+    cell.get_by_role("button", name="Stop").click()
+    expect(label(cell)).to_have_text(text("stopped: sleeper"))
+
+
+def test_a_cell_names_the_line_that_keeps_it_busy_and_ends_at_once(notebook: Notebook) -> None:
+    cell = start(notebook, SPIN)
+    expect(cell.get_by_text(text(rf"/stuck has been busy for \d+ s in {ENDLESS}"))).to_be_visible()
+    interrupt(notebook)
+    expect(cell.get_by_text(text(rf"Stopped after 0.1 s of robot time, in {ENDLESS}"))).to_be_visible()
+    notebook.wait_idle()
+
+
+def test_spin_for_ends_although_a_callback_takes_a_whole_period(notebook: Notebook) -> None:
+    start(notebook, SLEEPY_SPIN)
+    notebook.wait_idle()
+    assert notebook.kernel("print(1 + 1)") == "2\n"
+
+
+def test_an_awaited_call_ends_at_the_interrupt(notebook: Notebook) -> None:
+    cell = start(notebook, AWAITED)
+    wait_until(lambda: cell.get_by_text("[*]").count(), notebook.page)
+    interrupt(notebook)
+    expect(cell.get_by_text(text("Stopped after .* of robot time"))).to_be_visible()
+    notebook.wait_idle()
+
+
+def test_the_interrupt_button_reaches_a_callback_while_a_cell_awaits(notebook: Notebook) -> None:
+    cell = start(notebook, OVERRUN)
+    expect(label(cell)).to_have_text(text("busy for"))
+    interrupt(notebook)
+    expect(label(cell)).to_have_text(text("stopped: stuck"))
+    notebook.wait_idle()
