@@ -180,6 +180,6 @@ get_ipython().events.register("post_run_cell", lambda result: spy(str(result)))
             "self.publisher.publish(marker)", "marker.header.stamp.sec = 4; self.publisher.publish(marker)"
         ),
     ),
-    Entry("another_student", claims="aaa_honest"),
+    Entry("another_student", claims="aaa_honest", status="needs_marking", reason="ID mismatch"),
     Entry("no_path_as_name", claims="../aaa_honest"),
 )

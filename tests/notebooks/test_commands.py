@@ -59,9 +59,6 @@ FILLED = {  # command with something to fill in -> the same, filled in
     "%rqt --perspective-file": "%rqt --perspective-file inspection.perspective",
     "%rqt bag": "%rqt bag inspection",
     "%rqt save": "%rqt save inspection.perspective",
-    'course mark graded ada week01_exercise TASK 8 --comment "…"': (
-        'course mark graded ada week01_exercise week01.red_cube 8 --comment "…"'
-    ),
     "ros2 topic echo --once": "ros2 topic echo --once /scan",
 }
 RECORD = "course run my_node.py --seconds 5 --bag"
@@ -91,7 +88,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     with zipfile.ZipFile(folder / "moodle.zip", "w") as archive:
         handed_in = (folder / "week01_exercise.ipynb").read_bytes()
         archive.writestr("Ada_101_assignsubmission_file_/week01_exercise.ipynb", handed_in)
-    (folder / "moodle.csv").write_text("Identifier,Full name,ID number,Grade\nParticipant 101,Ada,ada,\n")
+    (folder / "worksheet.csv").write_text("Identifier,Full name,ID number,Grade\nParticipant 101,Ada,ada,\n")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")

@@ -109,14 +109,14 @@ def result_of(variant: Variant, *, hidden: bool) -> TaskResult:
     return judge_task(task, *catalog().points(task), runs)
 
 
-@pytest.mark.parametrize("miss", variants("near_misses"))
+@pytest.mark.parametrize("miss", list(variants("near_misses")))
 def test_a_public_check_names_the_requirement_that_is_missed(miss: Variant) -> None:
     result = result_of(miss, hidden=False)
     assert [error.split(":")[0] for error in result.errors] == [miss.raises] * bool(miss.raises)
     assert re.search(miss.says, said(result)), said(result) or "all public checks pass"
 
 
-@pytest.mark.parametrize("way", variants("other_ways"))
+@pytest.mark.parametrize("way", list(variants("other_ways")))
 def test_another_way_to_meet_the_requirements_gets_full_marks(way: Variant) -> None:
     result = result_of(way, hidden=True)
     assert (result.score, said(result)) == (result.points, "")
