@@ -60,9 +60,6 @@ def test_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
     wait_for_red(running.run_below("viewer"))
 
 
-# In one of five full runs JupyterLab said "model not found" of all widgets after the reload; the cause is not
-# known yet.
-@pytest.mark.flaky(reruns=1)
 def test_the_scene_survives_a_page_reload(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
