@@ -17,9 +17,9 @@ from course_lib.grading.watchdog import watchdog
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import serialize
-from course_lib.ros.own_line import line_of_traceback
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
+from course_lib.ros.tracebacks import line_of_traceback
 
 INPUT_NODE = "scenario"
 # Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from course_lib.ros.own_line import line_of_thread
+from course_lib.ros.tracebacks import line_of_thread
 
 AGAIN = 1.0  # [s] code that swallows an interrupt gets another one
 
