@@ -197,7 +197,7 @@ def _raise_at_a_line(frame: FrameType, lines: int) -> None:
 
 @contextmanager
 def signals_kept() -> Iterator[None]:
-    """Restore the handlers of Ctrl+C and SIGTERM afterwards: a program that never shut down leaves its own."""
+    """Restore the handlers of Ctrl+C and SIGTERM afterwards: a program that never shut down leaves others."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
