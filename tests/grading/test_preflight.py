@@ -131,7 +131,8 @@ from course_lib.course.course_file import Limits
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 task = Task("week01.kit", "Kit", "value", "kit", ("a", "b", "c"), (Scenario("public"),))
-with closing(SubmissionRun(["import course_lib; kit = course_lib.__file__"], {task.id: {}}, Limits())) as running:
+cells = ["import course_lib; kit = course_lib.__file__"]
+with closing(SubmissionRun(cells, {task.id: {}}, Limits())) as running:
     print(running.run(task, task.scenarios[0]).returns[0])
 """
 
