@@ -9,8 +9,8 @@ from typing import Literal
 from zoneinfo import ZoneInfo
 
 from course_lib.grading.fingerprint import Fingerprint, fingerprint, numbered
+from course_lib.grading.reports.table import fill
 from course_lib.grading.similarity import Comparison, Pair
-from course_lib.grading.table import fill
 
 MAX_PAIRS = 40  # of a cluster that are shown
 

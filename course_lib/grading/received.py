@@ -11,7 +11,7 @@ from zoneinfo import ZoneInfo
 from course_lib.course.course_file import Late
 from course_lib.errors import CourseError, counted
 from course_lib.grading.lms_file import LmsFile
-from course_lib.grading.marks import count_days_late
+from course_lib.grading.marks.marks import count_days_late
 from course_lib.grading.platform_times import YEARS, parse_times
 from course_lib.grading.sender import platform_name
 

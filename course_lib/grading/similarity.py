@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+
+from course_lib.arrays import Floats
 
 MIN_SHARED = 50.0  # runs in common, rare ones counting fully: about eight lines
 SHARE = 0.6  # limit in a small class: what part of the shorter solution two have in common
@@ -18,7 +19,6 @@ CLASS = 10  # from so many different solutions on, the limit follows the class
 SPREADS = 6.0  # that a pair must be above the median of the class
 CHUNK = 4096  # columns of a matrix
 
-Floats = NDArray[np.float64]
 Own = TypeVar("Own", bound=Hashable)
 
 

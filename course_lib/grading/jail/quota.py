@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from course_lib.grading.usage import Usage
+from course_lib.grading.run.outcome import Usage
 
 EVERY = 0.05  # [s]
 MANY = 4096  # files, of which no more are counted

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import RAISED, plain
+from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"

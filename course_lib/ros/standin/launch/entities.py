@@ -1,4 +1,4 @@
-"""The parts of launch descriptions: substitutions, conditions, actions, events, and the context they share."""
+"""The parts of launch descriptions: substitutions, conditions, actions, events, and their context."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
