@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import counted
-from course_lib.grading.copies import Alike, alike_in
-from course_lib.grading.ids import MISMATCH, NO_ID, UNVERIFIED
+from course_lib.grading.handin.copies import Alike, alike_in
+from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 
 NAMED = 5  # names in one line; the index has all
 SIMILAR = "similar code"

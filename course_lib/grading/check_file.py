@@ -2,16 +2,16 @@
 
 from pathlib import Path
 
-from course_lib.course.exercise_file import find_notebook
+from course_lib.course.exercise import find_notebook
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.exercise_run import run_exercise
 from course_lib.grading.first_causes import Causes
-from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.submission import NO_EXERCISE, unpack
-from course_lib.grading.working_files import working_files
+from course_lib.grading.handin.notebook import parse_notebook
+from course_lib.grading.handin.submission import NO_EXERCISE, unpack
+from course_lib.grading.handin.working_files import working_files
 
 NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 

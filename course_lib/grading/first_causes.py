@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from course_lib.errors import counted
-from course_lib.grading.code_cell import CodeCell
+from course_lib.grading.handin.notebook import CodeCell
 from course_lib.grading.judge import TaskResult
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

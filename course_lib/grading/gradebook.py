@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.grading.result import COLUMNS, read_result
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")

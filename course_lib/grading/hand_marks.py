@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.judge import TaskResult
 

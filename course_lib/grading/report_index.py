@@ -9,10 +9,10 @@ from typing import Any
 from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.grading.attention import concerns, flags
-from course_lib.grading.copies import alike_in
 from course_lib.grading.gradebook import results_in, write_gradebook
+from course_lib.grading.handin.copies import alike_in
 from course_lib.grading.table import fill
 from course_lib.grading.usage import read_usage
 

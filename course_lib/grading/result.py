@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from course_lib.course.course_file import Late
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.hand_marks import HandMark, apply_marks, marks_path, read_marks
-from course_lib.grading.ids import MISMATCH
+from course_lib.grading.handin.ids import MISMATCH
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks import Mark, mark
-from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")

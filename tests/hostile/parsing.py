@@ -11,10 +11,10 @@ from course_lib.displays.layout import layout_of
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.exercise_run import ExerciseRun
+from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.job import Step
 from course_lib.grading.judge import Run
-from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.runner import CellLog
 from course_lib.grading.store import pack, unpack
 from course_lib.grading.task import Scenario, Task
