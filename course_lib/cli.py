@@ -104,8 +104,7 @@ def ros2(
     seconds: Annotated[float, typer.Option(min=0, help="Robot time to run.")] = RUN_SECONDS,
 ) -> None:
     """Do what `ros2` does, over programs or a recording; options for `course` come first."""
-    from course_lib.tools.ros2 import ros2_over
-    from course_lib.tools.run import with_fixed_hashes
+    from course_lib.tools.run import ros2_over, with_fixed_hashes
 
     if run:
         with_fixed_hashes()
@@ -169,8 +168,7 @@ def play(
     ] = None,
 ) -> None:
     """Play a recording to programs, which end with it."""
-    from course_lib.tools.ros2 import ros2_over
-    from course_lib.tools.run import with_fixed_hashes
+    from course_lib.tools.run import ros2_over, with_fixed_hashes
 
     with_fixed_hashes()
     nobody = None if run else Path(words[0])

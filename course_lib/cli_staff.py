@@ -106,7 +106,7 @@ def mark(
 ) -> None:
     """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
     from course_lib.grading.handin.lms import fill_lms
-    from course_lib.grading.mark_by_hand import mark_by_hand
+    from course_lib.grading.marks.by_hand import mark_by_hand
 
     if lms is not None and to is not None and exercise and column and id_column and not given:
         names = {"exercise": exercise, "column": column, "id_column": id_column}

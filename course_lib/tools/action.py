@@ -8,11 +8,20 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, action_class, type_name
 from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.listing import count, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.message_text import Style, to_yaml
 from course_lib.tools.sources import Source
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+from course_lib.tools.verb import (
+    NODE_OPTIONS,
+    Verb,
+    Write,
+    count,
+    flag,
+    show_types,
+    type_verb,
+    value,
+    write_names,
+)
 
 PATIENCE = 60.0  # [s] for a goal to come to its end, if nobody can press ■
 

@@ -1,7 +1,8 @@
-"""`ros2 launch` and `ros2 run`: in a notebook they go on between the cells, like run_live."""
+"""`ros2 launch` and `ros2 run`; in a notebook the processes go on between the cells, as with run_live."""
 
 import threading
 from argparse import REMAINDER, Namespace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,12 +13,13 @@ from course_lib.ros.live import go_live, live_runs
 from course_lib.ros.live_run import LiveRun
 from course_lib.ros.packages import find_package, why_not_found
 from course_lib.ros.process import Processes
-from course_lib.tools.executables import EXECUTABLES
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import LaunchProgram
+    from course_lib.ros.launch_program import Executables, LaunchProgram
+
+_STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
 
 
 class LaunchedRun(LiveRun):
@@ -37,22 +39,30 @@ class LaunchedRun(LiveRun):
         return self.file.name
 
     def is_over(self) -> bool:
-        """Say whether all its processes have ended."""
+        """Return whether all processes have ended."""
         return bool(self._processes.ended)
 
     def stop(self) -> None:
-        """Give each process Ctrl+C, and wait for its end."""
+        """Interrupt each process, and wait until all have ended."""
         if self.running:
             super().stop()
             with baton.known():
                 self._processes.interrupt()
                 if threading.current_thread() is threading.main_thread():  # else nothing moves robot time
-                    limit_ns = current_graph().now_ns + 10**9  # [ns]; one may go on regardless
+                    limit_ns = current_graph().now_ns + _STOP_LIMIT_NS
                     baton.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
 
 
-def _launch(source: Source, arguments: Namespace, write: Write) -> None:
-    """Start a launch file; raises a CourseError if there is none, or nothing to start it in."""
+def launch_verbs(executables: "Executables") -> tuple[Verb, Verb]:
+    """Return `ros2 launch` and `ros2 run`, which find these executables beside those of packages."""
+    launch, run = partial(_launch, executables), partial(_run, executables)
+    return (
+        Verb("launch", "", "Run a launch file", _LAUNCH, launch, from_start=True),
+        Verb("run", "", "Run a package specific executable", _RUN, run, from_start=True),
+    )
+
+
+def _launch(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
     from course_lib.ros.launch_program import LaunchProgram, arguments_of
 
     words = [arguments.package_name, *arguments.launch_file_name]
@@ -70,7 +80,7 @@ def _launch(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.show_args:
         write(arguments_of(file) + "\n")
     else:
-        _start(source, LaunchProgram(file, settings, EXECUTABLES))
+        _start(source, LaunchProgram(file, settings, executables))
 
 
 def _in_package(share: Path, words: list[str]) -> Path:
@@ -83,16 +93,16 @@ def _in_package(share: Path, words: list[str]) -> Path:
     )
 
 
-def _run(source: Source, arguments: Namespace, write: Write) -> None:
-    """Start an executable; raises a CourseError if there is nothing to start it in."""
+def _run(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
     from course_lib.ros.launch_program import RunProgram
 
-    program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, EXECUTABLES)
+    program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
     program.find(arguments.package_name, arguments.executable_name)
     _start(source, program)
 
 
 def _start(source: Source, program: "LaunchProgram") -> None:
+    """Run a program to its end; in a notebook start it, in place of an earlier run of the same file."""
     import rclpy
 
     graph = current_graph()
@@ -111,32 +121,15 @@ def _start(source: Source, program: "LaunchProgram") -> None:
         go_live(run)
 
 
-LAUNCH = Verb(
-    "launch",
-    "",
-    "Run a launch file",
-    (
-        value("package_name", help="Name of the ROS package which contains the launch file, or its path"),
-        value("launch_file_name", nargs="*", help="Name of the launch file, then its arguments: name:=value"),
-        flag(
-            "-s",
-            "--show-args",
-            "--show-arguments",
-            help="Show arguments that may be given to the launch file.",
-        ),
+_LAUNCH = (
+    value("package_name", help="Name of the ROS package which contains the launch file, or its path"),
+    value("launch_file_name", nargs="*", help="Name of the launch file, then its arguments: name:=value"),
+    flag(
+        "-s", "--show-args", "--show-arguments", help="Show arguments that may be given to the launch file."
     ),
-    _launch,
-    from_start=True,
 )
-RUN = Verb(
-    "run",
-    "",
-    "Run a package specific executable",
-    (
-        value("package_name", help="Name of the ROS package"),
-        value("executable_name", help="Name of the executable"),
-        value("argv", nargs=REMAINDER, help="Pass arbitrary arguments to the executable"),
-    ),
-    _run,
-    from_start=True,
+_RUN = (
+    value("package_name", help="Name of the ROS package"),
+    value("executable_name", help="Name of the executable"),
+    value("argv", nargs=REMAINDER, help="Pass arbitrary arguments to the executable"),
 )

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.topics import SERVICE_TOPICS
-from course_lib.tools.listing import count
 from course_lib.tools.sources import Source, is_hidden
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, count, flag, value
 
 FEEDBACK = "/_action/feedback"  # of a topic on which an action's server publishes
 REQUESTS = f"{SERVICE_TOPICS[0][0]}/"

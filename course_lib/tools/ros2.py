@@ -4,26 +4,23 @@ import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.recording import Recording, read_bag
-from course_lib.ros import standin_path
+from course_lib.ros.graph import current_graph
 from course_lib.tools.action import ACTION_VERBS
 from course_lib.tools.bag.info import BAG_INFO
 from course_lib.tools.bag.play import BAG_PLAY
 from course_lib.tools.bag.record import BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
+from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
 from course_lib.tools.interface import INTERFACE_VERBS
-from course_lib.tools.launch import LAUNCH, RUN
+from course_lib.tools.launch import launch_verbs
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
-from course_lib.tools.pkg.create import PKG_CREATE
-from course_lib.tools.pkg.index import PKG_VERBS
-from course_lib.tools.run import run_beside
+from course_lib.tools.pkg import pkg_verbs
 from course_lib.tools.service import SERVICE_VERBS
-from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource, Source
+from course_lib.tools.sources import DISCOVERY, GraphSource, Source
 from course_lib.tools.tf2.echo import TF2_ECHO
 from course_lib.tools.tf2.monitor import TF2_MONITOR
 from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
@@ -34,6 +31,37 @@ from course_lib.tools.topic.measure import TOPIC_MEASURES
 from course_lib.tools.topic.pub import TOPIC_PUB
 from course_lib.tools.verb import Verb, Write
 
+if TYPE_CHECKING:
+    from course_lib.ros.launch_program import Executables
+
+_NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
+_TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
+
+
+def _ros2_executable(*words: str) -> None:
+    """Run `ros2 <words>` with the arguments of the running program."""
+    source = GraphSource(current_graph(), discovery=DISCOVERY)
+    ros2([*words, *own_words()], source, sys.stdout.write)
+
+
+def _static_transform_publisher() -> None:
+    words = own_words()
+    if len(words) == len(_NUMBERS) + 2 and "--frame-id" not in words:  # x y z yaw pitch roll frame child
+        flags = [word for pair in zip(_NUMBERS, words, strict=False) for word in pair]
+        words = [*flags, "--frame-id", words[-2], "--child-frame-id", words[-1]]
+    pairs = zip(words[::2], words[1::2], strict=True)
+    settings = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -0.5 for an option
+    command = ["run", "tf2_ros", "static_transform_publisher", *settings]
+    ros2(command, GraphSource(current_graph()), sys.stdout.write)
+    spin()
+
+
+EXECUTABLES: "Executables" = {
+    **NODE_EXECUTABLES,
+    ("ros2cli", "ros2"): partial(with_rclpy, _ros2_executable),
+    ("tf2_ros", "static_transform_publisher"): partial(with_rclpy, _static_transform_publisher),
+    **{words: partial(with_rclpy, partial(_ros2_executable, "run", *words)) for words in _TOOLS},
+}
 VERBS = (
     TOPIC_ECHO,
     *TOPIC_LISTS,
@@ -52,10 +80,8 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
-    PKG_CREATE,
-    *PKG_VERBS,
-    LAUNCH,
-    RUN,  # after the executables that are verbs
+    *pkg_verbs(EXECUTABLES),
+    *launch_verbs(EXECUTABLES),  # after the executables that are verbs
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
@@ -80,7 +106,7 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     Raises:
         CourseError: No such command or argument, or what the command itself finds wrong.
     """
-    verb = _verb(words)
+    verb = find_verb(words)
     if verb is None:
         _explain(list(words), write)
         return
@@ -94,30 +120,8 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     verb.run(source, arguments, write)
 
 
-def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, seconds: float) -> int:
-    """Do what `ros2 <words>` does, beside programs that run, or over a recording.
-
-    Returns:
-        The exit code of the programs.
-
-    Raises:
-        CourseError: Nowhere to look, or in two places; otherwise as `ros2`.
-    """
-    standin_path.install()  # verbs import rclpy
-    verb = _verb(words)
-    needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
-    starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
-    if bool(files) + (bag is not None) != 1 and not (needs_nothing or starts):
-        ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
-        raise CourseError(f"Say where to look: {', or '.join(ways)}")
-    if (files or starts) and not needs_nothing:
-        tool = partial(ros2, words, write=sys.stdout.write)
-        return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
-    ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
-    return 0
-
-
-def _verb(words: Sequence[str]) -> Verb | None:
+def find_verb(words: Sequence[str]) -> Verb | None:
+    """Return the verb that a command line begins with."""
     return next((verb for verb in VERBS if verb.words == list(words[: len(verb.words)])), None)
 
 

@@ -1,19 +1,21 @@
-"""`course run`: unmodified programs on robot time, recorded if asked for."""
+"""`course run` and `course ros2`: unmodified programs on robot time, recorded, or with a tool beside them."""
 
 import os
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import record, write_bag
+from course_lib.recording import Recording, read_bag, record, write_bag
 from course_lib.ros import standin_path
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import WallPace
 from course_lib.ros.process import Function
 from course_lib.ros.program import run_files
-from course_lib.tools.executables import EXECUTABLES
+from course_lib.tools.ros2 import EXECUTABLES, HELP, find_verb, ros2
+from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource
 
 HASH_SEED = "0"
 
@@ -27,14 +29,14 @@ def run(
     args: Sequence[str],
     real_time: bool,
 ) -> int:
-    """Run programs that share one graph, in their start order; returns their exit code.
+    """Run programs that share one graph, in their start order; return their exit code.
 
     Args:
         files: Python files, launch files, notebooks.
         seconds: Robot time to run, [s]; None runs until the programs end.
         seed: Seeds every source of chance.
-        bag: Folder of the recording, which must not be there yet.
-        args: What each program finds in `sys.argv`.
+        bag: Folder of the recording, which must not exist.
+        args: `sys.argv` of each program, behind its name.
         real_time: Keep the wall clock's pace instead of running at full speed.
 
     Raises:
@@ -54,19 +56,39 @@ def run(
 
 
 def show_arguments(files: Sequence[Path]) -> str:
-    """Say which arguments launch files declare; raises a CourseError where a file is none."""
+    """Describe the arguments that launch files declare; raises a CourseError for other files."""
     standin_path.install()
     from course_lib.ros.launch_program import arguments_of
 
     return "\n".join(arguments_of(file) for file in files)
 
 
-def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
-    """Run programs, and, once each waits, a tool beside them; they end with it. Returns their exit code.
+def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, seconds: float) -> int:
+    """Run `ros2 <words>` beside programs, or over a recording; return the exit code of the programs.
 
     Raises:
-        CourseError: If a file cannot be run, or what the tool finds wrong.
-        BrokenPipeError: Nobody reads what the tool writes.
+        CourseError: Neither programs nor a recording, or both; otherwise as `ros2`.
+    """
+    standin_path.install()  # verbs import rclpy
+    verb = find_verb(words)
+    needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
+    starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
+    if bool(files) + (bag is not None) != 1 and not (needs_nothing or starts):
+        ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
+        raise CourseError(f"Say where to look: {', or '.join(ways)}")
+    if (files or starts) and not needs_nothing:
+        tool = partial(ros2, words, write=sys.stdout.write)
+        return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
+    ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
+    return 0
+
+
+def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
+    """Run programs, and a tool as soon as each of them waits; return their exit code. They end with the tool.
+
+    Raises:
+        CourseError: If a file cannot be run, or the tool raises it.
+        BrokenPipeError: The reader of the tool's output is gone.
     """
     graph, wrong = Graph(), list[Exception]()
     graph.end_ns = graph.now_ns + round(seconds * 1e9)
@@ -91,7 +113,7 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
 
 
 def with_fixed_hashes() -> None:
-    """Start this command again with a fixed hash seed, so that sets keep their order from run to run."""
+    """Restart this command with a fixed hash seed, so that sets keep their order from run to run."""
     if os.environ.get("PYTHONHASHSEED") == HASH_SEED:
         return
     command = [sys.executable, "-m", "course_lib", *sys.argv[1:]]

@@ -8,10 +8,22 @@ from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
 from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.listing import count, find_verb, hidden, show_types, type_verb, write_names
 from course_lib.tools.message_fields import fill
 from course_lib.tools.sources import Source, is_hidden
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
+from course_lib.tools.verb import (
+    NODE_OPTIONS,
+    Verb,
+    Write,
+    count,
+    find_verb,
+    flag,
+    hidden,
+    positive,
+    show_types,
+    type_verb,
+    value,
+    write_names,
+)
 
 PATIENCE = 10.0  # [s] for a service and its answer, if nobody can press ■
 

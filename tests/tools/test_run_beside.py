@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.tools.ros2 import ros2_over
+from course_lib.tools.run import ros2_over
 
 LATE = """
 import rclpy, time

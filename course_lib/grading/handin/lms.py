@@ -10,7 +10,7 @@ from course_lib.course.identity import normalise
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.platform_files import LmsFile
-from course_lib.grading.table import printable
+from course_lib.grading.reports.table import printable
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 MAXIMUM = "maximum grade"  # Moodle's column of it, in English

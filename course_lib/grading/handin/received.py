@@ -12,7 +12,7 @@ from course_lib.course.course_file import Late
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.platform_files import YEARS, LmsFile, parse_times
 from course_lib.grading.handin.sender import platform_name
-from course_lib.grading.marks import count_days_late
+from course_lib.grading.marks.marks import count_days_late
 
 LIST = "received.csv"
 ID_FROM = "id_from"  # whether the roster told the ID of the student

@@ -9,7 +9,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+
+from course_lib.arrays import Floats
 
 if TYPE_CHECKING:
     from pygments.token import _TokenType
@@ -28,7 +29,7 @@ CLASS = 10  # from so many different solutions on, the limit follows the class
 SPREADS = 6.0  # that a pair must be above the median of the class
 CHUNK = 4096  # columns of a matrix
 
-Floats = NDArray[np.float64]
+
 Own = TypeVar("Own", bound=Hashable)
 
 

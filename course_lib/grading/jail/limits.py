@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.usage import Usage
+from course_lib.grading.run.outcome import Usage
 
 MEGABYTE = 2**20
 OPEN_FILES = 128

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import RAISED, plain
+from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
 from course_lib.ros.parameter_yaml import read_text
 

@@ -7,9 +7,20 @@ from course_lib.errors import CourseError, counted, did_you_mean
 from course_lib.ros.graph import EndpointInfo, NodeInfo
 from course_lib.ros.messages.definitions import typestore
 from course_lib.ros.qos import Qos
-from course_lib.tools.listing import count, find_verb, hidden, show_types, type_verb, write_names
 from course_lib.tools.sources import Source
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, value
+from course_lib.tools.verb import (
+    NODE_OPTIONS,
+    Verb,
+    Write,
+    count,
+    find_verb,
+    flag,
+    hidden,
+    show_types,
+    type_verb,
+    value,
+    write_names,
+)
 
 _SIDES: tuple[tuple[str, Literal["pub", "sub"], str], ...] = (
     ("Published", "pub", "publisher"),

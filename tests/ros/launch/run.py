@@ -5,7 +5,7 @@ from pathlib import Path
 from course_lib.recording import Recording, record
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.program import run_files
-from course_lib.tools.executables import EXECUTABLES
+from course_lib.tools.ros2 import EXECUTABLES
 
 
 def recorded(file: Path, *args: str, seconds: float | None = 1.0) -> tuple[Recording, int]:

@@ -5,7 +5,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import bag_info
-from course_lib.tools.ros2 import ros2_over
+from course_lib.tools.run import ros2_over
 
 Run = Callable[[str], str]
 

@@ -13,7 +13,8 @@ from course_lib.recording import Recording
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
-from course_lib.tools.ros2 import ros2, ros2_over
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
 from tests.tools.bag.conftest import BAG_START
 

@@ -11,7 +11,8 @@ from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros.packages import find_package
 from course_lib.ros.standin_path import STANDIN, provided
-from course_lib.tools.ros2 import ros2, ros2_over
+from course_lib.tools.ros2 import ros2
+from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
 
 Run = Callable[[str], str]

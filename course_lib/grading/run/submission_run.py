@@ -1,20 +1,16 @@
 """Runs a submission's scenarios in workers and brings back the evidence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
-from course_lib.grading.perform import MAX_ERRORS, Outcome
-from course_lib.grading.plain import is_plain
-from course_lib.grading.scenario import Stage, still_running
-from course_lib.grading.student_error import MAX_LENGTH
+from course_lib.grading.run.outcome import MAX_ERRORS, MAX_LENGTH, Outcome, Usage, is_plain, still_running
+from course_lib.grading.run.scenario_graph import ScenarioGraph
+from course_lib.grading.run.worker_process import WorkerProcess
 from course_lib.grading.task import Scenario, Task
-from course_lib.grading.time_shares import TimeShares
-from course_lib.grading.usage import Usage
-from course_lib.grading.worker_process import WorkerProcess
 from course_lib.ros import wall
 from course_lib.ros.channel import (
     Channel,
@@ -52,7 +48,7 @@ class CellLog:
     complete: bool = False  # nothing is added then: cells that run again may know hidden inputs
 
 
-class Session:
+class SubmissionRun:
     """One submission and its workers, of which `close` leaves nothing behind.
 
     A worker that had to be killed is followed by a fresh one, in which the cell that hung is left out.
@@ -90,7 +86,7 @@ class Session:
         Raises:
             WorkerError: No worker can be started.
         """
-        stage = Stage(task, scenario, self._personal[task.id])
+        stage = ScenarioGraph(task, scenario, self._personal[task.id])
         if task.id in self._hung:
             why = f"not run: {task.name} did not come to an end before, and was stopped"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
@@ -174,7 +170,7 @@ class Session:
             log.stopped[current] = f"cell {current + 1} {why}"
             return False
 
-    def _serve(self, worker: WorkerProcess, stage: Stage, task: Task) -> tuple[Outcome, str]:
+    def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
         """Let the worker run a scenario on the stage; also says which limit ended it, if one did."""
         seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
@@ -200,7 +196,7 @@ def limit_met(errors: Sequence[str]) -> str:
     return next((LIMITS_MET[start] for e in errors for start in LIMITS_MET if e.startswith(start)), "")
 
 
-def _drive(channel: Channel, stage: Stage, room: Room) -> Outcome:
+def _drive(channel: Channel, stage: ScenarioGraph, room: Room) -> Outcome:
     """Run the stage's clock in lock-step with the worker's child, to the child's end.
 
     Raises:
@@ -226,3 +222,26 @@ def _sentences(texts: list[Any]) -> list[str]:
     if not all(isinstance(text, str) for text in texts):
         raise ChannelError("what came are not sentences")
     return [text[: 2 * MAX_LENGTH] for text in texts[:MAX_ERRORS]]
+
+
+class TimeShares:
+    """Half of the time is reserved for the tasks in equal parts; the other half goes to whichever needs it.
+
+    Args:
+        seconds: Of the wall clock, for the scenarios of all tasks.
+        tasks: Their ids.
+    """
+
+    def __init__(self, seconds: float, tasks: Collection[str]) -> None:
+        self._common = seconds / 2
+        self._reserved = dict.fromkeys(tasks, seconds / 2 / max(len(tasks), 1))
+
+    def left(self, task: str) -> float:
+        """Return the time that the task may still take, [s]."""
+        return self._reserved[task] + self._common
+
+    def take(self, task: str, seconds: float) -> None:
+        """Charge a task: its own part first."""
+        own = min(seconds, self._reserved[task])
+        self._reserved[task] -= own
+        self._common = max(self._common - (seconds - own), 0.0)

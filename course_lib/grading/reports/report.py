@@ -7,9 +7,9 @@ from typing import Any
 from course_lib.course.course_file import CourseFile
 from course_lib.course.state import write_whole
 from course_lib.grading.judge import Run, TaskResult
-from course_lib.grading.report_scene import Figure, figures, shared_script
-from course_lib.grading.result import Result
-from course_lib.grading.table import fill, rows
+from course_lib.grading.marks.mark import Result
+from course_lib.grading.reports.scenes import Figure, figures, shared_script
+from course_lib.grading.reports.table import fill, rows
 from course_lib.grading.task import Task
 
 MAX_OUTPUT = 20_000  # characters

@@ -1,33 +1,37 @@
-"""A scenario's stage, which is ours: clock, inputs and recorder; and a whole run of it in this process."""
+"""Our side of a scenario: its graph with clock, inputs and recorder."""
 
-from collections.abc import Mapping
-from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.image_room import ImageRoom
-from course_lib.grading.message_data import build
-from course_lib.grading.perform import Outcome, Part, perform
-from course_lib.grading.plain import plain
-from course_lib.grading.printed import Bounded
+from course_lib.grading.personal import build
+from course_lib.grading.run.outcome import Outcome, plain
 from course_lib.grading.task import Scenario, Task, resolve
-from course_lib.grading.watchdog import watchdog
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph_server import PICTURES
 from course_lib.ros.messages import serialize
-from course_lib.ros.own_line import line_of_traceback
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 
 INPUT_NODE = "scenario"
 # Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
 NOT_EVIDENCE = ("/rosout", "/parameter_events")
-WALL_LIMIT = 20.0  # [s] of the wall clock for a run in this process
 
 
-class Stage:
+@dataclass(frozen=True)
+class Instructions:
+    """What the student's side gets to know: the task's kind, the seed, the arguments of calls."""
+
+    kind: str
+    seed: int
+    calls: Sequence[tuple[Sequence[Any], dict[str, Any]]] = ()
+
+
+class ScenarioGraph:
     """The graph of one scenario, with our inputs on it and a recorder of what the student's side publishes.
 
     Args:
@@ -58,7 +62,7 @@ class Stage:
             due_ns = START_NS + round(message.at * 1e9)
             self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
-        self.part = Part(task.kind, scenario.seed, calls)
+        self.part = Instructions(task.kind, scenario.seed, calls)
 
     def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
         """What came out, so far."""
@@ -79,30 +83,32 @@ class Stage:
             self._samples.append(self._room.fitted(sample))
 
 
-def run_here(
-    task: Task,
-    scenario: Scenario,
-    subject: Any,
-    personal: Mapping[str, Any],
-    *,
-    wall_limit: float = WALL_LIMIT,
-) -> Evidence:
-    """Run a scenario in this process, interrupted after `wall_limit` [s] of the wall clock."""
-    stage, outcome, output = Stage(task, scenario, personal), Outcome(), Bounded()
-    stopped = ""
-    with redirect_stdout(output), redirect_stderr(output), watchdog(wall_limit) as dog:
-        try:
-            perform(stage.part, subject, stage.graph, outcome)
-        except KeyboardInterrupt as interrupt:
-            if not dog.barked:
-                raise
-            stopped = "time"
-            line = line_of_traceback(interrupt.__traceback__) or dog.line
-            outcome.errors.append(still_running(wall_limit, line))
-    return stage.evidence(outcome, output=output.getvalue(), stopped=stopped)
+ROOM = 4 << 20  # bytes for each topic
+ALL = 8 << 20  # bytes for all topics
 
 
-def still_running(seconds: float, line: str = "") -> str:
-    """Return the message about code that does not come to an end; `line` is where it was, if known."""
-    where = line and f" ({line})"
-    return f"still running after {seconds:.3g} s{where}: an endless loop? It was stopped."
+class ImageRoom:
+    """Counts what each topic's pictures take."""
+
+    def __init__(self) -> None:
+        self._taken = Counter[str]()
+        self._kept = 0
+
+    def fitted(self, sample: Sample) -> Sample:
+        """The sample, without its pixels where there is no more room for them."""
+        if sample.type_name not in PICTURES:
+            return sample
+        self._taken[sample.topic] += len(sample.cdr)
+        if self._taken[sample.topic] > ROOM or self._kept + len(sample.cdr) > ALL:
+            return _without_pixels(sample)
+        self._kept += len(sample.cdr)
+        return sample
+
+
+def _without_pixels(sample: Sample) -> Sample:
+    try:
+        message: Any = sample.message()
+    except Exception:  # the bytes come from a student's process: what is no picture has no header to keep
+        return replace(sample, cdr=b"")
+    message.data = []
+    return replace(sample, cdr=serialize(message))

@@ -1,21 +1,27 @@
 """Scenes in reports: small enough to be sent, with one file of JavaScript for all of them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.ghost import expected, seen
-from course_lib.grading.judge import Run
-from course_lib.grading.task import Task
-from course_lib.grading.time_limit import time_limit
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.judge import Run, time_limit
+from course_lib.grading.personal import build
+from course_lib.grading.task import Message, Task
 from course_lib.recording import Recording
 from course_lib.robots.resources import packages_only
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import serialize, type_name
+from course_lib.ros.qos import Qos
 
 if TYPE_CHECKING:
     from markupsafe import Markup
+
+    from course_lib.viewer.scene import Scene
 
 SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))  # frames/s, None: as RViz; bytes of what may be filmed with it
 SCENE_SECONDS = 5.0  # [s] of processor time for each
@@ -86,3 +92,43 @@ def _fitting(caption: str, recording: Recording, room: int) -> Figure:
     if len(view) > room:
         raise CourseError(f"it has {len(view) // 1000} kB, and a report has room for {room // 1000} kB")
     return Figure(caption, Markup(view), "Too much to be played here: this is its end.")
+
+
+PALE = 0.3  # alpha
+NAMESPACE = "expected"
+
+
+def expected(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
+    """What a right answer looks like, among what our side published."""
+    return _recording(_published(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
+
+
+def seen(evidence: Evidence, inputs: Iterable[Message]) -> Recording:
+    """What both sides published: without our transforms a scene lacks its frames."""
+    samples = (*_published(inputs, evidence.personal), *evidence.samples)
+    return Recording(sorted(samples, key=lambda sample: sample.stamp_ns))
+
+
+def compared(task: Task, evidence: Evidence) -> "Scene":
+    """The student's scene with the expected one in it, pale."""
+    from course_lib.displays.render import scene_of
+
+    ghosts = [(message.topic, build(message, evidence.personal)) for message in task.ghost]
+    for _, marker in ghosts:
+        marker.ns, marker.color.a = NAMESPACE, marker.color.a * PALE
+    return scene_of(_recording(evidence.samples, ghosts))
+
+
+def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]]) -> Recording:
+    end_ns = samples[-1].stamp_ns if samples else START_NS
+    return Recording((*samples, *(_sample(end_ns, topic, message) for topic, message in messages)))
+
+
+def _published(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
+    shown = (message for message in inputs if "/srv/" not in message.type_name)
+    ordered = sorted(shown, key=lambda message: message.at)
+    return tuple(_sample(START_NS + round(m.at * 1e9), m.topic, build(m, personal)) for m in ordered)
+
+
+def _sample(stamp_ns: int, topic: str, message: Any) -> Sample:
+    return Sample(stamp_ns, topic, type_name(message), serialize(message), Qos(), 0)

@@ -7,7 +7,7 @@ from select import select
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail.launch import PIPE_HOLDS, START_SECONDS, TemplateProcess, WorkerError
-from course_lib.grading.usage import Usage
+from course_lib.grading.run.outcome import Usage
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 

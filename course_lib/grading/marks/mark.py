@@ -1,7 +1,7 @@
 """What is known of one graded submission: the file in OUT/results."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -9,12 +9,11 @@ from typing import Any, Literal
 from course_lib.course.course_file import Late
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.exercise_run import ExerciseRun
-from course_lib.grading.hand_marks import HandMark, apply_marks, marks_path, read_marks
 from course_lib.grading.handin.ids import MISMATCH
 from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, TaskResult
-from course_lib.grading.marks import Mark, mark
+from course_lib.grading.marks.marks import HandMark, Mark, apply_marks, mark, marks_path, read_marks
+from course_lib.grading.run.run import ExerciseRun
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")
@@ -108,6 +107,11 @@ def read_result(path: Path) -> dict[str, Any]:
         return {**content, "row": row_of(content, marks)}
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
+
+
+def results_in(out: Path) -> Iterator[dict[str, Any]]:
+    """All results, by student and exercise, one at a time: together they may be large."""
+    return map(read_result, sorted((out / "results").glob("*/*.json")))
 
 
 def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:

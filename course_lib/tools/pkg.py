@@ -1,30 +1,111 @@
-"""`ros2 pkg create`, for Python packages."""
+"""`ros2 pkg`: the kit's packages and the user's own, and new Python packages."""
 
 import getpass
 from argparse import Namespace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.package_template import PackageText, check_package_name, package_files
+from course_lib.ros.packages import find_package, packages
+from course_lib.ros.standin_path import STANDIN, provided
 from course_lib.tools.sources import Source
-from course_lib.tools.verb import Verb, Write, value
+from course_lib.tools.verb import Verb, Write, flag, value
 
-_LICENSES = (  # what ament_copyright knows, by SPDX identifier
+if TYPE_CHECKING:
+    from course_lib.ros.launch_program import Executables
+
+_LICENSES = (  # the SPDX identifiers of ament_copyright
     "Apache-2.0", "BSL-1.0", "BSD-2.0", "BSD-2-Clause", "BSD-3-Clause",
     "GPL-3.0-only", "LGPL-3.0-only", "MIT", "MIT-0",
 )  # fmt: skip
 _NO_LICENSE = "TODO: License declaration"
+_BUILD_TYPES = ("cmake", "ament_cmake", "ament_python")
 _SETUP = ("setup.py", "setup.cfg")
 _TESTS = ("test/test_copyright.py", "test/test_flake8.py", "test/test_pep257.py")
 _MAIN = "def main():\n    print('Hi from {package}.')\n\n\nif __name__ == '__main__':\n    main()\n"
 
 
-def create(source: Source, arguments: Namespace, write: Write) -> None:
-    """Write a package, and say each step as ros2cli does.
+def pkg_verbs(executables: "Executables") -> tuple[Verb, ...]:
+    """Return the verbs of `ros2 pkg`, which know these executables beside those of packages."""
+    verb = partial(Verb, "pkg", looks=False)
+    return (
+        verb("create", "Create a new ROS 2 package", _CREATE, _create),
+        verb("list", "Output a list of available packages", (), partial(_list, executables)),
+        verb(
+            "executables",
+            "Output a list of package specific executables",
+            _EXECUTABLES,
+            partial(_executables, executables),
+        ),
+        verb("prefix", "Output the prefix path of a package", _PREFIX, partial(_prefix, executables)),
+        verb(
+            "xml",
+            "Output the XML of the package manifest or a specific tag",
+            _XML,
+            partial(_xml, executables),
+        ),
+    )
 
-    Raises:
-        CourseError: No Python package is asked for, its name is not allowed, or the folder is there.
-    """
+
+def _list(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+    write("".join(f"{name}\n" for name in _names(executables)))
+
+
+def _executables(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+    asked, known = arguments.package_name, _names(executables)
+    if asked is not None and asked not in known:
+        raise CourseError(f"Package '{asked}' not found{did_you_mean(asked, known)}")
+    for package in known if asked is None else [asked]:
+        found = find_package(package)
+        names = {name for owner, name in executables if owner == package}
+        for name in sorted(names | set(found.executables if found else ())):
+            path = f"{_prefix_of(executables, package)}/lib/{package}/{name}"
+            write(f"{path}\n" if arguments.full_path else f"{package} {name}\n")
+
+
+def _prefix(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+    folder = (_share if arguments.share else _prefix_of)(executables, arguments.package_name)
+    write(f"{folder}\n")
+
+
+def _xml(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+    from xml.etree import ElementTree
+
+    manifest = _share(executables, arguments.package_name) / "package.xml"
+    if not manifest.is_file():
+        raise CourseError(
+            f"Package XML manifest not found: {arguments.package_name} is a part of the kit, not a folder "
+            "of yours."
+        )
+    root = ElementTree.parse(manifest).getroot()
+    if arguments.tag is None:
+        write(ElementTree.tostring(root, encoding="unicode").rstrip("\n") + "\n")
+        return
+    elements = root.findall(arguments.tag)
+    if not elements:
+        raise CourseError(f"XML tag not found{did_you_mean(arguments.tag, {child.tag for child in root})}")
+    write("".join(f"{element.text}\n" for element in elements))
+
+
+def _names(executables: "Executables") -> list[str]:
+    return sorted({*provided(), *packages(), *(package for package, _ in executables)})
+
+
+def _prefix_of(executables: "Executables", package: str) -> Path:
+    share = _share(executables, package)
+    return share.parents[1] if share.parent.name == "share" else share.parent
+
+
+def _share(executables: "Executables", package: str) -> Path:
+    names = _names(executables)
+    if package not in names:
+        raise CourseError(f"Package not found{did_you_mean(package, names)}")
+    return packages().get(package, STANDIN / package)
+
+
+def _create(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.license == "?":
         write("Supported licenses:\n" + "\n".join(_LICENSES) + "\n")
         return
@@ -97,7 +178,7 @@ def _check(arguments: Namespace) -> None:
 
 
 def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
-    """Write the files that ros2cli writes, in its order; what ends in a slash is a folder."""
+    """Write the files of ros2cli's template, in its order; a path with a slash at its end is a folder."""
     name, files = text.name, package_files(text)
     code = [f"{name}/{node}.py" for node in text.executables]
     files |= dict.fromkeys(code, _MAIN.format(package=name))
@@ -115,25 +196,28 @@ def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
 
 
 def _shown(arguments: Namespace, path: str) -> str:
-    """Write a path as os.path.join does, a dot before it if that was the destination."""
+    """Join the destination and a path as os.path.join does: a dot stays in front."""
     return f"{arguments.destination_directory.rstrip('/')}/{path}"
 
 
-_OPTIONS = (
+_CREATE = (
     value("package_name", help="The package name"),
     value("--package-format", type=int, choices=(3,), default=3, help="The package.xml format"),
     value("--description", default="TODO: Package description", help="The description of the package"),
     value("--license", default=_NO_LICENSE, help="The license; '?' lists those that are known"),
     value("--destination-directory", default=".", help="Directory where to create the package directory"),
     value(
-        "--build-type",
-        choices=("cmake", "ament_cmake", "ament_python"),
-        default="ament_cmake",
-        help="The build type; here ament_python",
+        "--build-type", choices=_BUILD_TYPES, default="ament_cmake", help="The build type; here ament_python"
     ),
     value("--dependencies", nargs="+", default=[], help="list of dependencies"),
     value("--maintainer-email", help="email address of the maintainer of this package"),
     value("--maintainer-name", help="name of the maintainer of this package"),
     value("--node-name", help="name of the empty executable"),
 )
-PKG_CREATE = Verb("pkg", "create", "Create a new ROS 2 package", _OPTIONS, create, looks=False)
+_PACKAGE = value("package_name", help="The package name")
+_EXECUTABLES = (
+    value("package_name", nargs="?", help="The package name"),
+    flag("--full-path", help="Show full path of each executable"),
+)
+_PREFIX = (_PACKAGE, flag("--share", help="Show share directory for the package"))
+_XML = (_PACKAGE, value("-t", "--tag", help="The XML tag to output (e.g. 'version')"))

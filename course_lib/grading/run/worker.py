@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
-from course_lib.grading.first_causes import NOT_MADE
-from course_lib.grading.perform import Outcome, Part, perform
 from course_lib.grading.personal import give_values
-from course_lib.grading.student_error import describe
+from course_lib.grading.run.outcome import NOT_MADE, Outcome, describe
+from course_lib.grading.run.scenario_graph import Instructions
+from course_lib.grading.run.student_side import perform
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.channel import Channel, ChannelClosedError
@@ -85,7 +85,7 @@ class Worker:
 
     def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
-        part = Part(kind, seed, calls)
+        part = Instructions(kind, seed, calls)
         if kind != "node" and _thread._count() == 0:  # a fork takes longer than all the rest of it
             self._perform(task, name, part, end_ns)
             self._channel.send(["exit", 0])
@@ -129,7 +129,7 @@ class Worker:
         os.waitpid(probe, 0)
         return False
 
-    def _run_in_child(self, task: str, name: str, part: Part, end_ns: int) -> None:
+    def _run_in_child(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
         status = 1
         try:
             self._perform(task, name, part, end_ns)
@@ -138,7 +138,7 @@ class Worker:
             _flush()
             os._exit(status)  # no handler that the student's code left behind is run
 
-    def _perform(self, task: str, name: str, part: Part, end_ns: int) -> None:
+    def _perform(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
         outcome = Outcome()
         try:
             graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns)
@@ -187,7 +187,7 @@ def warm_up() -> "InteractiveShell":
         formatter.active_types = ["text/plain"]
         formatter.mimebundle_formatter.enabled = False
     shell.run_cell("None")  # type: ignore[no-untyped-call]  # IPython does not annotate it
-    perform(Part("node", 0), _publish_once, Graph(end_ns=START_NS + 1), Outcome())
+    perform(Instructions("node", 0), _publish_once, Graph(end_ns=START_NS + 1), Outcome())
     return shell
 
 
