@@ -9,9 +9,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
-from course_lib.grading.copies import compare_class
 from course_lib.grading.executors import executors, flow
 from course_lib.grading.grade_one import (
     Course,
@@ -25,7 +24,9 @@ from course_lib.grading.grade_one import (
     rules_of,
     run_job,
 )
-from course_lib.grading.ids import with_ids
+from course_lib.grading.handin.copies import compare_class
+from course_lib.grading.handin.ids import with_ids
+from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.marks.mark import read_result, result_path, results_in
 from course_lib.grading.out_folder import OutError, sole_use, writing
@@ -33,7 +34,6 @@ from course_lib.grading.preflight import try_out
 from course_lib.grading.reports.table import Row, broken_lines, counts, say, task_lines, watched
 from course_lib.grading.reports.tables import concerns, write_tables
 from course_lib.grading.run.job import Job
-from course_lib.grading.submission import Submission, find_submissions
 
 GRADED = ("graded", "needs_marking", "limit")
 

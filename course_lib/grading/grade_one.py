@@ -10,8 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.jail.launch import WorkerError, shared_template
 from course_lib.grading.marks.mark import Result, Status, row_of
@@ -21,7 +22,6 @@ from course_lib.grading.reports.report import write_report
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.outcome import Usage, usage_path
 from course_lib.grading.run.run import judge_exercise, pack, run_scenarios, unpack
-from course_lib.grading.submission import Submission
 
 TRIES = 2
 _one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads

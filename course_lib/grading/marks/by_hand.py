@@ -3,15 +3,15 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.course.identity import normalise
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.grade_one import Course, catalog_of, renew_report
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.marks.mark import read_result, result_path
 from course_lib.grading.marks.marks import add_mark, marks_path
 from course_lib.grading.out_folder import sole_use, writing
 from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.submission import Submission
 
 
 def mark_by_hand(

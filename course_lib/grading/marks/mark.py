@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from course_lib.course.course_file import Late
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.ids import MISMATCH
+from course_lib.grading.handin.ids import MISMATCH
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks.marks import HandMark, Mark, apply_marks, mark, marks_path, read_marks
 from course_lib.grading.run.run import ExerciseRun
-from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.course_file import Late
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.judge import TaskResult
 

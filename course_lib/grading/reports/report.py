@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.course_file import CourseFile
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.grading.judge import Run, TaskResult
 from course_lib.grading.marks.mark import Result
 from course_lib.grading.reports.scenes import Figure, figures, shared_script

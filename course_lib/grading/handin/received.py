@@ -10,10 +10,9 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Late
 from course_lib.errors import CourseError, counted
-from course_lib.grading.lms_file import LmsFile
+from course_lib.grading.handin.platform_files import YEARS, LmsFile, parse_times
+from course_lib.grading.handin.sender import platform_name
 from course_lib.grading.marks.marks import count_days_late
-from course_lib.grading.platform_times import YEARS, parse_times
-from course_lib.grading.sender import platform_name
 
 LIST = "received.csv"
 ID_FROM = "id_from"  # whether the roster told the ID of the student

@@ -1,16 +1,21 @@
-"""A filter of system calls: what no exercise needs fails at once, for good. Source: seccomp(2), bpf(4).
-
-Calls are named with their numbers on x86-64 and on aarch64, None where there is none.
-"""
+"""Filters of the kernel: which files can be opened (Landlock) and which calls are refused (seccomp)."""
 
 import ctypes
 import errno
+import os
 import platform
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from course_lib.grading.jail.system_calls import NO_NEW_PRIVILEGES, function, prctl
+from course_lib.grading.jail.system_calls import NO_NEW_PRIVILEGES, function, prctl, syscall
 
+CREATE, ADD_RULE, RESTRICT = 444, 445, 446  # numbers of the system calls
+VERSION, PATH_BENEATH = 1, 1
+EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
+OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE
+FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}  # how many there are, by version; 16 from the fifth on
+TCP_RIGHTS, SCOPES = 0b11, 0b11  # TCP bind and connect; abstract sockets and signals
+TCP_FROM, SIGNALS_FROM = 4, 6  # versions
 SET_SECCOMP, MODE_FILTER = 22, 2
 MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}  # column below, audit number
 NEWER = 450  # calls that came later are as good as missing
@@ -68,6 +73,57 @@ ALLOW, KILL, ERROR = 0x7FFF0000, 0x80000000, 0x00050000
 NUMBER, MACHINE, ARGUMENTS = 0, 4, 16  # offsets in what the filter looks at; arguments have 8 bytes each
 
 
+class _Ruleset(ctypes.Structure):
+    _fields_ = (("files", ctypes.c_uint64), ("network", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
+
+
+class _PathBeneath(ctypes.Structure):
+    _pack_ = 1
+    _layout_ = "ms"
+    _fields_ = (("allowed", ctypes.c_uint64), ("parent", ctypes.c_int32))
+
+
+def version() -> int:
+    """Which Landlock the kernel has; 0 if none."""
+    try:
+        return syscall(CREATE, None, ctypes.c_size_t(0), VERSION)
+    except OSError:
+        return 0
+
+
+def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
+    """From now on only these files and folders can be opened; those that are missing are left out.
+
+    Args:
+        read: Files, and folders with all that is in them.
+        write: The same, for any use but to execute.
+        listed: Folders of which only the names of what is in them can be read.
+
+    Raises:
+        OSError: The kernel has no Landlock, or refuses.
+    """
+    has = version()
+    every = (1 << FILE_RIGHTS.get(has, 16)) - 1
+    rules = _Ruleset(every, TCP_RIGHTS if has >= TCP_FROM else 0, SCOPES if has >= SIGNALS_FROM else 0)
+    size = ctypes.c_size_t(24 if has >= SIGNALS_FROM else 16 if has >= TCP_FROM else 8)  # [B], as it grew
+    ruleset = syscall(CREATE, ctypes.byref(rules), size, 0)
+    granted = ((read, EXECUTE | READ_FILE | READ_DIR), (write, every & ~EXECUTE), (listed, READ_DIR))
+    for paths, rights in granted:
+        for path in paths:
+            if os.path.exists(path):
+                _allow(ruleset, path, rights & every)
+    prctl(NO_NEW_PRIVILEGES, 1)
+    syscall(RESTRICT, ruleset, 0)
+    os.close(ruleset)
+
+
+def _allow(ruleset: int, path: str, rights: int) -> None:
+    parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    rule = _PathBeneath(rights if os.path.isdir(path) else rights & OF_FILES, parent)
+    syscall(ADD_RULE, ruleset, PATH_BENEATH, ctypes.byref(rule), 0)
+    os.close(parent)
+
+
 class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("code", ctypes.c_void_p))
 
@@ -77,7 +133,7 @@ def is_known() -> bool:
     return platform.machine() in MACHINES
 
 
-def restrict() -> None:
+def refuse_calls() -> None:
     """From now on the calls above fail in this process and its children.
 
     Raises:

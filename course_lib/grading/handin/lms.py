@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from course_lib.course.identity import normalise
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
-from course_lib.grading.lms_file import LmsFile
+from course_lib.grading.handin.platform_files import LmsFile
 from course_lib.grading.reports.table import printable
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives

@@ -12,8 +12,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.lms_file import LmsFile
-from course_lib.grading.platform_times import parse_times, plain_digits
+from course_lib.grading.handin.platform_files import LmsFile, parse_times, plain_digits
 
 ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID")  # Moodle's, Canvas's
 SUBMISSION = re.compile("submi", re.IGNORECASE)  # in Moodle's and Canvas's heading of the time

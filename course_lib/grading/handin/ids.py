@@ -9,8 +9,8 @@ from pathlib import Path
 
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.received import ID_FROM, LIST
-from course_lib.grading.submission import Submission
+from course_lib.grading.handin.received import ID_FROM, LIST
+from course_lib.grading.handin.submission import Submission
 
 ROSTER, PLATFORM = "roster", "platform"  # in the column ID_FROM of received.csv
 MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"

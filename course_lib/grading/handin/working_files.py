@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
-from course_lib.grading.unzip import opened_zip, read_member
+from course_lib.grading.handin.archives import opened_zip, read_member
 
 SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
 FOLDER = "files/"  # in what `course submit` writes

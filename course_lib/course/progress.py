@@ -1,18 +1,20 @@
-"""The first page of the student's folder: every week, how long it takes, and how far one got."""
+"""A student's progress: the first page of the folder, and `course status`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
+from zoneinfo import ZoneInfo
 
-from course_lib.course.checked import Packed, last_check, last_packed
+from rich.table import Table
+
 from course_lib.course.course_file import Week as Settings
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import exercises_dir, lessons_dir
-from course_lib.course.folder import content_hash
-from course_lib.course.state import State
-from course_lib.course.whole_file import write_whole
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
+from course_lib.course.installation import exercises_dir, lessons_dir
+from course_lib.course.state import Packed, State, find_student_folder, last_check, last_packed, write_whole
+from course_lib.errors import CourseError, counted
 
 CONTENTS_FILE = "contents.md"
 PAGE = """\
@@ -27,6 +29,8 @@ PAGE = """\
 Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exercise.ipynb`. \
 How far you are now: `course status`.
 """
+HEADINGS = ("week", "public checks", "points", "packed", "hand in by")
+HOURS_SHOWN = 72  # a deadline nearer than this is told in hours
 
 
 @dataclass(frozen=True)
@@ -128,3 +132,77 @@ def write_contents(folder: Path) -> Path:
     path = folder / CONTENTS_FILE
     write_whole(path, contents_page(State(folder)).encode())
     return path
+
+
+def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Table, str]:
+    """Return a line per week, then what the packed files hold and what to do next.
+
+    Args:
+        folder: The student's folder; default: the one around the working directory, else ./my_course.
+        now: The time; default: that of the wall clock.
+
+    Raises:
+        CourseError: There is no student's folder.
+    """
+    found = find_student_folder(folder) or find_student_folder(folder or DEFAULT_FOLDER)
+    if found is None:
+        place = folder or Path.cwd()
+        raise CourseError(f"{place} holds no {DEFAULT_FOLDER} of yours: type course lab first")
+    now, zone, state = now or datetime.now(UTC), shipped_course_file().zone, State(found)
+    table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
+    rows = [(week, progress(week, state)) for week in load_weeks()]
+    for week, so_far in rows:
+        table.add_row(*_cells(week, so_far, now, zone))
+    packed = [_packed(week, so_far) for week, so_far in rows if so_far.packed]
+    return table, "\n".join([*packed, _next(rows)])
+
+
+def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
+    if week.exercise is None:
+        return (week.title, "", "", "", "")
+    points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
+    packed = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
+    return (week.title, so_far.tasks, points, packed, _due(week.settings.deadline, now, zone))
+
+
+def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
+    """When, and how long from now; a deadline is local time of the course."""
+    if deadline is None:
+        return "no deadline"
+    left = deadline.replace(tzinfo=zone) - now
+    hours = left.total_seconds() / 3600
+    if hours < 0:
+        told = "over"
+    elif hours < HOURS_SHOWN:
+        told = f"{hours:.0f} h left"
+    else:
+        told = f"{left.days} days left"
+    return f"{deadline:%d %b %H:%M}, {told}"
+
+
+def _packed(week: Week, so_far: Progress) -> str:
+    """Return what the file that was packed last holds, and whether it still is what the notebook is."""
+    file = so_far.file
+    if file is None:
+        return f"{week.exercise}: packed by an older version, which did not note what the file holds."
+    path, source = Path(file.file), Path(file.source).name
+    outcomes = "; ".join(f"{outcome}: {', '.join(names)}" for outcome, names in file.by_outcome.items())
+    said = [f"{path.name} holds {counted(len(file.tasks), 'task')} of {source}, when packed {outcomes}."]
+    if not path.is_file():
+        said.append(f"It is no longer at {path}.")
+    if so_far.changed:
+        said.append(f"{source} has changed since: course submit {source}")
+    return " ".join(said)
+
+
+def _next(rows: list[tuple[Week, Progress]]) -> str:
+    """The first thing that is not done."""
+    for week, so_far in rows:
+        if so_far.open:
+            begun = "go on with" if so_far.done else "begin with"
+            return f"Next: {begun} {so_far.open[0]} in {week.exercise}; the lesson is {week.lesson}."
+        if week.exercise and so_far.changed:
+            return f"Next: hand in {week.name} again, it has changed: course submit {week.exercise}"
+        if week.exercise and so_far.packed is None:
+            return f"Next: hand in {week.name}: course submit {week.exercise}"
+    return "All exercises are done and packed."

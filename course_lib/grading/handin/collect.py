@@ -10,15 +10,15 @@ from datetime import datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
-from course_lib.grading.arrivals import Arrival, Arrivals
-from course_lib.grading.ids import PLATFORM, ROSTER
-from course_lib.grading.received import COLUMNS, ID_FROM, LIST, TIMESTAMP
+from course_lib.grading.handin.archives import Arrival, Arrivals
+from course_lib.grading.handin.ids import PLATFORM, ROSTER
+from course_lib.grading.handin.received import COLUMNS, ID_FROM, LIST, TIMESTAMP
+from course_lib.grading.handin.roster import Times, read_ids, read_times
+from course_lib.grading.handin.sender import NBGRADERS, Sender, platform_name, sender_of
 from course_lib.grading.reports.table import printable
 from course_lib.grading.reports.tables import harmless
-from course_lib.grading.roster import Times, read_ids, read_times
-from course_lib.grading.sender import NBGRADERS, Sender, platform_name, sender_of
 
 KEPT = (".ipynb", ".zip", ".rviz", ".yaml", ".yml", ".py")
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
