@@ -48,7 +48,7 @@ def driven(begin: float, end: float, world: str = "world", base: str = "base_lin
 
 
 def on_circle(at: float) -> tuple[float, float, float]:
-    """Where it is, [m], `at` [s] after the start."""
+    """Return its position, [m], `at` [s] after the start."""
     return (3.0 * cos(at), 3.0 * sin(at), 0.0)
 
 
