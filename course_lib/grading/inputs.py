@@ -1,7 +1,7 @@
 """What our side publishes in a scenario, in the words of the check files."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -78,8 +78,28 @@ def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
     return Message("/tf", "tf2_msgs/msg/TFMessage", {"transforms": stamped}, at=at)
 
 
-def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: float, step: float) -> Message:
-    """What a laser scanner says on `/scan`: ranges [m] from the angle `first` on, every `step`, [rad]."""
+def circling(begin: float, end: float, parent: str = "world", child: str = "base_link") -> Iterable[Message]:
+    """Yield transforms of a frame that drives round `on_circle`, 20 a second between two times [s]."""
+    for step in range(round((end - begin) * 20)):
+        at = begin + step / 20  # [s]
+        yield transforms([pose(parent, child, on_circle(at), at + math.pi / 2)], at)
+
+
+def on_circle(at: float) -> Vector:
+    """Return the place on a circle of 3 m, driven round at 1 rad/s, `at` [s] after the start."""
+    return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.0)
+
+
+def scan(
+    ranges: Iterable[float],
+    at: float,
+    frame: str = "laser",
+    *,
+    first: float,
+    step: float,
+    topic: str = "/scan",
+) -> Message:
+    """Return the message of a laser scanner: ranges [m] from the angle `first` on, every `step`, [rad]."""
     measured = list(ranges)
     fields = {
         "header": header(at, frame),
@@ -90,7 +110,7 @@ def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: flo
         "range_max": 30.0,  # [m]
         "ranges": measured,
     }
-    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
+    return Message(topic, "sensor_msgs/msg/LaserScan", fields, at=at)
 
 
 def odometry(topic: str, at: float, place: Vector, frame: str = "odom") -> Message:
@@ -116,6 +136,29 @@ def marker_array(topic: str, at: float, frame: str, center: Vector, size: Vector
         "color": {"g": 1.0, "a": 1.0},
     }
     return Message(topic, "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
+
+
+def ghost(
+    kind: int,
+    center: Sequence[Any],
+    size: Sequence[Any],
+    color: Sequence[float],
+    number: int = 0,
+    *,
+    frame: str = "map",
+    yaw: float = 0.0,
+) -> Message:
+    """Return the expected picture of one marker: type number, center and size [m], RGB or RGBA, yaw [rad]."""
+    fields = {
+        "header": {"frame_id": frame},
+        "ns": "expected",
+        "id": number,
+        "type": kind,
+        "pose": {"position": xyz(center), "orientation": turned(yaw)},
+        "scale": xyz(size),
+        "color": dict(zip("rgba", (*color, 1.0), strict=False)),
+    }
+    return Message("/expected", "visualization_msgs/msg/Marker", fields)
 
 
 def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera_link") -> Iterable[Message]:
