@@ -1,18 +1,23 @@
-"""Log lines in a notebook: of equal ones in a row the first are shown, the others counted."""
+"""Lines in a cell's output: notices to the student, and log lines that repeat."""
 
 import sys
 
 SHOWN = 5  # equal lines in a row
 
 
+def say(line: str) -> None:
+    """Print a notice in the cell's output."""
+    sys.stdout.write(f"{line}\n")
+
+
 class RepeatedLines:
-    """Writes lines to stderr; how often one came again is told at 10, 100, 1000 … times and at the end."""
+    """Log lines on stderr, of which equal ones in a row are counted: at 10, 100, 1000 … and at the end."""
 
     def __init__(self) -> None:
         self._last, self._times, self._told = "", 0, 0
 
     def write(self, what: str, line: str) -> None:
-        """Write a line, unless it says the same as those before; `what` is all of it but its time."""
+        """Write a line, unless it repeats the former ones; `what` is all of it but its time."""
         if what != self._last:
             self.end()
             self._last = what
@@ -23,7 +28,7 @@ class RepeatedLines:
             self._tell()
 
     def end(self) -> None:
-        """Tell how often the last line came again, and begin anew."""
+        """Write how often the last line was repeated, and forget it."""
         if self._times > SHOWN and self._told != self._times:
             self._tell()
         self._last, self._times, self._told = "", 0, 0

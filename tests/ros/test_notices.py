@@ -5,7 +5,7 @@ import rclpy
 from rclpy.node import Node
 
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.repeated import repeated_lines
+from course_lib.ros.notices import repeated_lines
 
 
 @pytest.fixture
