@@ -1,6 +1,6 @@
-"""The rows of RViz's Displays and Views panels, for a page that knows nothing of displays."""
+"""The rows of the Displays, Views and Tool Properties panels, for a page that knows nothing of displays."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite
@@ -8,6 +8,7 @@ from typing import Any
 
 from course_lib.displays.display import Display
 from course_lib.displays.group import Group
+from course_lib.displays.panel.protocol import Editor, EditorKind, LevelMark, PanelRow
 from course_lib.displays.properties import (
     Convert,
     Limited,
@@ -20,10 +21,10 @@ from course_lib.displays.properties import (
     read_only,
     vector,
 )
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import LEVELS, Level, StatusRow
 
-_EDITORS: tuple[tuple[Convert, str], ...] = (
+_EDITORS: tuple[tuple[Convert, EditorKind], ...] = (
     (flag, "bool"),
     (color, "color"),
     (vector, "vector"),
@@ -36,22 +37,22 @@ _WORST_FIRST: tuple[Level, ...] = ("error", "warn", "hint", "ok")
 
 
 @dataclass(frozen=True)
-class Row:
-    """One row: what the page draws, and what happens when it is edited there."""
+class RowEntry:
+    """A row that the page draws, and what an edit of it changes."""
 
-    data: Mapping[str, Any]
+    row: PanelRow
     edit: Edit | None = None
     member: Display | Group | None = None  # of the tree, which can be renamed, removed ...
 
 
-class Rows(dict[str, Row]):
-    """Rows by their id, parents first."""
+class Rows(dict[str, RowEntry]):
+    """Rows by their key, parents first."""
 
     def put(
-        self, key: str, parent: str, label: str, edit: Edit | None = None, member: Any = None, **data: Any
+        self, key: str, parent: str, label: str, edit: Edit | None = None, member: Any = None, **shown: Any
     ) -> None:
         """Add a row."""
-        self[key] = Row({"parent": parent, "label": label, **data}, edit, member)
+        self[key] = RowEntry(PanelRow(key, parent, label, **shown), edit, member)
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
         """Add what can be edited of something, but for its check box."""
@@ -67,11 +68,11 @@ class Rows(dict[str, Row]):
             self._put_property(holder, prop, above)
 
     def put_statuses(self, key: str, parent: str, label: str, rows: list[StatusRow]) -> None:
-        """Add what something says of itself, below the worst of it."""
+        """Add statuses, below the worst of them."""
         worst = worst_of(row.level for row in rows)
-        self.put(key, parent, f"{label}: {LEVELS[worst][1].capitalize()}", **marked(worst))
+        self.put(key, parent, f"{label}: {LEVELS[worst][1].capitalize()}", mark=mark_of(worst))
         for index, row in enumerate(rows):
-            self.put(f"{key}!{index}", key, row.name, text=row.text, **marked(row.level))
+            self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark_of(row.level))
 
     def _put_property(self, holder: PropertyHolder, prop: Property, parent: str) -> None:
         def edit(value: Any) -> None:
@@ -79,12 +80,12 @@ class Rows(dict[str, Row]):
 
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
-        shown = "" if prop.convert is booleans else value if editor["kind"] != "none" else str(value)
+        shown = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
         self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown)
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._tick, holder, prop.label, name)
-                self.put(f"{key}#{name}", key, name or "(no name)", tick, editor={"kind": "bool"}, value=on)
+                self.put(f"{key}#{name}", key, name or "(no name)", tick, editor=Editor("bool"), value=on)
 
     @staticmethod
     def _tick(holder: PropertyHolder, label: str, name: str, ticked: Any) -> None:
@@ -92,7 +93,7 @@ class Rows(dict[str, Row]):
         holder[label] = {**holder[label], name: ticked}
 
 
-def display_rows(session: Session) -> Rows:
+def display_rows(session: RvizSession) -> Rows:
     """Return the rows of the Displays panel."""
     rows = Rows()
     rows.put("options", "", "Global Options", open=True)
@@ -103,14 +104,14 @@ def display_rows(session: Session) -> Rows:
     return rows
 
 
-def view_rows(session: Session) -> Rows:
+def view_rows(session: RvizSession) -> Rows:
     """Return the rows of the Views panel."""
     rows = Rows()
     rows.put_properties(session.view, "view")
     return rows
 
 
-def tool_rows(session: Session) -> Rows:
+def tool_rows(session: RvizSession) -> Rows:
     """Return the rows of the Tool Properties panel."""
     rows = Rows()
     for tool in (tool for tool in session.tools if tool.properties):
@@ -131,7 +132,7 @@ def _members(group: Group, parent: str) -> Iterator[tuple[Display | Group, str]]
             yield from _members(member, _key(member))
 
 
-def _put_member(rows: Rows, session: Session, member: Display | Group, parent: str) -> None:
+def _put_member(rows: Rows, session: RvizSession, member: Display | Group, parent: str) -> None:
     key = _key(member)
     if isinstance(member, Group):
 
@@ -148,8 +149,8 @@ def _put_member(rows: Rows, session: Session, member: Display | Group, parent: s
 
     statuses = session.rows_of(member)
     level = worst_of(row.level for row in statuses)
-    data = {"checked": bool(member["Enabled"]), **(marked(level) if statuses else {})}
-    rows.put(key, parent, member.name, enable, member, title=member.class_name, **data)
+    shown = {"title": member.class_name, "checked": bool(member["Enabled"])}
+    rows.put(key, parent, member.name, enable, member, mark=mark_of(level) if statuses else None, **shown)
     if statuses:
         rows.put_statuses(f"{key}!", key, "Status", statuses)
     rows.put_properties(member, key)
@@ -159,19 +160,18 @@ def _key(member: Display | Group) -> str:
     return f"group {id(member)}" if isinstance(member, Group) else member.path
 
 
-def marked(level: Level) -> dict[str, Any]:
-    """Return what tells a level: to programs, by its icon, and in a word."""
-    mark, word, _ = LEVELS[level]
-    return {"level": level, "mark": mark, "word": word}
+def mark_of(level: Level) -> LevelMark:
+    """Return the icon and the word of a level."""
+    icon, word, _ = LEVELS[level]
+    return LevelMark(level, icon, word)
 
 
-def _editor(prop: Property, holder: PropertyHolder) -> dict[str, Any]:
-    """Return which control edits a property, with its limits."""
+def _editor(prop: Property, holder: PropertyHolder) -> Editor:
+    """Return the control that edits a property, with its limits."""
     if isinstance(prop.convert, Limited):
-        limits = {name: getattr(prop.convert, name) for name in ("low", "high")}
-        limits = {name: value for name, value in limits.items() if isfinite(value)}
-        return {"kind": prop.convert.editor, **limits, "options": prop.convert.options}
+        low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
+        return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
     type_name = getattr(holder, "type_name", None)
     if prop.path[-1].endswith("Topic") and type_name:
-        return {"kind": "topic", "type": type_name}
-    return {"kind": next((kind for convert, kind in _EDITORS if convert is prop.convert), "text")}
+        return Editor("topic", type=type_name)
+    return Editor(next((kind for convert, kind in _EDITORS if convert is prop.convert), "text"))

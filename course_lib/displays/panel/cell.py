@@ -6,10 +6,10 @@ import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from course_lib.displays.desk import Desk
-from course_lib.displays.session import Session
+from course_lib.displays.panel.desk import Desk
+from course_lib.displays.panel.time_panel import LiveTime, TimePanel
+from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
-from course_lib.displays.time_panel import LiveTime, TimePanel
 from course_lib.errors import CourseError
 from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
@@ -25,7 +25,7 @@ _ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
 class Panel:
     """Shows a session in as many cells as ask for it; made when the first one does."""
 
-    def __init__(self, session: Session, graph: Graph) -> None:
+    def __init__(self, session: RvizSession, graph: Graph) -> None:
         self._session = session
         self._graph = graph
         self._view: SceneWidget | None = None
