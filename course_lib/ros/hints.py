@@ -74,9 +74,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     ),
     "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),
     "NameError": (
-        Hint(
-            "name 'self' is not defined", "write self first in the method's parameters: def heard(self, msg)."
-        ),
+        Hint("name 'self' is not", "write self as the method's first parameter: def heard(self, msg)."),
         Hint(
             r"name '(\w+)' is not defined",
             "define or import {1} first; in a notebook run the cells above, from the first one on.",
@@ -100,11 +98,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("^$", "end the service's callback with: return response.", Mistake.RESPONSE),
         Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", Mistake.GOAL),
         Hint("positional arg", "write def answer(self, request, response).", Mistake.SERVICE_CALLBACK),
-        Hint(
-            r"(\w+)\(\) missing .* positional",
-            "a timer gives no argument: def {1}(self).",
-            Mistake.TIMER_CALLBACK,
-        ),
+        Hint("missing", "a timer gives no argument: write def tick(self).", Mistake.TIMER_CALLBACK),
         Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
         Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
         Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
