@@ -9,18 +9,26 @@ from course_lib.ros.graph import Graph, use_graph
 from course_lib.viewer.browser import find_browser
 from tests.browser.bench import Bench
 from tests.browser.fake_host import Host, chromium
+from tests.browser.jupyterlab import Lab, course_lab
 from tests.browser.waiting import PATIENCE
 
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 expect.set_options(timeout=PATIENCE * 1000)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome on this machine")
     with chromium() as running:
         yield running
+
+
+@pytest.fixture(scope="session")
+def lab(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    top = tmp_path_factory.mktemp("lab")
+    with course_lab(top / "students", top / "home") as address:
+        yield Lab(browser, top / "students", address)
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
+from course_lib.course.hand_out import prepare
 from tests.browser.waiting import PATIENCE
 
 KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
@@ -58,14 +60,17 @@ class Notebook:
 
     Args:
         page: The browser's page, with a time out for busy machines.
-        address: What `course lab` printed.
+        address: The server's address, as `course lab` prints it.
+        folder: The student's folder, a folder of the server's root.
         name: The notebook's path in the student's folder.
     """
 
-    def __init__(self, page: Page, address: str, name: str) -> None:
-        self.page, self.name = page, name
+    def __init__(self, page: Page, address: str, folder: Path, name: str) -> None:
+        self.page, self.folder, self.name = page, folder, name
         base, _, query = address.partition("?")
-        self._url = f"{base.split('/lab')[0]}/lab/tree/{name}?{query}"
+        # A workspace of its own: what other tests have left open stays closed.
+        workspace = f"{base.split('/lab')[0]}/lab/workspaces/{folder.name}"
+        self._url = f"{workspace}/tree/{folder.name}/{name}?{query}"
         self.open()
 
     def open(self) -> None:
@@ -81,10 +86,15 @@ class Notebook:
             jupyterapp.shell.currentWidget.dispose();
             const opened = await jupyterapp.commands.execute('docmanager:open', { path });
             await opened.context.ready; }"""
-        self.page.evaluate(script, name)
+        self.page.evaluate(script, f"{self.folder.name}/{name}")
         self.name = name
         self.page.wait_for_selector(".jp-Notebook .jp-Cell")
         self.wait_idle()
+
+    def end(self) -> None:
+        """End all kernels of the server, and close the page."""
+        self.page.evaluate("() => jupyterapp.serviceManager.sessions.shutdownAll()")
+        self.page.close()
 
     def wait_idle(self) -> None:
         """Wait until the kernel has nothing to do."""
@@ -158,17 +168,41 @@ class Notebook:
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
 
-@contextmanager
-def opened(browser: Browser, folder: Path, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]:
-    """Open a notebook of the folder that `course lab` makes for a student; it may be one of other cells."""
-    if cells:
-        folder.mkdir()
-        write_notebook(folder / name, cells)
-    with course_lab(folder, folder.parent / "home") as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
+@dataclass(frozen=True)
+class Lab:
+    """A JupyterLab and a browser for all files of tests; each has its own folder and page.
+
+    Args:
+        folder: The root of the server.
+        address: The server's address, as `course lab` prints it.
+    """
+
+    browser: Browser
+    folder: Path
+    address: str
+
+    def student_folder(self, name: str) -> Path:
+        """Return a new folder below the root, with the lessons and exercises in it."""
+        folder = self.folder / name
+        prepare(folder)
+        return folder
+
+    def new_page(self, **settings: Any) -> Page:
+        """Return a page with a time out for busy machines."""
+        page = self.browser.new_page(**settings)
         page.set_default_timeout(PATIENCE * 1000)
-        yield Notebook(page, address, name)
-        page.close()
+        return page
+
+
+@contextmanager
+def opened(lab: Lab, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]:
+    """Open a notebook in a new student's folder; it may be one of other cells. End its kernels afterwards."""
+    folder = lab.student_folder(f"{Path(name).stem}_{len(list(lab.folder.iterdir()))}")
+    if cells:
+        write_notebook(folder / name, cells)
+    notebook = Notebook(lab.new_page(viewport={"width": 1280, "height": 900}), lab.address, folder, name)
+    yield notebook
+    notebook.end()
 
 
 def pixels_of(view: Locator) -> NDArray[np.int64]:

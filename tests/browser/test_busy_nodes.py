@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -49,9 +49,8 @@ CELLS = (START, NODES, BY_STOP, BY_INTERRUPT, STUBBORN, SLEEPER, SPIN, SLEEPY_SP
 
 
 @pytest.fixture(scope="module")
-def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, "busy.ipynb", CELLS) as notebook:
+def notebook(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "busy.ipynb", CELLS) as notebook:
         for source in (START, NODES):
             start(notebook, source)
             notebook.wait_idle()

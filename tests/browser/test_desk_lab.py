@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import expect
 
-from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -23,9 +23,8 @@ _ = viewer.on_click(clicks.append)
 
 
 @pytest.fixture(scope="module")
-def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, "week01_first_marker.ipynb") as notebook:
+def lesson(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "week01_first_marker.ipynb") as notebook:
         notebook.run_to(LIVE)
         notebook.kernel(HEAR)
         yield notebook

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from math import pi
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import expect
 
-from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -23,9 +23,8 @@ CELLS = (
 
 
 @pytest.fixture(scope="module")
-def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, "sliders.ipynb", CELLS) as notebook:
+def notebook(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "sliders.ipynb", CELLS) as notebook:
         notebook.run_all()
         yield notebook
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import psutil
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import Notebook, opened, red_pixels
+from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -26,9 +26,8 @@ PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the READM
 
 
 @pytest.fixture(scope="module")
-def lesson(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, "week01_first_marker.ipynb") as notebook:
+def lesson(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "week01_first_marker.ipynb") as notebook:
         yield notebook
 
 

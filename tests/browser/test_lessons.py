@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Locator, expect
 
 from course_lib.course.installation import exercises_dir, lessons_dir
-from tests.browser.jupyterlab import Notebook, opened, pixels_of
+from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -33,9 +33,8 @@ class Lesson:
 
 
 @pytest.fixture(scope="module")
-def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, LESSONS[0].name) as notebook:
+def notebook(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, LESSONS[0].name) as notebook:
         yield notebook
 
 

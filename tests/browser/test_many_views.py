@@ -1,12 +1,12 @@
 """Many views in real JupyterLab: twenty on a page, two tabs, a restart, hands while a node runs live."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
 
-from tests.browser.jupyterlab import Notebook, course_lab, write_notebook
-from tests.browser.waiting import PATIENCE, wait_until
+from tests.browser.jupyterlab import Lab, Notebook, write_notebook
+from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
@@ -59,30 +59,21 @@ _COUNT = """(views, color) => views.map((view) => {
     return count; })"""
 
 
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    folder.mkdir()
-    write_notebook(folder / "many.ipynb", CELLS)
-    with course_lab(folder, folder.parent / "home") as address:
-        yield address
-
-
-def new_page(browser: Browser) -> Page:
+def open_page(lab: Lab, folder: Path) -> Notebook:
     # JupyterLab draws what is in sight only
-    page = browser.new_page(viewport={"width": 1000, "height": 3000})
-    page.set_default_timeout(PATIENCE * 1000)
+    page = lab.new_page(viewport={"width": 1000, "height": 3000})
     page.add_init_script(_CONTEXTS)
-    return page
+    return Notebook(page, lab.address, folder, "many.ipynb")
 
 
 @pytest.fixture(scope="module")
-def notebook(browser: Browser, address: str) -> Iterator[Notebook]:
-    page = new_page(browser)
-    notebook = Notebook(page, address, "many.ipynb")
+def notebook(lab: Lab) -> Iterator[Notebook]:
+    folder = lab.student_folder("many_views")
+    write_notebook(folder / "many.ipynb", CELLS)
+    notebook = open_page(lab, folder)
     notebook.run_all()
     yield notebook
-    page.close()
+    notebook.end()
 
 
 def are_all(notebook: Notebook, color: int) -> bool:
@@ -118,21 +109,18 @@ def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook
     assert notebook.kernel("print(node.heard[0][1] < node.heard[-1][1] < node.count)").strip() == "True"
 
 
-def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(
-    notebook: Notebook, browser: Browser, address: str
-) -> None:
+def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(notebook: Notebook, lab: Lab) -> None:
     notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    page = new_page(browser)
-    second = Notebook(page, address, "many.ipynb")
-    wait_until(lambda: are_all(second, 0), page)
+    second = open_page(lab, notebook.folder)
+    wait_until(lambda: are_all(second, 0), second.page)
     paint = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
     notebook.kernel(paint)
     for one in (notebook, second):
-        wait_until(lambda one=one: are_all(one, 2), page)  # type: ignore[misc]  # mypy knows no default there
+        wait_until(lambda one=one: are_all(one, 2), one.page)  # type: ignore[misc]  # mypy knows no default there
     notebook.open()
-    wait_until(lambda: are_all(notebook, 2), page)
-    assert page.evaluate("lost") == notebook.page.evaluate("lost") == 0
-    page.close()
+    wait_until(lambda: are_all(notebook, 2), notebook.page)
+    assert second.page.evaluate("lost") == notebook.page.evaluate("lost") == 0
+    second.page.close()
 
 
 def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(notebook: Notebook) -> None:

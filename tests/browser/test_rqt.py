@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import Notebook, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -57,9 +57,8 @@ VIEWS = (
 
 
 @pytest.fixture(scope="module")
-def notebook(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Notebook]:
-    folder = tmp_path_factory.mktemp("student") / "my_course"
-    with opened(browser, folder, "rqt.ipynb", (NODES, *VIEWS)) as notebook:
+def notebook(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "rqt.ipynb", (NODES, *VIEWS)) as notebook:
         notebook.run_all()
         yield notebook
 

@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Locator, expect
 
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
-from tests.browser.jupyterlab import Notebook, opened, pixels_of
+from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -17,13 +16,8 @@ ENOUGH = 300  # [px] of the yellow path
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("student") / "my_course"
-
-
-@pytest.fixture(scope="module")
-def lesson(browser: Browser, folder: Path) -> Iterator[Notebook]:
-    with opened(browser, folder, "week00_welcome.ipynb") as notebook:
+def lesson(lab: Lab) -> Iterator[Notebook]:
+    with opened(lab, "week00_welcome.ipynb") as notebook:
         notebook.run_all()
         yield notebook
 
@@ -40,20 +34,20 @@ def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) 
     assert lesson.errors() == []
 
 
-def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook, folder: Path) -> None:
+def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook) -> None:
     cell = lesson.cell("ask_identity()")
     cell.get_by_role("textbox").last.fill(" 2023 77 ")
     cell.get_by_role("button", name="Keep").click()
     expect(cell.get_by_text("Your ID is 202377")).to_be_visible()
-    assert json.loads((folder / ".course" / "identity.json").read_text()) == {"student": "202377"}
-    assert read_notebook(folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
+    assert json.loads((lesson.folder / ".course" / "identity.json").read_text()) == {"student": "202377"}
+    assert read_notebook(lesson.folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
 
 
-def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook, folder: Path) -> None:
+def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook) -> None:
     cell = lesson.cell('"week00.shape",')
     cell.get_by_text("a circle", exact=True).click()
     expect(cell.get_by_text("Kept.")).to_be_visible()
-    assert State(folder).section("predictions") == {"week00.shape": "a circle"}
+    assert State(lesson.folder).section("predictions") == {"week00.shape": "a circle"}
     result = lesson.run_to('compare("week00.shape"')
     expect(result.get_by_text("You predicted: a circle")).to_be_visible()
 
