@@ -3,7 +3,7 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from course_lib.course.identity import normalise
@@ -35,42 +35,42 @@ def fill_lms(
     """Fill one column with the marks of an exercise and write the file again, otherwise unchanged.
 
     Args:
-        out: Where `course grade` put gradebook.csv.
-        lms: What the platform exported.
+        out: The folder with gradebook.csv.
+        lms: The platform's export.
         target: The file to write.
         exercise: "week01_exercise".
         column: Its heading there.
         id_column: The heading of the students' IDs.
-        raw: Whether the score before the late policy counts, as the platform has a policy of its own.
-        cap: Whether a mark above the platform's maximum becomes that maximum.
+        raw: Use the score before the late policy.
+        cap: Reduce a mark above the platform's maximum to that maximum.
 
     Returns:
-        What was done, and who is missing on either side: a line each.
+        A line for each row or mark without a counterpart, and a summary.
 
     Raises:
         CourseError: A file can't be read, a column is not there, or no row fits.
     """
-    file, marks = LmsFile.read(lms), _marks(out, exercise)
+    file, marks, what = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
     place, id_place = _places(file, column, id_column)
     ids, most = _ids(file, id_place), _maxima(file, place)
-    what = "score" if raw else "final"
-    if cap:
-        marks = {key: _capped(mark, what, most) for key, mark in marks.items()}
+    marks = {key: _capped(mark, what, most) for key, mark in marks.items()} if cap else marks
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
-        raise CourseError(
-            f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}; "
-            f"gradebook.csv has IDs like {next(iter(marks))}. Name another --id-column."
-        )
+        problem = f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}; gradebook.csv has"
+        raise CourseError(f"{problem} IDs like {next(iter(marks))}. Name another --id-column.")
     write_whole(target, file.encoded())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
-    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
-    lines = [
-        *_points_lines(most, marks.values(), what),
-        *(f"{lms.name}: {line}" for line in rows),
-        *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
-    ]
+    lines = [*_points_lines(most, marks.values(), what), *_unmatched(lms.name, rows, marks, ids)]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
+
+
+def _unmatched(
+    name: str, rows: Iterable[str], marks: Mapping[str, dict[str, str]], ids: Mapping[int, str]
+) -> Iterator[str]:
+    """Yield a line for each row that is left as it is, and for each student without a row."""
+    yield from (f"{name}: {row}" for row in rows)
+    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
+    yield from (f"gradebook.csv: {student}: no such ID in {name}" for student in missing)
 
 
 def _places(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
