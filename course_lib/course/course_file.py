@@ -44,7 +44,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Week:
+class WeekSettings:
     """One week: deadlines in the course's local time, points by the task's short name.
 
     Args:
@@ -75,7 +75,7 @@ class CourseFile:
     """All of course.toml."""
 
     title: str
-    weeks: Mapping[str, Week]
+    weeks: Mapping[str, WeekSettings]
     time_zone: ZoneInfo | None = None  # the machine's
     late: Late = Late()
     limits: Limits = Limits()

@@ -9,9 +9,9 @@ from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import CodeCell, parse_notebook
 from course_lib.grading.handin.submission import NO_EXERCISE, unpack
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.run.outcome import NOT_MADE
 from course_lib.grading.run.run import run_exercise

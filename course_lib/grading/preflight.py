@@ -16,8 +16,8 @@ from course_lib.course.exercise import exercise_from, notebook_text, read_notebo
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.grade_one import Course, catalog_of, run_job
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.out_folder import writing
 from course_lib.grading.run.job import Job, plan

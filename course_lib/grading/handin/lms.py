@@ -15,6 +15,9 @@ from course_lib.grading.reports.table import printable
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 MAXIMUM = "maximum grade"  # Moodle's column of it, in English
 FINAL = ("graded", "limit")
+NO_MARK = (
+    "no ID in column {!r} of {} has a mark for {}; gradebook.csv has IDs like {}. Name another --id-column."
+)
 KINDS = {
     "score": "scores before the late policy",
     "final": "marks after the late policy; switch the platform's off",
@@ -56,8 +59,7 @@ def fill_lms(
     marks = {key: _capped(mark, what, most) for key, mark in marks.items()} if cap else marks
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
-        problem = f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}; gradebook.csv has"
-        raise CourseError(f"{problem} IDs like {next(iter(marks))}. Name another --id-column.")
+        raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
     write_whole(target, file.encoded())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
     lines = [*_points_lines(most, marks.values(), what), *_unmatched(lms.name, rows, marks, ids)]

@@ -14,10 +14,9 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
 from course_lib.errors import CourseError
-from course_lib.grading.handin.archives import RECEIPT, opened_zip, read_member
+from course_lib.grading.handin.archives import RECEIPT, opened_zip, read_member, working_files
 from course_lib.grading.handin.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.handin.received import Ledger, Received
-from course_lib.grading.handin.working_files import working_files
 
 UTC = ZoneInfo("UTC")
 SUFFIXES = (".ipynb", ".zip")
