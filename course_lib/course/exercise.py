@@ -77,7 +77,7 @@ def stamp(notebook: Notebook, student: str) -> bool:
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
-    """Store the ID in every exercise of the student's folder; files that are no notebooks are left alone."""
+    """Store the ID in every exercise of the student's folder; skip files that are not notebooks."""
     exercises = sorted(folder.glob("week*_exercise*.ipynb"))
     for path in exercises:
         try:

@@ -19,7 +19,7 @@ CONTENTS_FILE = "contents.md"
 PAGE = """\
 # Contents and progress
 
-*Made anew by every `course lab`. Your own notes are safe in any other file.*
+*Every `course lab` writes this page again. Your own notes are safe in any other file.*
 
 | lesson | minutes | exercise | hand in by | public checks passed |
 |---|---|---|---|---|

@@ -88,7 +88,7 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
             nodes = ast.parse(cell.source).body
         except SyntaxError as error:
             raise CourseError(
-                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Mend it first."
+                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Correct it first."
             ) from error
         for node, text in _parts(cell.source, nodes):
             now, later = _needs(text)

@@ -23,7 +23,7 @@ def check_file(path: Path) -> bool:
     """Run a notebook from top to bottom, print a table per task; says whether everything passed.
 
     Raises:
-        CourseError: It can't be read, or is no exercise of the course.
+        CourseError: It can't be read, or is not an exercise of the course.
     """
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()

@@ -88,7 +88,7 @@ def _places(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
 
 
 def _ids(file: LmsFile, place: int) -> dict[int, str]:
-    """Return the students' IDs by row; Canvas's row of points and empty rows are no students."""
+    """Return the students' IDs by row; Canvas's row of points and empty rows are skipped."""
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
     given = ((row, file.text(row, place)) for row in students)
     return {row: _key(text) for row, text in given if text or file.text(row, 0)}

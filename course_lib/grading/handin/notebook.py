@@ -46,14 +46,14 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
         what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
-        raise CourseError(f"{name} is no notebook: {what}. Save it again in JupyterLab.") from error
+        raise CourseError(f"{name} is not a notebook: {what}. Save it again in JupyterLab.") from error
     content = _dict(content)
     sheets = content.get("worksheets")  # what format 3 had around the cells
     sheet = _dict(sheets[0]) if isinstance(sheets, list) and sheets else {}
     cells = content.get("cells", sheet.get("cells"))
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(
-            f"{name} is no notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
+            f"{name} is not a notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
         )
     code_cells = [cell for cell in cells if cell.get("cell_type") == "code"]
     code = tuple(source({"source": cell.get("source", cell.get("input", ""))}) for cell in code_cells)

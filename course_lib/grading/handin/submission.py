@@ -24,7 +24,7 @@ RESERVED = (".html", ".js")  # files that lie beside the students' folders of re
 PLAIN = (  # fields of plain data
     "student", "exercise", "claimed", "sha256", "problem", "key", "twins", "values_of", "id_flag", "id_note",
 )  # fmt: skip
-NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
+NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Submission:
 
     Args:
         student: Who handed it in: the name of the folder it lies in, else the ID that it claims.
-        exercise: "week01_exercise"; the file's own name if that can't be told.
+        exercise: "week01_exercise"; the file's own name if it names none.
         path: The file.
         received: When, and how that is known.
         notebook: Its cells and claims; None if it can't be read.

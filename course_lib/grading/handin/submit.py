@@ -191,7 +191,7 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
     """Pack an exercise with a receipt into `out`; default: beside it, named after it and the ID.
 
     Raises:
-        CourseError: The notebook can't be read, is no exercise, or the file can't be written.
+        CourseError: The notebook can't be read, is not an exercise, or the file can't be written.
     """
     path = find_notebook(path)
     data, _ = unpack(path)
