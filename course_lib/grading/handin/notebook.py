@@ -53,7 +53,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     cells = content.get("cells", sheet.get("cells"))
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(
-            f"{name} is not a notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
+            f"{name} is not a notebook of format 3 or 4: it has no list of cells. Save it again."
         )
     code_cells = [cell for cell in cells if cell.get("cell_type") == "code"]
     code = tuple(source({"source": cell.get("source", cell.get("input", ""))}) for cell in code_cells)

@@ -7,6 +7,7 @@ from typing import Any
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.marker_state import (
     INVISIBLE,
+    each,
     fits,
     moment,
     no_markers,
@@ -111,6 +112,16 @@ def expect_marker_count(
     message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} {moment(at)}, expected {count}"
     why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
     return [] if there == count else [Problem(message + why, "the count is wrong")]
+
+
+@word("the markers on {topic} are gone")
+def expect_gone(evidence: Evidence, topic: str) -> Iterable[Problem]:
+    """Expect markers during the scenario, but none that is shown at its end."""
+    if not any(True for _ in each(evidence, topic)):
+        raise nothing_on(evidence, topic)
+    left = len(shown(evidence, topic))
+    message = f"{topic} still shows {left} marker{'s' * (left != 1)} at the end, expected none"
+    return [Problem(message, "the count is wrong")] if left else []
 
 
 def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
