@@ -7,8 +7,7 @@ from math import asin, atan2, degrees, pi
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.verb import Verb, Write, value
 

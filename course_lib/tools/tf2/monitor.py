@@ -6,7 +6,7 @@ from collections.abc import Collection
 from functools import partial
 
 from course_lib.errors import CourseError
-from course_lib.ros import tf2_frames
+from course_lib.ros import tf2_core
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
@@ -75,7 +75,7 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
             if start and not chain:
                 if not heard.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
                     continue
-                chain = tf2_frames.chain(heard.buffer, start, end)
+                chain = tf2_core.chain(heard.buffer, start, end)
             if looks == 0 and what:
                 write(f"Gathering data on {what} for 10 seconds...\n")
                 what = ""
