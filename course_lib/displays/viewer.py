@@ -13,8 +13,7 @@ import numpy.typing as npt
 
 from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
-from course_lib.displays.layout import read_layout
-from course_lib.displays.options import Options
+from course_lib.displays.layout import Options, read_layout
 from course_lib.displays.panel.cell import Panel
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
@@ -60,10 +59,10 @@ class Viewer:
 
     @classmethod
     def from_rviz(cls, path: str | Path) -> Self:
-        """Make a viewer with the displays, options and view of an .rviz file.
+        """Create a viewer with the displays, options and view of an .rviz file.
 
         Raises:
-            CourseError: If it is no such file; with line and column.
+            CourseError: If it is not an .rviz file; with line and column.
         """
         layout = read_layout(path)
         viewer = cls()
@@ -132,7 +131,7 @@ class Viewer:
 
     @property
     def fixed_frame(self) -> str:
-        """RViz's Fixed Frame; another one makes all displays start anew."""
+        """RViz's Fixed Frame; another one restarts all displays."""
         return self.session.fixed_frame
 
     @fixed_frame.setter
@@ -159,12 +158,12 @@ class Viewer:
     @view.setter
     def view(self, view: ViewController) -> None:
         if not isinstance(view, ViewController):
-            raise CourseError(f"{view!r} is no view; write one like viewer.view = Orbit().")
+            raise CourseError(f"{view!r} is not a view; write one like viewer.view = Orbit().")
         self.session.view = view
 
     @property
     def camera(self) -> Camera:
-        """Where the view puts the camera."""
+        """The camera that results from the view."""
         self.look()
         return self.scene.camera
 
@@ -221,7 +220,7 @@ class Viewer:
         """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
 
         Args:
-            browser: Whether to open the page; its address is printed, too.
+            browser: Whether to open the page, besides printing its address.
             port: Where to listen, on this machine only; 0 lets the system choose a free one.
             token: The secret part of the address; None makes one up.
 
@@ -235,12 +234,12 @@ class Viewer:
         return url
 
     def summary(self) -> str:
-        """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
+        """Describe in words the objects drawn, their places in the fixed frame, and the statuses."""
         self.look()
         return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
-        """Have a function called with every click into the view: ``@viewer.on_click`` above it."""
+        """Register a callback for every click into the view: ``@viewer.on_click`` above it."""
         self._panel.on_click.append(callback)
         return callback
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
-from course_lib.viewer.browser import FLAGS, find_browser
+from course_lib.viewer.picture import FLAGS, find_browser
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.waiting import wait_until
 
@@ -98,7 +98,7 @@ class Host:
             self.reload()
 
     def leave(self) -> None:
-        """Let the page be, for the next host."""
+        """Release the page for the next host."""
         self.page.remove_listener("pageerror", self._hear_error)
         self.page.remove_listener("console", self._hear_console)
 

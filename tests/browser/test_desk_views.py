@@ -61,7 +61,7 @@ def show_view(bench: Bench, view: ViewController) -> None:
 
 
 def tell(bench: Bench) -> None:
-    """Let the page have what was changed, without waiting for its turn."""
+    """Send the page the changes, without the wait between two posts."""
     bench.widget.flush()
     bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
     bench.host.carry()

@@ -1,4 +1,4 @@
-"""How long a viewer listens: while somebody can see it, or has it by a name."""
+"""The life of a viewer: it listens while a page shows it or a name holds it."""
 
 import urllib.request
 import weakref

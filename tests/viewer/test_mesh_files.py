@@ -119,7 +119,7 @@ def test_missing_files_and_unknown_formats_are_refused_by_name(tmp_path: Path) -
     with pytest.raises(MeshFileError, match=r"gone\.stl"):
         load_mesh(tmp_path / "gone.stl")
     (tmp_path / "mesh.blend").write_bytes(b"")
-    with pytest.raises(MeshFileError, match="'blend' is no known format of meshes; take dae, stl, obj"):
+    with pytest.raises(MeshFileError, match="'blend' is not a known format of meshes; take dae, stl, obj"):
         load_mesh(tmp_path / "mesh.blend")
 
 

@@ -18,7 +18,7 @@ _STEP_NS = NS // 10  # robot time of a step
 
 @dataclass(frozen=True)
 class TimeState:
-    """What a time bar shows, [s]; the wall time is that of a live graph, the range that of a recording."""
+    """The state of a time bar, [s]; wall time is that of a live graph, the range that of a recording."""
 
     elapsed: float
     paused: bool
@@ -33,7 +33,7 @@ class TimeState:
 
 @dataclass(frozen=True)
 class TimeChange:
-    """What somebody did with a time bar; nothing asks for the time."""
+    """An order of a time bar; without any field it requests the time."""
 
     now: float | None = None  # [s] since the start
     step: int | None = None  # frames

@@ -7,25 +7,23 @@ from typing import Any
 import numpy as np
 
 from course_lib.arrays import Matrix
-from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import is_unit, placed
-from course_lib.displays.poses.arrow import (
+from course_lib.displays.poses.shapes import (
+    COVARIANCE_PROPERTIES,
+    Uncertain,
     arrows,
     axes_at,
+    covariances,
     matrices,
     numbers_of,
     rgba_of,
     shape_properties,
     shapes,
-)
-from course_lib.displays.poses.covariance import (
-    COVARIANCE_PROPERTIES,
-    Uncertain,
-    covariances,
     uncertain,
     uncertain_numbers,
 )
 from course_lib.displays.properties import Property, color, integer, number, vector, words
+from course_lib.displays.topic_display import INVALID, DrawnDisplay
 from course_lib.viewer.drawables import Drawable, Lines
 
 _FLAT = "Arrow (Flat)"
@@ -97,7 +95,7 @@ class PoseArrayDisplay(DrawnDisplay):
         return matrices(self.numbers(message))
 
     def parts(self) -> Mapping[str, Drawable]:
-        """Return all arrows or axes at once, in the frame of the message."""
+        """Return all arrows or axes as one drawable, in the frame of the message."""
         if not self.kept or not len(poses := self.kept[0]):
             return {}
         if self["Shape"] != _FLAT:

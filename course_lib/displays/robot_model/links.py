@@ -131,7 +131,7 @@ def inertia(inertial: Inertial) -> Solids | None:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be seen of a link."""
+    """The visible parts of a link."""
 
     shown: Mapping[str, bool]  # by kind: visual, collision, mass, inertia, axes, trail
     alpha: float

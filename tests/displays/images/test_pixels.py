@@ -6,7 +6,7 @@ import pytest
 from PIL import Image as Pictures
 from sensor_msgs.msg import CompressedImage, Image
 
-from course_lib.displays.images.pixels import (
+from course_lib.displays.images.display import (
     Range,
     UnsupportedEncodingError,
     reduced,
