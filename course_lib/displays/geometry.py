@@ -17,7 +17,7 @@ _BACK = 0.008824  # share of the range by which RViz draws the cone nearer, to m
 
 
 class PolygonDisplay(DrawnDisplay):
-    """Shows the last polygon as a closed line."""
+    """The last polygon as a closed line."""
 
     class_name = "rviz_default_plugins/Polygon"
     type_name = "geometry_msgs/msg/PolygonStamped"
@@ -43,7 +43,7 @@ class PolygonDisplay(DrawnDisplay):
 
 
 class PointStampedDisplay(DrawnDisplay):
-    """Shows the last points as balls; RViz keeps all of them in the frame of the last one."""
+    """The last points as balls; RViz keeps all of them in the frame of the last one."""
 
     class_name = "rviz_default_plugins/PointStamped"
     type_name = "geometry_msgs/msg/PointStamped"
@@ -71,7 +71,7 @@ class PointStampedDisplay(DrawnDisplay):
 
 
 class RangeDisplay(DrawnDisplay):
-    """Shows the last measurements of a range finder as cones along +x, as long as what was measured."""
+    """The last measurements of a range finder as cones along +x, of the measured length."""
 
     class_name = "rviz_default_plugins/Range"
     type_name = "sensor_msgs/msg/Range"
@@ -130,7 +130,7 @@ def _properties(straight: str, turning: str) -> tuple[Property, ...]:
 
 
 class ScrewDisplay(DrawnDisplay):
-    """Shows a straight vector as an arrow, and a turning one as an arrow with a circle around it."""
+    """A straight vector as an arrow, and a turning one as an arrow with a circle around it."""
 
     path_to_vectors: ClassVar[tuple[str, str, str]]  # the message's field, and both vectors in it
     labels: ClassVar[tuple[str, str]] = ("Linear", "Angular")
@@ -184,7 +184,7 @@ class ScrewDisplay(DrawnDisplay):
 
 
 class WrenchDisplay(ScrewDisplay):
-    """Shows forces and torques."""
+    """Forces and torques."""
 
     class_name = "rviz_default_plugins/Wrench"
     type_name = "geometry_msgs/msg/WrenchStamped"
@@ -194,7 +194,7 @@ class WrenchDisplay(ScrewDisplay):
 
 
 class TwistStampedDisplay(ScrewDisplay):
-    """Shows velocities."""
+    """Velocities."""
 
     class_name = "rviz_default_plugins/TwistStamped"
     type_name = "geometry_msgs/msg/TwistStamped"
@@ -202,7 +202,7 @@ class TwistStampedDisplay(ScrewDisplay):
 
 
 class AccelStampedDisplay(ScrewDisplay):
-    """Shows accelerations."""
+    """Accelerations."""
 
     class_name = "rviz_default_plugins/AccelStamped"
     type_name = "geometry_msgs/msg/AccelStamped"

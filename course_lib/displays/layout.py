@@ -206,7 +206,7 @@ def text_at(config: Config, label: str) -> str:
 
 
 class _Parts:
-    """Looks up the parts of a file, and remembers which are not as RViz writes them."""
+    """The parts of a parsed file, and the problems of those that are not as RViz writes them."""
 
     def __init__(self, parsed: Parsed) -> None:
         self._parsed = parsed

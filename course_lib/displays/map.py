@@ -59,7 +59,7 @@ def _with_illegal(colors: Bytes) -> Bytes:
 
 
 class MapDisplay(DrawnDisplay):
-    """Shows an occupancy grid, and what changes in parts of it."""
+    """An occupancy grid, and updates of parts of it."""
 
     class_name = "rviz_default_plugins/Map"
     type_name = "nav_msgs/msg/OccupancyGrid"

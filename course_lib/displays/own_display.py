@@ -45,7 +45,7 @@ AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
 
 
 class OwnDisplay(DrawnDisplay):
-    """Shows the last message of a topic, in the frame of its header; without one, in the fixed frame."""
+    """Base of displays of one's own: the last message, in the frame of its header or in the fixed frame."""
 
     def drawing(self, message: Any) -> Mapping[str, Drawable]:
         """Return what is to be seen of a message, by name, in the frame of its header; lengths in [m]."""

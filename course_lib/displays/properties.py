@@ -37,7 +37,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Limited:
-    """A conversion that tells its limits, for who makes a control of it."""
+    """A conversion with its limits, for the control of a property."""
 
     convert: Convert
     editor: Literal["number", "integer", "enum"]

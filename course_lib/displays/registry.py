@@ -74,7 +74,7 @@ RVIZ_ONLY = {
 
 
 class FailedDisplay(Display):
-    """Stands for a display that cannot be made; its configuration is kept as it came."""
+    """A display of an unknown class; its configuration is kept as it came."""
 
     def __init__(self, context: Context, name: str, path: str, wanted: str) -> None:
         super().__init__(context, name, path)

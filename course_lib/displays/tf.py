@@ -126,7 +126,7 @@ class _Heard(NamedTuple):
 
 
 class TfDisplay(Display):
-    """Shows the frames that tf2 knows, and fades those that nobody publishes any more."""
+    """The frames that tf2 knows; those without new transforms fade."""
 
     class_name = "rviz_default_plugins/TF"
     properties = (

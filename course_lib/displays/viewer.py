@@ -14,7 +14,7 @@ import numpy.typing as npt
 from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
-from course_lib.displays.panel.cell import Panel
+from course_lib.displays.panel.cell import ViewerCell
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
 from course_lib.displays.session import RvizSession
@@ -50,9 +50,9 @@ class Viewer:
         self.session = RvizSession(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._panel = Panel(self.session, graph)
+        self._cell = ViewerCell(self.session, graph)
         stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick))
-        self._end = weakref.finalize(self, _end, stops, self._panel)  # once no name or page holds it
+        self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
         self.session.catch_up(self.session.transforms)
         self.add("Grid")
@@ -209,7 +209,7 @@ class Viewer:
         That is a page that shows the viewer, else Chromium or Chrome, else numpy.
         """
         self.look()
-        png = self._panel.picture(size)
+        png = self._cell.picture(size)
         if png is None:
             return screenshot(self.scene, path, size)
         if path is not None:
@@ -227,7 +227,7 @@ class Viewer:
         Returns:
             The address.
         """
-        url = self._panel.opened(port, token)
+        url = self._cell.opened(port, token)
         sys.stdout.write(f"The viewer is at {url}\n")
         if browser:
             webbrowser.open(url)
@@ -240,7 +240,7 @@ class Viewer:
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
         """Register a callback for every click into the view: ``@viewer.on_click`` above it."""
-        self._panel.on_click.append(callback)
+        self._cell.on_click.append(callback)
         return callback
 
     async def pick(self) -> Click:
@@ -249,7 +249,7 @@ class Viewer:
         Raises:
             CourseError: At once, if no page shows the viewer.
         """
-        return await self._panel.next_click()
+        return await self._cell.next_click()
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""
@@ -261,10 +261,10 @@ class Viewer:
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
-        return self._panel.shown(self, **kwargs)
+        return self._cell.shown(self, **kwargs)
 
 
-def _end(stops: Iterable[Callable[[], None]], panel: Panel) -> None:
+def _end(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
     for stop in stops:
         stop()
-    panel.close()
+    cell.close()

@@ -20,7 +20,7 @@ _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
 
 
 class Orbit(ViewController):
-    """Turns around a focal point, and goes along with the target frame's position."""
+    """A camera around a focal point, which follows the target frame's position."""
 
     class_name = "rviz_default_plugins/Orbit"
     properties = (
@@ -71,7 +71,7 @@ class XYOrbit(Orbit):
     lift = 0.2
 
     def mimic(self, other: ViewController, frames: Frames) -> None:
-        """Look from where another view does, if the ground is ahead of that and below it; else start from the defaults."""
+        """Look from where another view does if the ground is ahead of it; else use the defaults."""
         super().mimic(other, frames)
         camera = other.camera(frames)
         eye = np.subtract(camera.eye, self._target[:3, 3])
@@ -94,7 +94,7 @@ class ThirdPersonFollower(XYOrbit):
 
 
 class TopDownOrtho(ViewController):
-    """Looks straight down, without perspective."""
+    """A camera that looks straight down, without perspective."""
 
     class_name = "rviz_default_plugins/TopDownOrtho"
     properties = (
@@ -133,7 +133,7 @@ _AXES = {
 
 
 class FPS(ViewController):
-    """Looks around from a point."""
+    """A camera that looks around from a point."""
 
     class_name = "rviz_default_plugins/FPS"
     properties: tuple[Property, ...] = (
@@ -160,7 +160,7 @@ class FPS(ViewController):
 
 
 class FrameAligned(FPS):
-    """Looks around from a point of the target frame, and goes along with all of the frame's motion.
+    """A camera that looks around from a point of the target frame, and follows all of its motion.
 
     RViz has it from Jazzy 14.1.11 on; it begins at the frame's origin and looks along one of its axes.
     """
@@ -215,7 +215,7 @@ def _angles(ahead: Floats) -> dict[str, float]:
 
 
 class FailedView(Orbit):
-    """Stands for a view controller that cannot be made; its configuration is kept as it came."""
+    """A view controller of an unknown class; its configuration is kept as it came."""
 
 
 VIEWS: dict[str, type[ViewController]] = {

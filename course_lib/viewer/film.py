@@ -15,7 +15,7 @@ _OF_ALL = ("background", "camera", "animation")  # what belongs to the scene, no
 
 
 class Film:
-    """Follows a scene and remembers its changes, with times.
+    """The changes of a scene, with times.
 
     Values are kept as they were set, and written down only when somebody wants them. What is older than the
     limits is folded into the first picture.

@@ -26,7 +26,7 @@ class Click:
 
 
 class PageLink:
-    """Keeps pages equal to a scene, and hears what is done there.
+    """The connection between a scene and its pages: changes out, messages in.
 
     Callbacks run in the thread of the cells, where nodes run too, if this was made there.
 

@@ -23,7 +23,7 @@ _MAX_MESSAGE = 64 << 20  # bytes; a picture that a page sends may be large
 
 
 class _Guarded(RequestHandler):
-    """Answers nothing but requests for this very address: no page of elsewhere gets in by another name."""
+    """Base of the handlers: only requests with this host and token are answered."""
 
     def initialize(self, server: "PageServer") -> None:
         self.server = server
@@ -47,7 +47,7 @@ class PageHandler(_Guarded):
 
 
 class SocketHandler(_Guarded, WebSocketHandler):
-    """Carries the messages of one open page: JSON, a line end, the buffers."""
+    """The WebSocket of one open page; a message is JSON, a line end and the buffers."""
 
     page: str | None = None  # how the page calls itself
 
@@ -87,7 +87,7 @@ def framed(content: dict[str, Any], buffers: list[bytes]) -> bytes:
 
 
 class PageServer:
-    """Serves a scene to the browsers of this machine, until it is closed or its process ends.
+    """A server of a scene to the browsers of this machine, until it is closed or its process ends.
 
     Args:
         scene: What the page shows.
@@ -138,7 +138,7 @@ class PageServer:
         threading.Thread(target=lambda: asyncio.run(self.serve()), name="page", daemon=True).start()
 
     def close(self) -> None:
-        """Stop serving and give the port back; open pages say that nobody is there."""
+        """Stop serving and free the port; open pages show that the program has ended."""
         self.link.close()
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._ended.set)

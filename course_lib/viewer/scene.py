@@ -122,7 +122,7 @@ class Scene:
 
     @property
     def camera(self) -> Camera:
-        """The camera of views that nobody has turned by hand."""
+        """The camera of views that were not turned by hand."""
         return self._camera
 
     @camera.setter

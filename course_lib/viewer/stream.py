@@ -27,7 +27,7 @@ class Page:
 
 
 class Flow:
-    """Counts what pages have not answered yet, so that slow ones get fewer batches and none pile up.
+    """Flow control: batches that pages have not answered yet are counted, so that none pile up.
 
     Most front-ends' answers wait until the running cell ends, which is not the pages' fault: until then
     everything is sent. JupyterLab's come in between, in a thread of their own.
@@ -102,7 +102,7 @@ LONGEST_SILENCE = 10.0  # [s] until a page that does not answer is taken for gon
 
 
 class Stream:
-    """Follows a scene and sends what has changed since the last batch, the last value of each thing only.
+    """The changes of a scene since the last batch, sent with the last value of each thing only.
 
     While it is not connected it does nothing but remember that a page would need a snapshot. Then a thread of
     its own sends: a timer started by a node's thread would run by robot time.

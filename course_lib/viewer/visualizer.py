@@ -24,7 +24,7 @@ _AHEAD = np.array([0.0, 1.0, 0.0])  # where a camera looks that is told to look 
 
 
 class MeshcatCamera:
-    """Moves the scene's camera as meshcat's commands ask for."""
+    """The scene's camera behind meshcat's commands."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -141,7 +141,7 @@ class Window:
         return self
 
     def wait(self) -> str:
-        """Do nothing: nobody has to watch."""
+        """Do nothing: no page is needed."""
         return "ok"
 
     def close(self) -> None:
@@ -195,7 +195,7 @@ _IDENTITY = np.eye(4)
 
 
 class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no types
-    """Draws into a scene, for code written for meshcat: ``MeshcatVisualizer.initViewer(viewer=...)``."""
+    """A meshcat.Visualizer that draws into a scene: ``MeshcatVisualizer.initViewer(viewer=...)``."""
 
     __slots__ = ("place",)  # the path as the scene writes it
 

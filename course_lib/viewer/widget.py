@@ -27,7 +27,7 @@ class _Code(anywidget.AnyWidget):
 
 
 class SceneWidget(anywidget.AnyWidget):
-    """Shows a scene in as many cells and pages as display it; all follow the scene.
+    """A widget that shows a scene in any number of cells and pages.
 
     Args:
         scene: What to show.

@@ -154,6 +154,11 @@ def _pixels(
     behind: Pixels | None = None,
     hidden: tuple[str, ...] = (),
 ) -> Pixels:
+    """Draw all objects in RViz's order, as the page does.
+
+    That is: what is behind everything, what is opaque by depth, what is transparent from far to near. Lines
+    and points are triangles here, and take part like surfaces.
+    """
     width, height = size[0] * _FINER, size[1] * _FINER
     depths = np.full(width * height, np.inf, np.float32)
     if behind is None:

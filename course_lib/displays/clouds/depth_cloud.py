@@ -148,7 +148,7 @@ def _packed(message: Any) -> AnyArray:
 
 
 class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
-    """Shows the images of a depth camera as points, coloured by those of a camera at the same place."""
+    """Images of a depth camera as points, coloured by those of a camera at the same place."""
 
     class_name = "rviz_default_plugins/DepthCloud"
     type_name = IMAGE

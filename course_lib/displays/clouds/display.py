@@ -54,7 +54,7 @@ class Shown(NamedTuple):
 
 
 class CloudDisplay(TopicDisplay):
-    """Shows clouds for some time; those that come between two frames appear with the next one."""
+    """Clouds, each for its decay time; those that come between two frames appear with the next one."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -163,7 +163,7 @@ class PointCloud2Display(CloudDisplay):
 
 
 class LaserScanDisplay(CloudDisplay, FilteredDisplay):
-    """Shows the ends of a scanner's beams, each where the scanner was at the time of that beam."""
+    """The ends of a scanner's beams, each from the scanner's pose at the time of that beam."""
 
     class_name = "rviz_default_plugins/LaserScan"
     type_name = "sensor_msgs/msg/LaserScan"

@@ -28,7 +28,7 @@ _WIDTH = 0.01  # [m], of the edges
 
 
 class CameraDisplay(PictureDisplay, FilteredDisplay):
-    """Shows what a camera would see of the scene, in front of its image, behind it, or both."""
+    """The scene as a camera sees it, in front of its image, behind it, or both."""
 
     class_name = "rviz_default_plugins/Camera"
     properties = (
@@ -129,7 +129,7 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
 
 
 class CameraInfoDisplay(DrawnDisplay):
-    """Shows what a camera sees as a pyramid: its tip is the camera, which looks along z."""
+    """The field of view of a camera as a pyramid: its tip is the camera, which looks along z."""
 
     class_name = "rviz_default_plugins/CameraInfo"
     type_name = "sensor_msgs/msg/CameraInfo"

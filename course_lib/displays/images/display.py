@@ -235,7 +235,7 @@ class PictureDisplay(TopicDisplay):
 
 
 class ImageDisplay(PictureDisplay):
-    """Shows images as they are."""
+    """Images as they are."""
 
     class_name = "rviz_default_plugins/Image"
     properties = (

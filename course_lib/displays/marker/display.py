@@ -62,7 +62,7 @@ class _Markers(TopicDisplay):
 
 
 class MarkerDisplay(_Markers, FilteredDisplay):
-    """A display of markers, each drawn when tf2 knows its frame, and of arrays on ``<topic>_array``, drawn immediately."""
+    """Markers, each drawn when tf2 knows its frame; arrays on ``<topic>_array`` are drawn immediately."""
 
     class_name = "rviz_default_plugins/Marker"
     type_name = MARKER
@@ -80,7 +80,7 @@ class MarkerDisplay(_Markers, FilteredDisplay):
 
 
 class MarkerArrayDisplay(_Markers):
-    """A display of arrays of markers, without a wait: a marker that tf2 cannot place yet is an error."""
+    """Arrays of markers, without a wait: a marker that tf2 cannot place yet is an error."""
 
     class_name = "rviz_default_plugins/MarkerArray"
     type_name = MARKER_ARRAY

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
 
 
-class Panel:
-    """Shows a session in as many cells as ask for it; made when the first one does."""
+class ViewerCell:
+    """The place of a viewer in any number of cells; its page is made for the first one."""
 
     def __init__(self, session: RvizSession, graph: Graph) -> None:
         self._session = session

@@ -38,7 +38,7 @@ PERIOD = 0.5  # [s] of the wall clock between two changes of what the page shows
 
 
 class Desk:
-    """Keeps a page's panels equal to a session, and carries out its orders.
+    """The panels of a page, kept equal to a session; its orders are carried out.
 
     Args:
         session: What is shown.

@@ -60,7 +60,7 @@ def order_of(content: Mapping[str, Any]) -> Order:
 
 
 class OrderDesk:
-    """Carries out orders; `rows` are those that the page has, `notice` answers the last order.
+    """Executor of orders; `rows` are those that the page has, `notice` answers the last order.
 
     Args:
         session: What is changed.

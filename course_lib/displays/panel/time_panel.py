@@ -75,7 +75,7 @@ class LiveTime:
 
 
 class Playback:
-    """Lets a session hear a recording up to any time; back in time it hears it from the start again."""
+    """A recording played to a session up to any time; back in time, from the start again."""
 
     def __init__(self, session: RvizSession, recording: Recording) -> None:
         self.session = session
@@ -134,7 +134,7 @@ class Playback:
 
 
 class TimePanel:
-    """Keeps the time bars of pages equal to a source of time, and passes on what is done with them."""
+    """The time bars of pages, kept equal to a source of time that gets their orders."""
 
     def __init__(self, session: RvizSession, link: PageLink, source: LiveTime | Playback) -> None:
         self._session = session

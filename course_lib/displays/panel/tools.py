@@ -49,7 +49,7 @@ class Tool(PropertyHolder):
 
 
 class PublishPoint(Tool):
-    """Publishes the point that is clicked."""
+    """A tool that publishes the point that is clicked."""
 
     type_name = "geometry_msgs/msg/PointStamped"
     properties = (*with_qos("/clicked_point"), Property("Single click", True, flag))
@@ -73,7 +73,7 @@ class PublishPoint(Tool):
 
 
 class SetGoal(PublishPoint):
-    """Publishes the pose that is dragged on the ground."""
+    """A tool that publishes the pose that is dragged on the ground."""
 
     does = "Setting goal pose"
 
@@ -94,7 +94,7 @@ class SetGoal(PublishPoint):
 
 
 class SetInitialPose(SetGoal):
-    """Publishes the pose that is dragged on the ground, with how sure it is."""
+    """A tool that publishes the pose that is dragged on the ground, with a covariance."""
 
     does = "Setting estimate pose"
 

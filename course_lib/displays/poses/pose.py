@@ -34,7 +34,7 @@ _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
 
 
 class PoseDisplay(DrawnDisplay):
-    """Shows the last pose as an arrow or as axes."""
+    """The last pose as an arrow or as axes."""
 
     class_name = "rviz_default_plugins/Pose"
     type_name = "geometry_msgs/msg/PoseStamped"
@@ -54,7 +54,7 @@ class PoseDisplay(DrawnDisplay):
 
 
 class PoseWithCovarianceDisplay(DrawnDisplay):
-    """Shows the last pose, and how uncertain it is."""
+    """The last pose, and its covariance."""
 
     class_name = "rviz_default_plugins/PoseWithCovariance"
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -75,7 +75,7 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
 
 
 class PoseArrayDisplay(DrawnDisplay):
-    """Shows the poses of the last message as flat arrows, as solid ones, or as axes."""
+    """The poses of the last message as flat arrows, as solid ones, or as axes."""
 
     class_name = "rviz_default_plugins/PoseArray"
     type_name = "geometry_msgs/msg/PoseArray"
@@ -106,7 +106,7 @@ class PoseArrayDisplay(DrawnDisplay):
 
 
 class OdometryDisplay(DrawnDisplay):
-    """Shows where something has been: a pose for each step that it has moved or turned."""
+    """The poses of a moving thing, one for each step that it has moved or turned."""
 
     class_name = "rviz_default_plugins/Odometry"
     type_name = "nav_msgs/msg/Odometry"
@@ -161,7 +161,7 @@ def _angle(first: Matrix, second: Matrix) -> float:
 
 
 class PathDisplay(DrawnDisplay):
-    """Shows the last paths as lines, and their poses as axes or arrows if asked.
+    """The last paths as lines, and their poses as axes or arrows if asked.
 
     The frame is that of the path; RViz does not look at the headers of its poses.
     """

@@ -32,7 +32,7 @@ _OF_LINKS = {"axes": "Show Axes", "trail": "Show Trail"}
 
 
 class RobotModelDisplay(TopicDisplay):
-    """Shows a robot as its description says, each link where tf2 knows it; joint states are not heard."""
+    """A robot by its description, each link at its tf2 frame; joint states are not subscribed to."""
 
     class_name = "rviz_default_plugins/RobotModel"
     type_name = "std_msgs/msg/String"

@@ -27,7 +27,7 @@ _AXES = axes(0.1, 0.01)
 
 
 class Looks:
-    """Turns shapes of one link into what is drawn.
+    """The drawables of a link's shapes.
 
     Args:
         link: Of the description.
