@@ -15,7 +15,7 @@ from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.copies_page import HandedOut, Work, copies_page
 from course_lib.grading.fingerprint import fingerprint
-from course_lib.grading.marks.mark import result_path
+from course_lib.grading.records import result_path
 from course_lib.grading.similarity import Comparison, compare
 from course_lib.grading.submission import Submission
 

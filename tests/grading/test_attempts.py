@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from course_lib.grading.submission import find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 

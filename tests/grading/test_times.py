@@ -12,8 +12,8 @@ from course_lib.course.course_file import Late
 from course_lib.errors import CourseError
 from course_lib.grading.collect import Collection, collect
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.received import Received
+from course_lib.grading.records import Course
 from course_lib.grading.submission import find_submissions
 from tests.grading.platforms import (
     NAME,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from course_lib.grading.submission import find_submissions
 from course_lib.grading.submit import submit
 from course_lib.grading.working_files import working_files

@@ -9,9 +9,9 @@ from course_lib.grading import vocabulary as v
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.judge import CHECK_SECONDS, Run, time_limit
+from course_lib.grading.judge import CHECK_SECONDS, time_limit
 from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.run.job import Job, plan
+from course_lib.grading.run.job import Job, Run, plan
 from course_lib.grading.run.run import run_scenarios
 from course_lib.grading.task import Message
 from course_lib.grading.working_files import working_files
