@@ -154,7 +154,7 @@ def view(
 
 @bag.command()
 def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]) -> None:
-    """Say what a recording holds."""
+    """Show the content of a recording."""
     from course_lib.recording import bag_info
 
     typer.echo(bag_info(folder))
@@ -189,7 +189,7 @@ def submit(
     out: Annotated[Path | None, typer.Option(help="Where the file to hand in goes.")] = None,
 ) -> None:
     """Pack an exercise into one file to hand in, with a receipt."""
-    from course_lib.grading.submit import submit as pack
+    from course_lib.grading.handin.submit import submit as pack
 
     typer.echo(pack(file, out).text())
 
@@ -201,7 +201,7 @@ def status(
     """Show how far you are, and what comes next."""
     from rich.console import Console
 
-    from course_lib.course.status import status as look
+    from course_lib.course.progress import status as look
 
     table, then = look(work_dir)
     Console().print(table)
@@ -222,7 +222,7 @@ def export(
     force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
     check: Annotated[Path | None, typer.Option(help="Only say what this package lacks.")] = None,
 ) -> None:
-    """Make a ROS 2 package of the nodes in a notebook: of cells marked # export, or of all."""
+    """Export the nodes in a notebook as a ROS 2 package: of cells marked # export, or of all."""
     from course_lib.export.check import lacks
     from course_lib.export.export import export as write
 

@@ -6,10 +6,9 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from course_lib.course.checked import keep_check
 from course_lib.course.identity import current_identity
-from course_lib.course.page import in_notebook, show
-from course_lib.course.state import student_state
+from course_lib.course.questions import in_notebook, show
+from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence

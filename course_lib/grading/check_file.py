@@ -4,19 +4,18 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from course_lib.course.exercise_file import find_notebook
+from course_lib.course.exercise import find_notebook
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
-from course_lib.grading.code_cell import CodeCell
+from course_lib.grading.handin.notebook import CodeCell, parse_notebook
+from course_lib.grading.handin.submission import NO_EXERCISE, unpack
+from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import TaskResult, judge
-from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.outcome import NOT_MADE
 from course_lib.grading.run.run import run_scenarios
-from course_lib.grading.submission import NO_EXERCISE, unpack
-from course_lib.grading.working_files import working_files
 
 NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 

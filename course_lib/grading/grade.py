@@ -5,7 +5,7 @@ depends on. A record that is there already is not made again.
 
 | stage | function | record |
 |---|---|---|
-| hand-in | `hand_in.hand_in` | the submission itself |
+| hand-in | `handin.hand_in.hand_in` | the submission itself |
 | run | `run.run.run` | OUT/evidence/DIGEST.msgpack.gz |
 | judge | `judge.judge` | in OUT/results/STUDENT/EXERCISE.json |
 | mark | `marks.mark.mark` | OUT/results/STUDENT/EXERCISE.json |
@@ -19,12 +19,13 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
-from course_lib.grading.copies import compare_class
 from course_lib.grading.executors import executors, flow
-from course_lib.grading.hand_in import Attempts, hand_in
-from course_lib.grading.ids import with_ids
+from course_lib.grading.handin.copies import compare_class
+from course_lib.grading.handin.hand_in import Attempts, hand_in
+from course_lib.grading.handin.ids import with_ids
+from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import Judgement, judge
 from course_lib.grading.marks.mark import Fault, Result, mark, read_result, results_in, row_of
@@ -46,7 +47,6 @@ from course_lib.grading.reports.table import Line, broken_lines, counts, say, ta
 from course_lib.grading.reports.tables import concerns, write_tables
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import Ran, demand, keep, run, unpack
-from course_lib.grading.submission import Submission, find_submissions
 
 GRADED = ("graded", "needs_marking", "limit")
 Faults = Mapping[str, Fault]  # by the key of the evidence that is missing

@@ -10,16 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import course_lib
-from course_lib.course.exercise import exercise_from
-from course_lib.course.exercise_file import notebook_text, read_notebook
-from course_lib.course.whole_file import write_whole
+from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.grading.handin.notebook import parse_notebook
+from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import Judgement, TaskResult, judge
-from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.records import Course, catalog_of, digest_of, kit_digest, writing
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import run, unpack
-from course_lib.grading.working_files import working_files
 
 STUDENT = "preflight"  # whose personal values are tried
 FOLDER = "preflight"  # in the folder of results

@@ -11,7 +11,7 @@ from typing import Literal
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, wait_for
+from course_lib.ros.driving import running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph, Sample
 from course_lib.ros.qos import Qos, incompatible
 
@@ -66,7 +66,7 @@ class Source(ABC):
         """Give the QoS that the topic's publishers offer."""
         return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
 
-    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+    def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Say how long an endless tool goes on, [s], if `enough` will do; None: until ■, or the end."""
         return None
 
@@ -92,7 +92,7 @@ class GraphSource(Source):
         super().__init__(graph, ALWAYS_THERE)
         self.discovery = discovery
 
-    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+    def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Without a page nobody presses ■; outside of notebooks a run has its own end."""
         return enough if self.graph.notebook and pace.wanted() == "fast" else None
 

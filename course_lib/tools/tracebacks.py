@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.hints import add_hint
-from course_lib.ros.own_line import line_of_traceback
-from course_lib.ros.tracebacks import without_the_kit
+from course_lib.ros.tracebacks import line_of_traceback, without_the_kit
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell

@@ -5,14 +5,17 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from course_lib.grading.inputs import pose, transforms
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
     expect_marker,
     expect_marker_count,
     expect_topic,
     expect_trajectory,
     expect_value,
+    inputs,
+    my,
 )
 
 ARM = "/arm_controller/joint_trajectory"
@@ -55,8 +58,8 @@ def painted(steps: Sequence[Step] = STEPS) -> list[list[tuple[float, float, floa
 def motion(steps: Sequence[Step] = STEPS) -> Iterable[Message]:
     """The steps, one per 0.1 s, half way between two ticks of the painter."""
     for number, (x, z, height) in enumerate(steps):
-        wrist = pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
-        yield transforms((pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
+        wrist = inputs.pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
+        yield inputs.transforms((inputs.pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
 
 
 def standing(lift: Any) -> dict[str, Any]:

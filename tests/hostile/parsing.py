@@ -10,9 +10,9 @@ from pathlib import Path
 from course_lib.displays.layout import layout_of
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.judge import time_limit
-from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.run.job import Run, Step
 from course_lib.grading.run.run import ExerciseRun, pack, unpack
 from course_lib.grading.run.submission_run import CellLog

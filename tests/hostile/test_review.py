@@ -13,16 +13,16 @@ from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading import judge
 from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.handin.working_files import MAX_BYTES, working_files
 from course_lib.grading.judge import judge_task
 from course_lib.grading.reports.scenes import figures, seen
 from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import MAX_TEXT, is_plain
 from course_lib.grading.run.submission_run import SubmissionRun
-from course_lib.grading.submission import find_submissions
 from course_lib.grading.task import Message, Scenario, Task
 from course_lib.grading.vocabulary import expect_marker, expect_parameters
 from course_lib.grading.vocabulary.wording import LONGEST
-from course_lib.grading.working_files import MAX_BYTES, working_files
 from course_lib.robots.resources import packages_only, resolve
 from course_lib.ros.channel import ChannelError
 from course_lib.ros.clock import START_NS

@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Judgement, TaskResult, judge

@@ -3,8 +3,8 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from course_lib.course.files import exercises_dir, solutions_dir
 from course_lib.course.identity import normalise
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.marks.mark import Result, read_result
 from course_lib.grading.marks.marks import add_mark, read_marks

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from course_lib.course.course_file import CourseFile, Late
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.ids import MISMATCH
+from course_lib.grading.handin.ids import MISMATCH
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import Judgement, TaskResult
 from course_lib.grading.marks.marks import HandMark, Mark, add_up, apply_marks, read_marks
 from course_lib.grading.records import marks_path, result_path
-from course_lib.grading.submission import Submission
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 MARK_COLUMNS = tuple(field.name for field in fields(Mark))

@@ -11,10 +11,10 @@ from typing import Any
 from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import counted
-from course_lib.grading.copies import Alike, alike_in
-from course_lib.grading.ids import MISMATCH, NO_ID, UNVERIFIED
+from course_lib.grading.handin.copies import Alike, alike_in
+from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
 from course_lib.grading.reports.table import fill
 from course_lib.grading.run.run import read_usage

@@ -11,7 +11,7 @@ from typing import Any
 
 import msgpack
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Isolation, Need

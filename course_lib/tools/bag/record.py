@@ -8,8 +8,8 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, record, write_bag
-from course_lib.ros.driving import until_interrupted
 from course_lib.ros.graph import Sample
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.tools.bag.play import pattern, several
 from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2.echo import log_line

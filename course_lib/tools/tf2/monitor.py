@@ -7,7 +7,7 @@ from functools import partial
 
 from course_lib.errors import CourseError
 from course_lib.ros import tf2_frames
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.tf2_transform import Transform
 from course_lib.tools.sources import Source
 from course_lib.tools.tf2.echo import Heard

@@ -4,7 +4,7 @@ from argparse import Namespace
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, message_class, type_name
 from course_lib.tools.asking import check_type, kind_of
 from course_lib.tools.message_text import Style, to_csv, to_yaml

@@ -7,7 +7,7 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.jail import seccomp
+from course_lib.grading.jail import filters
 from course_lib.grading.jail.isolation import LAYERS, Isolation
 from course_lib.grading.jail.launch import TemplateProcess
 from course_lib.grading.run.submission_run import SubmissionRun
@@ -144,11 +144,11 @@ def test_what_is_missing_is_said() -> None:
     assert str(Isolation()).startswith("no sandbox (lacks")
 
 
-@pytest.mark.parametrize(("column", "machine"), seccomp.MACHINES.values(), ids=seccomp.MACHINES)
+@pytest.mark.parametrize(("column", "machine"), filters.MACHINES.values(), ids=filters.MACHINES)
 def test_every_jump_of_the_filter_ends_inside_it(column: int, machine: int) -> None:
-    code = seccomp.program(column, machine)
+    code = filters.program(column, machine)
     steps = [code[i : i + 8] for i in range(0, len(code), 8)]
     assert len(steps) < 4096  # what the kernel takes
     for index, step in enumerate(steps):
-        if step[0] != seccomp.RETURN:
+        if step[0] != filters.RETURN:
             assert index + 1 + max(step[2], step[3]) < len(steps)
