@@ -7,10 +7,8 @@ from typing import Any, Literal
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, action_class, type_name
-from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.message_text import Style, to_yaml
-from course_lib.tools.sources import Source
+from course_lib.tools.message_yaml import Style, check_type, fill, kind_of, to_yaml
+from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Verb,

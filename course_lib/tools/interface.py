@@ -17,7 +17,7 @@ from course_lib.ros.messages.definitions import (
 )
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Option, Verb, Write, flag, value
 

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.tools.asking import answer, own_node
-from course_lib.tools.sources import Source
+from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, value
 
 if TYPE_CHECKING:

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import current_graph
 from course_lib.tools.action import ACTION_VERBS
-from course_lib.tools.bag.info import BAG_INFO
-from course_lib.tools.bag.play import BAG_PLAY
-from course_lib.tools.bag.record import BAG_RECORD
+from course_lib.tools.bag import BAG_INFO, BAG_PLAY, BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
 from course_lib.tools.interface import INTERFACE_VERBS
@@ -21,15 +19,12 @@ from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
-from course_lib.tools.tf2.echo import TF2_ECHO
-from course_lib.tools.tf2.monitor import TF2_MONITOR
-from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
-from course_lib.tools.tf2.view_frames import VIEW_FRAMES
-from course_lib.tools.topic.echo import TOPIC_ECHO
+from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR
 from course_lib.tools.topic.list import TOPIC_LISTS
-from course_lib.tools.topic.measure import TOPIC_MEASURES
 from course_lib.tools.topic.pub import TOPIC_PUB
+from course_lib.tools.topic.subscribe import TOPIC_ECHO, TOPIC_MEASURES
 from course_lib.tools.verb import Verb, Write
+from course_lib.tools.view_frames import VIEW_FRAMES
 
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import Executables

@@ -7,9 +7,8 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
-from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.sources import Source, is_hidden
+from course_lib.tools.message_yaml import check_type, fill, kind_of
+from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Verb,

@@ -12,8 +12,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import Message
-from course_lib.tools.message_fields import fill
-from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.message_yaml import Style, fill, to_yaml
 
 
 def filled(kind: type[Message], text: str) -> Any:

@@ -9,13 +9,10 @@ from course_lib.ros import pace
 from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
 from course_lib.ros.graph import current_graph
 from course_lib.tools.rqt.bag import BagView
-from course_lib.tools.rqt.console import ConsoleView
 from course_lib.tools.rqt.graph import GraphView
+from course_lib.tools.rqt.monitors import ConsoleView, RobotMonitorView, TopicView
 from course_lib.tools.rqt.plot import PlotView
-from course_lib.tools.rqt.reconfigure import ReconfigureView
-from course_lib.tools.rqt.robot_monitor import RobotMonitorView
-from course_lib.tools.rqt.service_caller import ServiceCallerView
-from course_lib.tools.rqt.topic import TopicView
+from course_lib.tools.rqt.services import ReconfigureView, ServiceCallerView
 from course_lib.tools.rqt.view import View
 
 _CLASSES = (

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.messages import Message, message_class
-from course_lib.tools.asking import kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.sources import NODE_NAME, Source
-from course_lib.tools.topic.qos import PRESETS, asked_qos, qos_options
+from course_lib.tools.message_yaml import fill, kind_of
+from course_lib.tools.sources import NODE_NAME, Source, own_node
+from course_lib.tools.topic.lookup import PRESETS, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
 
 if TYPE_CHECKING:

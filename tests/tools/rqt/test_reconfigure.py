@@ -8,7 +8,7 @@ from rclpy.parameter import Parameter
 from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.reconfigure import ReconfigureView
+from course_lib.tools.rqt.services import ReconfigureView
 
 
 @pytest.fixture

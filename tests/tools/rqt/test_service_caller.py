@@ -6,7 +6,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
 from course_lib.ros.pace import speed_of
-from course_lib.tools.rqt.service_caller import ServiceCallerView
+from course_lib.tools.rqt.services import ServiceCallerView
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import Any
 from course_lib.ros import tf2_frames
 from course_lib.ros.graph import current_graph
 from course_lib.tools.sources import Source
-from course_lib.tools.tf2.echo import Heard, log_line
+from course_lib.tools.tf2 import TransformStream, log_line
 from course_lib.tools.verb import Verb, Write, value
 
 _WIDTH, _HEIGHT = 3.0, 1.7  # [in] of a frame with what leads to it
@@ -23,15 +23,15 @@ _LABELS = {
 }
 
 
-def run(source: Source, arguments: Namespace, write: Write) -> None:
-    """Listen for a while and draw what was heard: below the cell, or into a .gv and a .pdf file."""
+def view_frames(source: Source, arguments: Namespace, write: Write) -> None:
+    """Listen for a while and draw what was stream: below the cell, or into a .gv and a .pdf file."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    heard, now_ns = Heard(source), current_graph().now_ns
+    stream, now_ns = TransformStream(source), current_graph().now_ns
     write(log_line("view_frames", now_ns, f"Listening to tf data for {arguments.wait_time} seconds..."))
-    now_ns = max(heard.ticks(0.1, arguments.wait_time), default=now_ns)
+    now_ns = max(stream.ticks(0.1, arguments.wait_time), default=now_ns)
     write(log_line("view_frames", now_ns, "Generating graph..."))
-    text = tf2_frames.as_yaml(heard.buffer)
+    text = tf2_frames.as_yaml(stream.buffer)
     result = f"tf2_msgs.srv.FrameGraph_Response(frame_yaml={text!r})"
     write(log_line("view_frames", now_ns, f"Result:{result}"))
     frames: dict[str, Any] = yaml.safe_load(text) or {}
@@ -126,4 +126,4 @@ _OPTIONS = (
     value("-t", "--wait-time", type=float, default=5.0, help="Listen for this many seconds"),
     value("-o", "--output", help="Output filename"),
 )
-VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, run)
+VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, view_frames)

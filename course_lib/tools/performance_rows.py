@@ -1,4 +1,4 @@
-"""Rates, latencies, sizes of topics and the work of callbacks, as plain rows."""
+"""Measured rows of a performance report: one per topic and per callback."""
 
 import struct
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ _SECOND = 10**9  # [ns]
 
 @dataclass(frozen=True)
 class TopicRow:
-    """How one topic did; latency is from the stamp in the header to the arrival, None without stamps."""
+    """Measurements of a topic; latency is from the header's stamp to the arrival, None without stamps."""
 
     topic: str
     messages: int
@@ -29,19 +29,19 @@ class TopicRow:
 
 @dataclass(frozen=True)
 class CallbackRow:
-    """How one callback of a node did, by robot time; but `load` is of this machine."""
+    """Measurements of a node's callback, in robot time, and `load`, which depends on the machine."""
 
     node: str
     callback: str
     calls: int
-    longest: float  # [s] from its begin to its end
-    longest_wait: float  # [s] from ready to its begin
+    longest: float  # [s] from start to end
+    longest_wait: float  # [s] from ready to start
     busy: float  # share of the time in which it was under way
     load: float  # share of a processor at the wall clock's pace; differs from run to run
 
 
 @dataclass(frozen=True)
-class Call:
+class CallbackRun:
     """One run of a callback: [ns] of robot time, processor time [s]."""
 
     node: str
@@ -52,14 +52,14 @@ class Call:
     processor: float
 
 
-def called(entity: Any, ready_ns: int, start_ns: int, processor: float) -> Call:
-    """Describe a callback that has just ended; its name is its topic, its service or its period."""
+def callback_run(entity: Any, ready_ns: int, start_ns: int, processor: float) -> CallbackRun:
+    """Return the run of a callback that has just ended; it is named by topic, service or period."""
     handle = entity.node_handle
     period = getattr(entity, "timer_period_ns", None)
     name = getattr(entity, "topic_name", None) or getattr(entity, "srv_name", None)
     if period is not None:
         name = f"timer {period / _SECOND:g} s"
-    return Call(
+    return CallbackRun(
         handle.full_name, name or type(entity).__name__, ready_ns, start_ns, handle.graph.now_ns, processor
     )
 
@@ -72,9 +72,9 @@ def topic_rows(samples: Sequence[Sample], delay_ns: int) -> list[TopicRow]:
     return [_topic(topic, found, delay_ns) for (topic, _), found in sorted(by_topic.items())]
 
 
-def callback_rows(calls: Sequence[Call], seconds: float) -> list[CallbackRow]:
+def callback_rows(calls: Sequence[CallbackRun], seconds: float) -> list[CallbackRow]:
     """Measure the callbacks over a time [s], by node and name."""
-    by_name: dict[tuple[str, str], list[Call]] = {}
+    by_name: dict[tuple[str, str], list[CallbackRun]] = {}
     for call in calls:
         by_name.setdefault((call.node, call.callback), []).append(call)
     return [
@@ -113,7 +113,7 @@ def _topic(topic: str, samples: list[Sample], delay_ns: int) -> TopicRow:
 
 
 def header_stamp(sample: Sample) -> int | None:
-    """Read when a message was made, [ns], without the rest of it; None without a header or a stamp in it."""
+    """Read the stamp [ns] from a message's header alone; None without a header or a stamp."""
     fields = message_class(sample.type_name).get_fields_and_field_types()
     if next(iter(fields.items()), None) != ("header", "std_msgs/Header"):
         return None

@@ -1,19 +1,22 @@
-"""`ros2 bag play`, and the options that the verbs of bags share."""
+"""`ros2 bag`: play and record recordings, and describe them."""
 
 import re
+import time
 from argparse import ArgumentTypeError, Namespace
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, read_bag
+from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
 from course_lib.ros.driving import until_interrupted
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.qos import Qos
-from course_lib.tools.sources import PLAYER, Source
-from course_lib.tools.tf2.echo import log_line
+from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden
+from course_lib.tools.tf2 import log_line
+from course_lib.tools.topic.lookup import full_name
 from course_lib.tools.verb import Option, Verb, Write, flag, positive, value
 
 
@@ -47,7 +50,7 @@ CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 GRACE = 0.1  # [s] at the end, for the last message to arrive
 
 
-def run(source: Source, arguments: Namespace, write: Write) -> None:
+def play(source: Source, arguments: Namespace, write: Write) -> None:
     """Publish what a bag holds, in its order and at its pace.
 
     Raises:
@@ -132,7 +135,7 @@ def _chosen(recording: Recording, start_ns: int, arguments: Namespace) -> Iterat
     names = dict(arguments.remap)
     tick_ns = start_ns
     for sample in recording.samples:
-        if sample.stamp_ns < start_ns or not _wants(arguments, sample.topic):
+        if sample.stamp_ns < start_ns or not _is_played(arguments, sample.topic):
             continue
         while arguments.clock and tick_ns <= sample.stamp_ns:
             yield _tick(tick_ns)
@@ -148,7 +151,7 @@ def _tick(stamp_ns: int) -> Sample:
     )
 
 
-def _wants(arguments: Namespace, topic: str) -> bool:
+def _is_played(arguments: Namespace, topic: str) -> bool:
     """Choose as rosbag2's storages do: a regular expression must fit the whole name."""
     chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
     if not chosen and arguments.regex:
@@ -165,7 +168,7 @@ def _rule(text: str) -> tuple[str, str]:
     return old, new
 
 
-_OPTIONS = (
+_PLAY = (
     *READER,
     value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
     several("--topics", help="Topics to play"),
@@ -184,4 +187,99 @@ _OPTIONS = (
     ),
     value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
 )
-BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _OPTIONS, run)
+BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, play)
+
+
+POLLING = 0.1  # [s] between two looks for new topics
+_SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
+
+
+def record_bag(source: Source, arguments: Namespace, write: Write) -> None:
+    """Record until ■, the end of the run, or a while without a page.
+
+    Raises:
+        CourseError: Nothing was chosen, or the folder is there already.
+    """
+    arguments.topics = [full_name(topic) for topic in (*arguments.topics, *arguments.topics_positional)]
+    arguments.exclude_topics = [full_name(topic) for topic in arguments.exclude_topics]
+    if not (arguments.all or arguments.topics or arguments.topic_types or arguments.regex):
+        raise CourseError(f"[ERROR] [ros2bag]: Need to specify at least one option out of {_SELECTIONS}")
+    seconds = time.gmtime(source.graph.now_ns // 10**9)
+    folder = Path(arguments.output or time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S", seconds))
+    if folder.is_dir():
+        raise CourseError(f"[ERROR] [ros2bag]: Output folder '{folder}' already exists.")
+    if isinstance(source, RecordingSource):
+        samples = source.recording.samples
+    else:
+        samples = _listen(source, arguments, write)
+    write_bag(Recording(tuple(s for s in samples if _is_recorded(arguments, s.topic, s.type_name))), folder)
+
+
+def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Sample]:
+    def say(text: str) -> None:
+        write(log_line("rosbag2_recorder", source.graph.now_ns, text))
+
+    limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
+    source.wait(lambda: True, 0.0)  # says if rclpy is not started
+    say("Listening for topics...")
+    with record(source.graph) as recorder, until_interrupted():
+        while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
+            for topic, types in source.topics().items():
+                if topic not in known and _is_recorded(arguments, topic, types[0]):
+                    say(f"Subscribed to topic '{topic}'")
+                    known.add(topic)
+            if source.graph.now_ns == start_ns:
+                say("Recording...")
+            source.wait(lambda: False, POLLING)
+    say("Recording stopped")
+    # What was latched before comes as the recorder begins to listen.
+    return [replace(s, stamp_ns=max(s.stamp_ns, start_ns)) for s in recorder.recording().samples]
+
+
+def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
+    """Choose as rosbag2 does (topic_filter.cpp): a regular expression may fit any part of a name."""
+    chosen = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
+    left_out = topic in arguments.exclude_topics or type_name in arguments.exclude_topic_types
+    if not chosen and arguments.regex:
+        chosen = bool(arguments.regex.search(topic))
+    if arguments.exclude_regex and arguments.exclude_regex.search(topic):
+        left_out = True
+    return chosen and not left_out and (arguments.include_hidden_topics or not is_hidden(topic))
+
+
+_RECORD = (
+    value("topics_positional", nargs="*", metavar="Topic", help="Topics to record (deprecated)"),
+    value("-o", "--output", help="Folder of the bag; default: named by the time"),
+    value("-s", "--storage", choices=("mcap",), default="mcap", help="Storage of the bag"),
+    several("--topics", help="Topics to record"),
+    several("--topic-types", help="Types of topics to record", metavar="TopicType"),
+    flag("-a", "--all", "--all-topics", help="Record all topics, except hidden ones"),
+    value("-e", "--regex", type=pattern, help="Record topics whose names contain this expression"),
+    value("--exclude-regex", type=pattern, help="Leave out topics whose names contain this expression"),
+    several("--exclude-topics", help="Topics to leave out"),
+    several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
+    flag("--include-hidden-topics", help="Record hidden topics as well"),
+)
+BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, record_bag, from_start=True)
+
+
+def info(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print what a bag holds, or its topics' names; raises a CourseError if it is no bag."""
+    if arguments.topic_name and arguments.verbose:
+        write(
+            "Warning! You have set both the '-t' and '-v' parameters. The '-t' parameter will be ignored.\n"
+        )
+    if arguments.topic_name and not arguments.verbose:
+        write("".join(f"{topic.name}\n" for topic in read_bag(arguments.bag_path).topics()))
+    else:
+        write(bag_info(arguments.bag_path, digest=False))
+
+
+_INFO = (
+    *READER,
+    flag("-t", "--topic-name", help="Only display topic names"),
+    flag("-v", "--verbose", help="Display request/response information for services"),
+)
+BAG_INFO = Verb(
+    "bag", "info", "Print information about a bag to the screen", _INFO, info, from_start=True, looks=False
+)

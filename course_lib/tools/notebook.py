@@ -1,4 +1,4 @@
-"""`%ros2 …`, `%timeout 5 ros2 …` and `%rqt …` in a notebook."""
+"""`%ros2 …`, `%timeout 5 ros2 …` and `%rqt …` in a notebook, and short tracebacks."""
 
 import re
 import shlex
@@ -8,11 +8,15 @@ from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
+from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
+from course_lib.ros.hints import add_hint
+from course_lib.ros.own_line import line_of_traceback
+from course_lib.ros.tracebacks import without_the_kit
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
@@ -23,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def register(shell: "InteractiveShell") -> None:
-    """Give a shell the magics; again changes nothing."""
+    """Register the magics; a second call changes nothing."""
     from IPython.core.magic import no_var_expand  # braces are YAML's
 
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
@@ -112,3 +116,28 @@ def _magic_for(command: str) -> Callable[[], None] | None:
     name, line = found[1], found[2].strip()
     sys.stderr.write(f"In a notebook write %{name} {line}\n")
     return partial({"ros2": ros2_magic, "rqt": rqt_magic, "timeout": timeout_magic}[name], line)
+
+
+def shorten_tracebacks(shell: "InteractiveShell") -> None:
+    """Leave the kit's frames out of tracebacks; print CourseError and interrupts as one line."""
+    shell.set_custom_exc((Exception, KeyboardInterrupt), _show_error)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
+
+def _show_error(
+    shell: Any,
+    kind: type[BaseException],
+    error: BaseException,
+    trace: TracebackType,
+    tb_offset: int | None = None,
+) -> list[str]:
+    if isinstance(error, CourseError | KeyboardInterrupt):
+        line = line_of_traceback(trace) if isinstance(error, KeyboardInterrupt) else ""
+        said = str(error) or f"the cell was stopped{line and f' in {line}'}."
+        shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
+    else:
+        add_hint(error)
+        own, hidden = without_the_kit(trace)
+        if hidden:
+            error.add_note(f"({hidden} frames in the middle are not shown)")
+        shell.showtraceback((kind, error, own), tb_offset=tb_offset)
+    return []
