@@ -36,7 +36,7 @@ def pattern(text: str) -> re.Pattern[str]:
 
 
 def several(*flags: str, help: str, metavar: str = "Topic") -> Option:  # noqa: A002  # argparse's own word
-    """Give an option that takes a list."""
+    """Return an option that takes a list."""
     return value(*flags, help=help, metavar=metavar, nargs="+", default=[])
 
 
@@ -44,18 +44,11 @@ READER = (
     value("bag_path", type=existing, help="Bag to open"),
     value("-s", "--storage", choices=("mcap", "sqlite3"), help="Storage of the bag; it is found out anyway"),
 )
-
-
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 GRACE = 0.1  # [s] at the end, for the last message to arrive
 
 
-def play(source: Source, arguments: Namespace, write: Write) -> None:
-    """Publish what a bag holds, in its order and at its pace.
-
-    Raises:
-        CourseError: There is no bag, nothing is left to play, or nobody to play it to.
-    """
+def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
     if not source.live:
         raise CourseError(
             f"Nobody listens: course bag play --run program.py {arguments.bag_path}, "
@@ -88,13 +81,13 @@ def play(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 class _Player:
-    """Publishes events (after so long [ns], by whom, what) as the graph's clock comes to them."""
+    """Publishes events (delay [ns], publisher, CDR bytes) when they are due on the graph's clock."""
 
     def __init__(self, graph: Graph, node: int, events: list[tuple[int, int, bytes]], rate: float) -> None:
         self._graph, self._node, self._events, self._rate = graph, node, events, rate
 
     def play(self, source: Source) -> None:
-        """Publish all of them, until the end of the run or an interrupt."""
+        """Publish all events, until the end of the run or an interrupt."""
         self._start_ns, self._left = self._graph.now_ns, deque(self._events)
         self._schedule()
         try:
@@ -117,7 +110,7 @@ class _Player:
 
 
 def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -> None:
-    """Play once, or again and again until ■; without a page for a while."""
+    """Play once, or in a loop until ■; without a page the loop ends after a while."""
     graph, limit = source.graph, source.limit()
     zero_ns = graph.now_ns
     while True:
@@ -131,7 +124,7 @@ def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -
 
 
 def _chosen(recording: Recording, start_ns: int, arguments: Namespace) -> Iterator[Sample]:
-    """Yield what is to be played, under the names that were asked for, ticks of /clock between it."""
+    """Yield the selected samples under their new names, with ticks of /clock between them."""
     names = dict(arguments.remap)
     tick_ns = start_ns
     for sample in recording.samples:
@@ -152,7 +145,7 @@ def _tick(stamp_ns: int) -> Sample:
 
 
 def _is_played(arguments: Namespace, topic: str) -> bool:
-    """Choose as rosbag2's storages do: a regular expression must fit the whole name."""
+    """Select as rosbag2's storages do: a regular expression must match the whole name."""
     chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
     if not chosen and arguments.regex:
         chosen = bool(arguments.regex.fullmatch(topic))
@@ -187,19 +180,15 @@ _PLAY = (
     ),
     value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
 )
-BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, play)
+BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, _play_bag)
 
 
 POLLING = 0.1  # [s] between two looks for new topics
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
 
 
-def record_bag(source: Source, arguments: Namespace, write: Write) -> None:
-    """Record until ■, the end of the run, or a while without a page.
-
-    Raises:
-        CourseError: Nothing was chosen, or the folder is there already.
-    """
+def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
+    """Record until ■, the end of the run, or for a while without a page; over a bag, copy the selection."""
     arguments.topics = [full_name(topic) for topic in (*arguments.topics, *arguments.topics_positional)]
     arguments.exclude_topics = [full_name(topic) for topic in arguments.exclude_topics]
     if not (arguments.all or arguments.topics or arguments.topic_types or arguments.regex):
@@ -237,7 +226,7 @@ def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Samp
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
-    """Choose as rosbag2 does (topic_filter.cpp): a regular expression may fit any part of a name."""
+    """Select as rosbag2 does (topic_filter.cpp): a regular expression may match any part of a name."""
     chosen = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
     left_out = topic in arguments.exclude_topics or type_name in arguments.exclude_topic_types
     if not chosen and arguments.regex:
@@ -260,11 +249,10 @@ _RECORD = (
     several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
     flag("--include-hidden-topics", help="Record hidden topics as well"),
 )
-BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, record_bag, from_start=True)
+BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, _record_bag, from_start=True)
 
 
-def info(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print what a bag holds, or its topics' names; raises a CourseError if it is no bag."""
+def _info(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.topic_name and arguments.verbose:
         write(
             "Warning! You have set both the '-t' and '-v' parameters. The '-t' parameter will be ignored.\n"
@@ -281,5 +269,5 @@ _INFO = (
     flag("-v", "--verbose", help="Display request/response information for services"),
 )
 BAG_INFO = Verb(
-    "bag", "info", "Print information about a bag to the screen", _INFO, info, from_start=True, looks=False
+    "bag", "info", "Print information about a bag to the screen", _INFO, _info, from_start=True, looks=False
 )

@@ -16,7 +16,7 @@ from course_lib.ros.messages.primitives import PRIMITIVES
 
 
 def kind_of(find: Any, type_name: str, folder: str) -> Any:
-    """Find a message's, a service's or an action's class; as in ROS its name may go without the folder."""
+    """Return the class of a message, service or action type; as in ROS its folder may be missing."""
     package, *rest = type_name.split("/")
     whole = "/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest])
     try:
@@ -35,7 +35,7 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
 
 
 def check_type(name: str, type_name: str, there: Mapping[str, Sequence[str]]) -> None:
-    """Raise a CourseError if what goes by a name is of another type: waiting for it would have no end."""
+    """Raise a CourseError if a name exists with another type: waiting for it would never end."""
     if name in there and type_name not in there[name]:
         raise CourseError(f"{name} has the type {', '.join(there[name])}, not {type_name}.")
 
@@ -73,7 +73,7 @@ def fill(message: Message, text: str) -> list[SetTime]:
 
 
 def set_fields(message: Message, values: Any) -> list[SetTime]:
-    """Set fields from dicts, lists and numbers; returns as `fill`, raises what ROS raises for a misfit."""
+    """Set fields from dicts, lists and numbers; returns as `fill`, raises ROS's exceptions."""
     times: list[SetTime] = []
     _set(message, values, times)
     return times
@@ -104,7 +104,7 @@ def _made(type_of_it: str, values: Any, times: list[SetTime]) -> Message:
 
 
 def _converted(value: Any, field: Any) -> Any:
-    """Make of a YAML value what a field holds: as in ROS, with the type of what it holds now."""
+    """Convert a YAML value to the type of the field's present value, as ROS does."""
     if isinstance(field, array):
         return array(field.typecode, value)
     if isinstance(field, np.ndarray):
@@ -116,7 +116,7 @@ def _converted(value: Any, field: Any) -> Any:
 
 @dataclass(frozen=True)
 class Style:
-    """What to leave out: the rest of long values, all arrays, all strings."""
+    """Omissions in printed messages: the rest of long values, arrays, strings."""
 
     truncate: int | None = 128  # elements of a sequence, characters of a string
     no_arrays: bool = False
@@ -125,7 +125,7 @@ class Style:
 
 
 def to_yaml(message: Message, style: Style) -> str:
-    """Write a message as YAML, its last line ended."""
+    """Return a message as YAML, its last line ended."""
     import yaml
 
     plain = _with_notes(message, to_plain(message, style.truncate), style)
@@ -136,7 +136,7 @@ def to_yaml(message: Message, style: Style) -> str:
 
 
 def to_csv(value: Any, style: Style) -> str:
-    """Write a message's values in a row, with a comma between them."""
+    """Return a message's values in a row, separated by commas."""
     if isinstance(value, Message):
         items = _items(value)
         return _joined([_array_note(item, field, style) or to_csv(item, style) for field, item in items])
@@ -149,7 +149,7 @@ def to_csv(value: Any, style: Style) -> str:
 
 
 def _joined(parts: list[str]) -> str:
-    """Join with commas; as in ROS there is none after empty values at the beginning."""
+    """Join with commas; as in ROS none follows empty values at the beginning."""
     text = ""
     for part in parts:
         text += f",{part}" if text else part
@@ -157,7 +157,7 @@ def _joined(parts: list[str]) -> str:
 
 
 def _with_notes(value: Any, plain: Any, style: Style) -> Any:
-    """Put notes where arrays or strings are not wanted, in the plain form of a message."""
+    """Replace omitted arrays and strings by notes in the plain form of a message."""
     if isinstance(value, Message):
         for field, item in _items(value):
             note = _array_note(item, field, style)
@@ -181,7 +181,7 @@ def _string_note(value: str) -> str:
 
 
 def _array_note(value: Any, field: FieldDefinition, style: Style) -> str:
-    """Give what stands for an array that is not wanted, or ""."""
+    """Return the note in place of an omitted array, or ""."""
     if field.container == "scalar" or not style.no_arrays:
         return ""
     base = field.base if field.is_message else PRIMITIVES[field.base].ros_name

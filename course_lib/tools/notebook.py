@@ -52,7 +52,7 @@ def ros2_magic(line: str) -> None:
 
 
 def timeout_magic(line: str) -> None:
-    """Run a `ros2` command for so many seconds of robot time, then end it as ■ does, like Linux's timeout.
+    """Run a `ros2` command and interrupt it, as ■ does, after so many seconds of robot time.
 
     No signal is sent: `course run` counts those as the user's Ctrl+C, and rclpy shuts down at one.
     """
@@ -85,7 +85,7 @@ def rqt_magic(line: str) -> None:
 
 
 def catch_shell(shell: "InteractiveShell") -> None:
-    """Run `!ros2 …` and `x = !ros2 …` as %ros2 does: no shell knows this notebook's nodes."""
+    """Run `!ros2 …` and `x = !ros2 …` as %ros2: a shell has no access to this notebook's nodes."""
     system: Callable[[str], Any] = shell.system
     getoutput: Callable[..., Any] = shell.getoutput
     if getattr(system, "__module__", "") == __name__:
@@ -109,7 +109,7 @@ def catch_shell(shell: "InteractiveShell") -> None:
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:
-    """Return the magic that does what a line for the shell asks for, if there is one."""
+    """Return the magic for a line that was meant for the shell, if one exists."""
     found = re.fullmatch(r"\s*(ros2|rqt|timeout(?=\s+\S+\s+ros2\s))\b(.*)", command, re.DOTALL)
     if found is None:
         return None

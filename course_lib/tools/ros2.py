@@ -1,4 +1,4 @@
-"""The `ros2` command line: a table of its verbs, over a run's nodes or a recording."""
+"""The `ros2` command line: the tables of its verbs and of the kit's executables."""
 
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
@@ -96,7 +96,7 @@ HELP = {"-h", "--help"}
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
-    """Do what `ros2 <words>` does; `write` takes what ROS prints.
+    """Run `ros2 <words>`; `write` receives the output.
 
     Raises:
         CourseError: No such command or argument, or what the command itself finds wrong.
@@ -121,12 +121,12 @@ def find_verb(words: Sequence[str]) -> Verb | None:
 
 
 class _Parser(ArgumentParser):
-    """An argument parser that leaves the process alone."""
+    """An argument parser that raises instead of exiting."""
 
     write: Write
 
     def error(self, message: str) -> NoReturn:
-        """Show how it is written, and say in one line what is wrong."""
+        """Print the usage, and raise the message with the nearest option."""
         self.write(self.format_usage())
         if message.startswith("unrecognized arguments: -"):
             message += did_you_mean(message.split()[2], self._option_string_actions)
@@ -142,7 +142,7 @@ def _parser(verb: Verb, write: Write) -> ArgumentParser:
 
 
 def _explain(words: list[str], write: Write) -> None:
-    """List what can follow the words that lead to a verb; a word that does not lead on is an error."""
+    """Print the words that can follow an incomplete command; raises a CourseError for a wrong one."""
     known = 0
     while any(verb.words[: known + 1] == words[: known + 1] for verb in VERBS) and known < len(words):
         known += 1

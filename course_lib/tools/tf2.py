@@ -23,7 +23,7 @@ _NOT_NAMED = "default_authority"
 
 
 class TransformStream:
-    """A buffer that is filled from a source.
+    """A transform buffer that is filled from a source.
 
     Args:
         source: Where to listen.
@@ -39,7 +39,7 @@ class TransformStream:
         self._next_wait_ns = 0
 
     def ticks(self, every: float, seconds: float | None) -> Iterator[int]:
-        """Yield robot time [ns] at the start and once per `every` [s], the buffer filled up to then."""
+        """Yield robot time [ns] at the start and once per `every` [s]; the buffer is filled up to it."""
         listening = Listening(every=every, seconds=seconds)
         for now_ns, arrival in self._source.stream(TOPICS, "tf2_msgs/msg/TFMessage", listening):
             if arrival is None:
@@ -51,7 +51,7 @@ class TransformStream:
             self._on_message(now_ns, transforms)
 
     def can_transform(self, target: str, source: str, now_ns: int, write: Write, name: str) -> bool:
-        """Say whether two frames are connected; if not, log it at most once a second, as ROS does."""
+        """Return whether two frames are connected; if not, log it at most once a second, as ROS does."""
         problem = self.buffer.can_transform(target, source)
         if problem is not None and now_ns >= self._next_wait_ns:
             self._next_wait_ns = now_ns + 10**9
@@ -60,12 +60,11 @@ class TransformStream:
 
 
 def log_line(name: str, now_ns: int, text: str) -> str:
-    """Write an INFO line of a node's log."""
+    """Return an INFO line of a node's log."""
     return f"[INFO] [{now_ns // 10**9}.{now_ns % 10**9:09d}] [{name}]: {text}\n"
 
 
-def echo(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print how one frame lies in another, again and again."""
+def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     target, other = arguments.source_frame, arguments.target_frame  # named the wrong way round there, too
     stream, waiting = TransformStream(source), True
     with until_interrupted():
@@ -95,7 +94,7 @@ def _pose_text(found: Transform) -> str:
 
 
 def _roll_pitch_yaw(found: Transform) -> tuple[float, float, float]:
-    """Return the angles, [rad], as tf2's getEulerYPR does, also straight up and down."""
+    """Return the angles [rad] as tf2's getEulerYPR computes them, also at a pitch of ±90°."""
     m = found.matrix()
     if abs(m[2, 0]) >= 1:
         roll, up = atan2(m[2, 1], m[2, 2]), m[2, 0] < 0
@@ -120,7 +119,7 @@ _ECHO = (
     value("echo_rate", nargs="?", type=_rate, default=1.0, help="How often to print it [Hz]"),
 )
 TF2_ECHO = Verb(
-    "run tf2_ros", "tf2_echo", "Print how target_frame lies in source_frame, once a second", _ECHO, echo
+    "run tf2_ros", "tf2_echo", "Print how target_frame lies in source_frame, once a second", _ECHO, _echo
 )
 
 
@@ -131,7 +130,7 @@ _NOBODY = "<no authority available>"  # the middleware's, which tf2 does not ask
 
 
 class TransformDelays:
-    """How late transforms come, by frame and in all; the last 1000 count."""
+    """Delays of the last 1000 transforms, by frame and in all."""
 
     def __init__(self) -> None:
         self.delays: dict[str, deque[float]] = defaultdict(partial(deque, maxlen=1000))  # [s]
@@ -139,19 +138,19 @@ class TransformDelays:
         self._average = self._longest = 0.0  # [s] of the chain
 
     def note(self, now_ns: int, transforms: list[Transform]) -> None:
-        """Note when transforms were stream."""
+        """Record the arrival of transforms."""
         delays = [(now_ns - transform.stamp_ns) * 1e-9 for transform in transforms]
         for transform, delay in zip(transforms, delays, strict=True):
             self.delays[transform.child].append(delay)
         self._messages.append((now_ns * 1e-9, sum(delays) / max(1, len(delays))))
 
     def note_chain(self, delay: float) -> None:
-        """Note how old, [s], the newest transform of the chain is."""
+        """Record the age [s] of the newest transform of the chain."""
         self._average = _LOWPASS * delay + (1 - _LOWPASS) * self._average
         self._longest = max(self._longest, delay)
 
     def text(self, chain: list[str]) -> str:
-        """Write the results; of all frames if there is no chain."""
+        """Return the results, of all frames if the chain is empty."""
         title = "for all Frames\n"
         if chain:
             title = (
@@ -173,7 +172,7 @@ class TransformDelays:
         return f"Node: {_NOBODY} {rate:g} Hz, {_delays(delays, ' ')}"
 
 
-def monitor(source: Source, arguments: Namespace, write: Write) -> None:
+def _monitor(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the delays of all transforms, or of those between two frames, every 10 s."""
     start, end = arguments.framea, arguments.frameb
     if start and not end:
@@ -209,7 +208,7 @@ _MONITOR = (
     value("framea", nargs="?", help="First frame of a chain; default: all frames"),
     value("frameb", nargs="?", help="Last frame of the chain"),
 )
-TF2_MONITOR = Verb("run tf2_ros", "tf2_monitor", "Print how late transforms come", _MONITOR, monitor)
+TF2_MONITOR = Verb("run tf2_ros", "tf2_monitor", "Print how late transforms come", _MONITOR, _monitor)
 
 
 _NUMBERS = {
@@ -219,12 +218,8 @@ _NUMBERS = {
 }
 
 
-def publish_static(source: Source, arguments: Namespace, write: Write) -> None:
-    """Start a node that publishes a static transform; it stays until the kernel or the run ends.
-
-    Raises:
-        CourseError: The arguments contradict each other, or there are no nodes to publish to.
-    """
+def _publish_static(source: Source, arguments: Namespace, write: Write) -> None:
+    """Start a node that publishes a static transform; it stays until the kernel or the run ends."""
     if not source.live:
         raise CourseError("A recording cannot be published to. Use it in a notebook, beside your nodes.")
     parent, child = arguments.frame_id, arguments.child_frame_id
@@ -260,7 +255,7 @@ def _rotation(arguments: Namespace) -> tuple[float, ...]:
 
 
 def _publish(parent: str, child: str, shift: tuple[float, ...], turn: tuple[float, ...]) -> tuple[str, int]:
-    """Start the node; returns its name and the robot time, [ns]."""
+    """Start the node; return its name and the robot time [ns]."""
     from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
     from rclpy.node import Node
     from std_msgs.msg import Header
@@ -292,5 +287,5 @@ STATIC_TRANSFORM_PUBLISHER = Verb(
     "static_transform_publisher",
     "Publish a transform that never changes",
     _STATIC,
-    publish_static,
+    _publish_static,
 )

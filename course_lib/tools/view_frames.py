@@ -23,8 +23,8 @@ _LABELS = {
 }
 
 
-def view_frames(source: Source, arguments: Namespace, write: Write) -> None:
-    """Listen for a while and draw what was stream: below the cell, or into a .gv and a .pdf file."""
+def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
+    """Listen for a while, then draw the frames below the cell, or into a .gv and a .pdf file."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     stream, now_ns = TransformStream(source), current_graph().now_ns
@@ -47,7 +47,7 @@ def view_frames(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def dot(frames: Mapping[str, Any], now_ns: int) -> str:
-    """Write the tree in graphviz's language, as view_frames does."""
+    """Return the tree in graphviz's language, as view_frames writes it."""
     if not frames:
         return 'digraph G { "No tf data received" }'
     edges = "".join(
@@ -64,7 +64,7 @@ def dot(frames: Mapping[str, Any], now_ns: int) -> str:
 
 
 def picture(frames: Mapping[str, Any], now_ns: int, kind: str) -> bytes:
-    """Draw the tree as an SVG or a PDF; frames that stand in no tree with a root are left out."""
+    """Draw the tree as SVG or PDF; frames outside of a tree with a root are left out."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -95,7 +95,7 @@ def picture(frames: Mapping[str, Any], now_ns: int, kind: str) -> bytes:
 
 
 def _places(frames: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
-    """Give each frame its column and its depth: leaves side by side, parents in the middle above."""
+    """Return the column and the depth of each frame: leaves side by side, parents centred above."""
     places: dict[str, tuple[float, int]] = {}
     columns = iter(range(len(frames) + 1))
 
@@ -126,4 +126,4 @@ _OPTIONS = (
     value("-t", "--wait-time", type=float, default=5.0, help="Listen for this many seconds"),
     value("-o", "--output", help="Output filename"),
 )
-VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, view_frames)
+VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, _view_frames)

@@ -1,4 +1,4 @@
-"""`%rqt console`, `topic` and `robot_monitor`: tables of the messages that arrive."""
+"""`%rqt console`, `topic` and `robot_monitor`: tables of arriving messages."""
 
 from collections import deque
 from html import escape
@@ -25,12 +25,12 @@ _SEVERITIES = {
 
 
 class ConsoleView(View):
-    """A table of log messages, the newest first; filters leave messages out or mark them."""
+    """A table of log messages, newest first, with filters and highlighting."""
 
     name, title, listens = "console", "Console", True
 
     def build(self) -> None:
-        """Make rqt_console's filters: by severity, node and text, and what to highlight."""
+        """Create rqt_console's filters: severity, node, text, highlighting."""
         self._logs: deque[tuple[int, Any]] = deque(maxlen=_LOG_LIMIT)  # numbered
         self._count = 0
         for severity, _ in _SEVERITIES.values():
@@ -40,17 +40,17 @@ class ConsoleView(View):
         self.add_check("Pause")
 
     def buttons(self) -> list[Any]:
-        """Add a button that forgets what came."""
+        """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self._logs.clear)]
 
     def hear(self, sample: Sample) -> None:
-        """Take a log message, unless that is paused."""
+        """Collect a log message, unless paused."""
         if (sample.topic, sample.type_name) == ("/rosout", _LOG) and not self["Pause"]:
             self._count += 1
             self._logs.append((self._count, sample.message()))
 
     def picture(self) -> str:
-        """Write the table."""
+        """Return the messages that pass the filters as a table."""
         shown = [(number, log) for number, log in reversed(self._logs) if self._passes(log)]
         more = f", the newest {_LOGS_SHOWN} of them here" if len(shown) > _LOGS_SHOWN else ""
         count = f"<p class='rqt-dim'>Displaying {len(shown)} of {len(self._logs)} messages{more}</p>"
@@ -78,12 +78,12 @@ _TOPIC_HEADS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
 
 
 class TopicView(View):
-    """A row per topic; its button opens the whole value below it."""
+    """A row per topic with bandwidth, rate and value; a button opens the whole value."""
 
     name, title, listens = "topic", "Topic Monitor", True
 
     def build(self) -> None:
-        """Begin without rows; words are topics to open."""
+        """Create the filter and an empty table."""
         from ipywidgets import VBox
 
         self._heard: dict[str, deque[tuple[int, int]]] = {}  # (time [ns], bytes) by topic
@@ -93,7 +93,7 @@ class TopicView(View):
         self.add_text("Filter", hint="part of a name")
 
     def body(self) -> list[Any]:
-        """Show a head line above the rows."""
+        """Return the head line above the rows."""
         return [self.screen, self._table]
 
     def hear(self, sample: Sample) -> None:
@@ -105,7 +105,7 @@ class TopicView(View):
         self._last[sample.topic] = sample
 
     def refresh(self) -> None:
-        """Bring the rows up to date."""
+        """Update the rows."""
         self.screen.value = f"<b style='display:block;margin-left:214px'>{_cells(_TOPIC_HEADS[1:])}</b>"
         for topic in (topics := self._topics()):
             if topic not in self._rows:
@@ -118,7 +118,7 @@ class TopicView(View):
         self._table.children = tuple(self._rows[topic] for topic in topics)
 
     def picture(self) -> str:
-        """Write all as a table."""
+        """Return all rows as a table."""
         rows = ([topic, *map(escape, self._about(topic, types))] for topic, types in self._topics().items())
         return table(_TOPIC_HEADS, rows, "Topics")
 
@@ -136,7 +136,7 @@ class TopicView(View):
         return VBox([HBox([button, HTML(layout={"flex": "1"})]), HTML(layout={"margin": "0 0 0 24px"})])
 
     def _about(self, topic: str, types: list[str]) -> list[str]:
-        """Give a topic's cells behind its name."""
+        """Return the cells behind a topic's name."""
         since = self.graph.now_ns - _WINDOW_NS
         window = [(at, size) for at, size in self._heard.get(topic, ()) if at >= since]
         seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
@@ -166,12 +166,12 @@ _LEVELS = ("ok", "warn", "error", "stale")
 
 
 class RobotMonitorView(View):
-    """All statuses as a tree, the worst of each branch at its root; one of them with all that it says."""
+    """The tree of diagnostics with the worst level of each branch; one status in detail."""
 
     name, title, listens = "robot_monitor", "Robot Monitor", True
 
     def build(self) -> None:
-        """Listen to the aggregator, or, until it is heard, to the nodes themselves."""
+        """Create the controls; /diagnostics is shown until the aggregator publishes."""
         self._topic, self._heard_ns = "", 0
         self._statuses: dict[str, tuple[int, Any]] = {}  # (when [ns], status) by path
         self._history: deque[tuple[int, str]] = deque(maxlen=_HISTORY)
@@ -179,7 +179,7 @@ class RobotMonitorView(View):
         self.add_check("Pause")
 
     def hear(self, sample: Sample) -> None:
-        """Take an array of statuses."""
+        """Collect an array of statuses."""
         is_other = sample.type_name != _DIAGNOSTICS or sample.topic not in TOPICS
         if is_other or self["Pause"] or self._topic == TOPICS[0] != sample.topic:
             return
@@ -193,12 +193,12 @@ class RobotMonitorView(View):
             self._history.append((sample.stamp_ns, self._worst("")))
 
     def refresh(self) -> None:
-        """Draw, with the statuses that there are to choose from."""
+        """Update the choice of statuses and the picture."""
         self.offer("Details of", sorted(self._statuses))
         super().refresh()
 
     def picture(self) -> str:
-        """Write the head line, the history, the tree and what is chosen of it."""
+        """Return head line, history, tree and the chosen status."""
         if not self._topic:
             return f"<p>{icon('stale')}No diagnostics heard yet on {' or '.join(TOPICS)}.</p>"
         age = (self.graph.now_ns - self._heard_ns) * 1e-9
@@ -217,12 +217,12 @@ class RobotMonitorView(View):
         return "stale" if self._is_stale(heard_ns) else _LEVELS[min(status.level[0], 3)]
 
     def _worst(self, path: str) -> str:
-        """Give the worst level of a branch."""
+        """Return the worst level of a branch."""
         branch = (p for p in self._statuses if f"{p}/".startswith(f"{path}/"))
         return max(map(self._level, branch), key=_LEVELS.index)
 
     def _paths(self) -> list[str]:
-        """List the statuses with the branches that they are on, as a tree goes."""
+        """List the paths of all statuses and of their branches, in the order of a tree."""
         parts = [path.split("/") for path in self._statuses]
         return sorted({"/".join(names[:deep]) for names in parts for deep in range(2, len(names) + 1)})
 
@@ -234,7 +234,7 @@ class RobotMonitorView(View):
         return [indented, level.upper(), escape(message)]
 
     def _timeline(self) -> str:
-        """Draw a bar per message heard: the worse, the higher."""
+        """Draw a bar per message; its height is the level."""
         bars = ""
         for number, (_, level) in enumerate(self._history):
             high = 6 * (1 + _LEVELS.index(level))

@@ -1,4 +1,4 @@
-"""`%rqt plot /topic/field …`: numbers in messages, by their paths, over time."""
+"""`%rqt plot /topic/field …`: numbers in messages over time, named by their paths."""
 
 import re
 from collections import deque
@@ -30,7 +30,7 @@ class FieldPath:
     steps: tuple[tuple[str, int | None], ...]  # field, and index in it
 
     def read(self, message: Message) -> float:
-        """Return the number; not a number where a list is shorter."""
+        """Return the number; NaN where a list is shorter."""
         value: object = message
         for name, index in self.steps:
             value = getattr(value, name)
@@ -42,7 +42,7 @@ class FieldPath:
 
 
 def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
-    """Read a path.
+    """Parse a path.
 
     Args:
         text: /topic/field/part[0].
@@ -88,7 +88,7 @@ def _check_index(path: str, word: str, field: FieldDefinition, index: int | None
 
 
 def _numbers(type_name: str, deep: int = 2) -> Iterator[str]:
-    """Name the numbers in a message, lists with an index."""
+    """Yield the paths of the numbers in a message; lists with an index."""
     for field in definition(type_name).fields:
         name = field.name if field.container == "scalar" else f"{field.name}[0]"
         if field.is_message and deep:
@@ -110,12 +110,12 @@ _LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve,
 
 
 class PlotView(View):
-    """Curves of what came since the view was opened, by the time of publication."""
+    """Curves of the numbers since the view was opened, by the time of publication."""
 
     name, title, listens = "plot", "MatPlot", True
 
     def build(self) -> None:
-        """Make the controls, and a curve for each word."""
+        """Create the controls, and a curve for each word."""
         from ipywidgets import BoundedFloatText, Text
 
         self._start_ns = self.graph.now_ns
@@ -130,11 +130,11 @@ class PlotView(View):
         self._choose()
 
     def buttons(self) -> list[Any]:
-        """Add a button that forgets what came."""
+        """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self._clear)]
 
     def hear(self, sample: Sample) -> None:
-        """Take the numbers out of a message."""
+        """Append the numbers of a message to the curves."""
         message = None
         for path, points in self._curves.values():
             if (path.topic, path.type_name) == (sample.topic, sample.type_name):
@@ -147,7 +147,7 @@ class PlotView(View):
             super().refresh()
 
     def picture(self) -> str:
-        """Draw the curves, with a legend that says the last values."""
+        """Draw the curves, with the last values in the legend."""
         from matplotlib.figure import Figure
 
         now = (self.graph.now_ns - self._start_ns) * 1e-9
@@ -171,7 +171,7 @@ class PlotView(View):
         return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
 
     def _choose(self) -> None:
-        """Let there be the curves that are named."""
+        """Create the requested curves; existing ones keep their points."""
         topics = self.source.topics()
         paths = [parse(word, topics) for word in self["Topics"].split()]
         self._curves = {

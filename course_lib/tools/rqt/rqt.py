@@ -1,4 +1,4 @@
-"""`%rqt …`: a table of its views, and perspectives: which views there are, as a file."""
+"""`%rqt …`: the table of its views, and perspectives, which store open views in a file."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -31,7 +31,7 @@ _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt
 
 
 def rqt(words: Sequence[str]) -> None:
-    """Do what `rqt <words>` does: show views below the cell.
+    """Run `rqt <words>`: show views below the cell.
 
     Raises:
         CourseError: No such view, or what the view or the file finds wrong.
@@ -57,7 +57,7 @@ def _view_class(name: str) -> type[View]:
 
 
 def _show(views: Sequence[View]) -> None:
-    """Show views that follow the run; without a page, their pictures after a while of it."""
+    """Show views that follow the run; without a page, their pictures after a while."""
     from IPython.display import HTML, display
 
     opened: dict[tuple[str, ...], View] = current_graph().state.setdefault(_OPEN, {})
@@ -81,7 +81,7 @@ def _show(views: Sequence[View]) -> None:
 
 
 def _save(file: Path) -> None:
-    """Write the views that are open, with their words and what their controls say."""
+    """Write the open views with their words and the values of their controls."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     views: list[View] = [v for v in current_graph().state.get(_OPEN, {}).values() if not v.closed]
@@ -111,7 +111,7 @@ def _read(file: Path) -> list[Any]:
 
 
 def _restored(about: dict[str, Any], file: str) -> list[View]:
-    """Make a view as a perspective says; none, and a line that says why, where its words fit nothing now."""
+    """Create a view from a perspective; print the reason where its words match nothing now."""
     try:
         view_class, words = _view_class(str(about["view"])), [str(word) for word in about.get("words", [])]
         settings = dict(about.get("controls", {}))

@@ -1,4 +1,4 @@
-"""`%rqt service_caller` and `reconfigure`: views that call services and parameter services of nodes."""
+"""`%rqt service_caller` and `reconfigure`: views that call the services of nodes."""
 
 from html import escape
 from typing import Any
@@ -16,12 +16,12 @@ ANSWER_LIMIT = 2.0  # [s] of robot time for an answer: the page waits meanwhile
 
 
 class ServiceCallerView(View):
-    """A service, its request as YAML, its response or what went wrong."""
+    """A service, its request as YAML, its response or an error."""
 
     name, title = "service_caller", "Service Caller"
 
     def build(self) -> None:
-        """Make the controls; a word is the service to begin with."""
+        """Create the controls; a word selects the first service."""
         from ipywidgets import Textarea
 
         wanted, names = self.wanted(), sorted(self._services())
@@ -34,28 +34,28 @@ class ServiceCallerView(View):
         self._choose()
 
     def buttons(self) -> list[Any]:
-        """Add Call."""
+        """Add the button Call."""
         return [self.button("Call", "play", self._call), *super().buttons()]
 
     def body(self) -> list[Any]:
-        """Show the request above the response."""
+        """Return the request above the response."""
         return [self._request, self.screen]
 
     def refresh(self) -> None:
-        """List the services that there are now; what is being written stays."""
+        """Update the choice of services; the request stays."""
         self.offer("Service", sorted(self._services()))
         self.screen.value = self._told
 
     def picture(self) -> str:
-        """Write what services there are."""
+        """Return the services as a table."""
         return table(("Service", "Type"), sorted(self._services().items()), "Services")
 
     def _services(self) -> dict[str, str]:
-        """Give the services that nodes offer, with their types."""
+        """Return the services of nodes with their types."""
         return {e.service[0]: e.service[1] for e in self.graph.endpoints() if e.is_service and e.service}
 
     def _choose(self) -> None:
-        """Begin a request with the default values."""
+        """Fill the request with the default values."""
         if type_name := self._services().get(self["Service"]):
             request = message_class(f"{type_name}_Request")()
             self._request.value = to_yaml(request, Style(truncate=None))
@@ -90,7 +90,7 @@ class ReconfigureView(View):
     name, title = "reconfigure", "Dynamic Reconfigure"
 
     def build(self) -> None:
-        """Make the controls; a word is the node to begin with."""
+        """Create the controls; a word selects the first node."""
         from ipywidgets import VBox
 
         self._values: dict[str, Any] = {}
@@ -103,16 +103,16 @@ class ReconfigureView(View):
         self.add_text("Filter", hint="part of a name")
 
     def buttons(self) -> list[Any]:
-        """Read all values again on request."""
+        """Add a button that reads all values."""
         return [self.button("Refresh", "refresh", self._read)]
 
     def body(self) -> list[Any]:
-        """Show the rows, once read."""
+        """Return the rows, which are read soon."""
         self.soon(self._read)
         return [self._table]
 
     def hear(self, sample: Sample) -> None:
-        """Follow what others set."""
+        """Show values that other clients set."""
         if (sample.topic, sample.type_name) == _EVENTS and self._rows:
             event: Any = sample.message()
             if event.node == self["Node"]:
@@ -120,12 +120,12 @@ class ReconfigureView(View):
                 self._show({change.name: plain_value(change.value) for change in changes})
 
     def refresh(self) -> None:
-        """Bring the list of nodes up to date, and the rows that pass the filter."""
+        """Update the choice of nodes, and show the rows that pass the filter."""
         self.offer("Node", parameter_nodes(self.source))
         self._table.children = tuple(row for name, row in self._rows.items() if self["Filter"] in name)
 
     def picture(self) -> str:
-        """Write the parameters of the node, or of all, as a table."""
+        """Return the parameters of the node, or of all nodes, as a table."""
         rows = []
         for node in [self["Node"]] if self["Node"] else parameter_nodes(self.source):
             for name, value, about in self._parameters(node):
@@ -133,7 +133,7 @@ class ReconfigureView(View):
         return table(("Node", "Parameter", "Value", "Description"), rows, "Parameters")
 
     def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
-        """Ask a node for its parameters: names, values and descriptors."""
+        """Return names, values and descriptors of a node's parameters."""
         self.check_time()
         with asked(self.source, node) as ask:
             names = sorted(ask("list_parameters").result.names)
@@ -141,7 +141,7 @@ class ReconfigureView(View):
         return list(zip(names, map(plain_value, values), about, strict=True))
 
     def _read(self) -> None:
-        """Make the rows of the node that is chosen."""
+        """Create the rows of the chosen node."""
         node = self["Node"]
         self.say("" if node else "Choose a node.")
         found = self._parameters(node) if node else []
@@ -163,7 +163,7 @@ class ReconfigureView(View):
         return HBox([control, HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>"), HTML()])
 
     def _set(self, name: str, new: Any) -> None:
-        """Set a parameter; what the node refuses is taken back, with its reason."""
+        """Set a parameter; a refused value is reset, and the reason shown."""
         from rclpy.parameter import Parameter
 
         from course_lib.ros.parameter_yaml import read_value
@@ -183,7 +183,7 @@ class ReconfigureView(View):
         self._rows[name].children[2].value = said
 
     def _show(self, values: dict[str, Any]) -> None:
-        """Show values that a node has."""
+        """Show values that came from the node."""
         self._reading = True
         for name in values.keys() & self._rows.keys():
             control = self._rows[name].children[0]
@@ -193,7 +193,7 @@ class ReconfigureView(View):
 
 
 def _note(about: Any) -> str:
-    """Say what a descriptor says, in a line."""
+    """Return a descriptor as one line."""
     ranges = (*about.integer_range, *about.floating_point_range)
     limits = [f"{limits.from_value:g} … {limits.to_value:g}" for limits in ranges]
     texts = (*limits, "read-only" if about.read_only else "", about.description, about.additional_constraints)
@@ -201,7 +201,7 @@ def _note(about: Any) -> str:
 
 
 def _editor(name: str, value: Any, about: Any) -> Any:
-    """Make the control that suits a value and its descriptor."""
+    """Return the control for a value's type and its descriptor's range."""
     import ipywidgets as widgets
 
     settings: dict[str, Any] = {"description": name, "style": _EDITOR_STYLE, "layout": _EDITOR_LAYOUT}
@@ -220,5 +220,5 @@ def _editor(name: str, value: Any, about: Any) -> Any:
 
 
 def _shown(value: Any) -> str:
-    """Write a value as a text field has it: lists as YAML."""
+    """Return a value as the text of a field."""
     return "not set" if value is None else str(value)

@@ -1,4 +1,4 @@
-"""Options and helpers of the verbs of `ros2 topic`: a topic's type, its QoS, its messages."""
+"""Options of the verbs of `ros2 topic`, and access to a topic's type, QoS and messages."""
 
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping
@@ -30,7 +30,7 @@ _CHOICES: Mapping[str, tuple[str, ...]] = {
 
 
 def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
-    """Give the options; `verb` is subscribe or publish."""
+    """Return the `--qos-…` options (ros2topic.api); `verb` is subscribe or publish."""
     return (
         value(
             "--qos-profile",
@@ -47,7 +47,7 @@ def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
 
 
 def asked_qos(arguments: Namespace) -> Qos | None:
-    """Give the preset with what was asked for instead of its settings; None if nothing was."""
+    """Return the preset with the requested settings, or None if none was requested."""
     names = (*_CHOICES, "depth")
     given: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in names}
     changes = {name: setting for name, setting in given.items() if setting is not None}
@@ -55,7 +55,7 @@ def asked_qos(arguments: Namespace) -> Qos | None:
 
 
 def adapted_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
-    """Request what all publishers offer, as ROS does."""
+    """Return the strongest QoS that all publishers offer, as ROS requests it."""
     qos = preset
     for name, strong, weak in (
         ("reliability", "reliable", "best_effort"),
@@ -77,12 +77,12 @@ SENSOR_DATA = PRESETS["sensor_data"]
 
 
 def full_name(topic: str) -> str:
-    """Give a topic's name as the graph knows it."""
+    """Return a topic's name with its leading slash."""
     return topic if topic.startswith("/") else f"/{topic}"
 
 
 def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
-    """Find a topic's type; if it is not there yet, wait for it, as `hz`, `bw` and `delay` do.
+    """Return a topic's type; wait for the topic if `blocking`, as `hz`, `bw` and `delay` do.
 
     Raises:
         CourseError: There is no such topic, its type is not known here, or it has several.
@@ -107,7 +107,7 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
 
 
 def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
-    """Say how long nothing came on a topic and why, and what topics there are."""
+    """Return the error text for a silent topic: duration, reason, existing topics."""
     seconds = (source.graph.now_ns - since_ns) * 1e-9
     return (
         f"No message came on {topic} in {seconds:g} s of robot time.{source.why_silent(topic, qos)} "
@@ -118,7 +118,7 @@ def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
 def listen(
     source: Source, topic: str, write: Write, *, verb: str, every: float | None = None
 ) -> Iterator[TimedSample]:
-    """Yield robot time [ns] and what comes on a topic, or, once per `every` [s], nothing, until ■.
+    """Yield the messages of a topic, and ticks, until ■.
 
     Without a page it ends after a while, and says so; raises a CourseError if nothing has come.
     """
@@ -135,7 +135,7 @@ def listen(
 
 
 def passes(expression: str | None) -> Callable[[Any], bool]:
-    """Make a test for messages of a Python expression that calls them m.
+    """Return a predicate from a Python expression in which m is the message.
 
     The test raises a CourseError if the expression fails.
     """

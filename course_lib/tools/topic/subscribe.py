@@ -1,4 +1,4 @@
-"""`ros2 topic echo`, `hz`, `bw` and `delay`: print messages, or numbers of the last messages."""
+"""`ros2 topic echo`, `hz`, `bw` and `delay`: messages, and statistics of the last ones."""
 
 from argparse import Namespace
 from collections import deque
@@ -28,12 +28,7 @@ from course_lib.tools.verb import NODE_OPTIONS, Option, Verb, Write, flag, posit
 SILENCE_LIMIT = 10.0  # [s] of robot time without a message
 
 
-def echo(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the messages of a topic.
-
-    Raises:
-        CourseError: There is no such topic or field, it is of another type, or no message comes in time.
-    """
+def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     topic = full_name(arguments.topic_name)
     if arguments.message_type:
         kind = type_name(kind_of(message_class, arguments.message_type, "msg"))
@@ -62,7 +57,7 @@ def echo(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _text(selected: Any, arguments: Namespace) -> str:
-    """Write one message, or the field that was asked for."""
+    """Return the printed form of a message or of one field."""
     style = Style(
         truncate=None if arguments.full_length else arguments.truncate_length,
         no_arrays=arguments.no_arr,
@@ -104,7 +99,7 @@ _ECHO = (
     value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
     *qos_options("subscribe", "sensor_data"),
 )
-TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _ECHO, echo, from_start=True)
+TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _ECHO, _echo, from_start=True)
 
 
 _UNITS = (  # below, divided by, name, digits
@@ -114,8 +109,8 @@ _UNITS = (  # below, divided by, name, digits
 )
 
 
-def hz(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print how often messages come, at most once a second; at the end if there was no second."""
+def _hz(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the rate at most once a second, and at the end if there was no second."""
     gaps: deque[int] = deque(maxlen=arguments.window)  # [ns] between two messages
     last_ns = printed_ns = None
     matches, shown = passes(arguments.filter_expr), False
@@ -133,8 +128,7 @@ def hz(source: Source, arguments: Namespace, write: Write) -> None:
         write(_rate(gaps))
 
 
-def bw(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print how many bytes come, as they are on the wire."""
+def _bw(source: Source, arguments: Namespace, write: Write) -> None:
     topic = full_name(arguments.topic_name)
     heard: deque[tuple[int, int]] = deque(maxlen=arguments.window)  # when [ns], bytes
     title = f"Subscribed to [{topic}]\n"
@@ -147,12 +141,8 @@ def bw(source: Source, arguments: Namespace, write: Write) -> None:
             write(bandwidth([size for _, size in heard], (now_ns - heard[0][0]) * 1e-9))
 
 
-def delay(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print how old messages are when they come, by their headers; the first does not count.
-
-    Raises:
-        CourseError: The messages have no header.
-    """
+def _delay(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print the age of messages at their arrival, by their headers; the first one is not counted."""
     delays: deque[int] = deque(maxlen=arguments.window)  # [ns]
     topic, first, new = full_name(arguments.topic_name), True, False
     for now_ns, arrival in listen(source, topic, write, verb="delay", every=1.0):
@@ -176,14 +166,14 @@ def delay(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def bandwidth(sizes: list[int], seconds: float) -> str:
-    """Write the bandwidth of messages that came in so many seconds, all in the unit that fits the rate."""
+    """Return the bandwidth and the sizes of messages within so many seconds, in the unit of the rate."""
     rate = sum(sizes) / seconds
     total, mean, least, most = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
     return f"{total}/s from {len(sizes)} messages\n\tMessage size mean: {mean} min: {least} max: {most}\n"
 
 
 def in_bytes(*numbers: float) -> list[str]:
-    """Write numbers of bytes, all in the unit that fits the first one."""
+    """Return numbers of bytes as text, in the unit that fits the first one."""
     divisor, unit, digits = next((by, name, n) for below, by, name, n in _UNITS if numbers[0] < below)
     return [f"{number / divisor:.{digits}f} {unit}" for number in numbers]
 
@@ -194,7 +184,7 @@ def _rate(gaps: Sequence[int]) -> str:
 
 
 def _spread(values_ns: Sequence[int]) -> str:
-    """Write the least, the greatest and the population's standard deviation of durations [ns]."""
+    """Return minimum, maximum and population standard deviation of durations [ns] as text."""
     least, most, deviation = (n * 1e-9 for n in (min(values_ns), max(values_ns), pstdev(values_ns)))
     window = len(values_ns)
     return f"\tmin: {least:.3f}s max: {most:.3f}s std dev: {deviation:.5f}s window: {window}\n"
@@ -214,7 +204,7 @@ _OF_HZ = (
 )
 _verb = partial(Verb, "topic", from_start=True)
 TOPIC_MEASURES = (
-    _verb("hz", "Print the average publishing rate to screen", (*_options(10000), *_OF_HZ), hz),
-    _verb("bw", "Display bandwidth used by topic", _options(100), bw),
-    _verb("delay", "Display delay of topic from timestamp in header", _options(10000), delay),
+    _verb("hz", "Print the average publishing rate to screen", (*_options(10000), *_OF_HZ), _hz),
+    _verb("bw", "Display bandwidth used by topic", _options(100), _bw),
+    _verb("delay", "Display delay of topic from timestamp in header", _options(10000), _delay),
 )
