@@ -1,8 +1,8 @@
 from .course.identity import ask_identity as ask_identity
-from .course.predict import compare as compare
-from .course.predict import predict as predict
-from .course.quiz import quiz as quiz
-from .course.setup_check import check_versions as check_versions
+from .course.installation import check_versions as check_versions
+from .course.questions import compare as compare
+from .course.questions import predict as predict
+from .course.questions import quiz as quiz
 from .displays.viewer import Viewer as Viewer
 from .errors import CourseError as CourseError
 from .grading.check import check as check

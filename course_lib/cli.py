@@ -189,7 +189,7 @@ def submit(
     out: Annotated[Path | None, typer.Option(help="Where the file to hand in goes.")] = None,
 ) -> None:
     """Pack an exercise into one file to hand in, with a receipt."""
-    from course_lib.grading.submit import submit as pack
+    from course_lib.grading.handin.submit import submit as pack
 
     typer.echo(pack(file, out).text())
 
@@ -201,7 +201,7 @@ def status(
     """Show how far you are, and what comes next."""
     from rich.console import Console
 
-    from course_lib.course.status import status as look
+    from course_lib.course.progress import status as look
 
     table, then = look(work_dir)
     Console().print(table)

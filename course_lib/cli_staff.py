@@ -18,7 +18,7 @@ staff = typer.Typer()
 @staff.command()
 def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
     """Write the students' copy: installable, without solutions and hidden checks."""
-    from course_lib.course.release import release as write
+    from course_lib.course.hand_out import release as write
 
     paths = write(out)
     typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
@@ -44,7 +44,7 @@ def collect(
 ) -> None:
     """Sort what a learning platform gives into submissions; what is unsafe is refused, one by one."""
     from course_lib.course.course_file import shipped_course_file, zone_named
-    from course_lib.grading.collect import collect as sort
+    from course_lib.grading.handin.collect import collect as sort
 
     course = shipped_course_file()
     zone = zone_named(time_zone) if time_zone else course.zone
@@ -105,8 +105,8 @@ def mark(
     ] = False,
 ) -> None:
     """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
-    from course_lib.grading.lms import fill_lms
-    from course_lib.grading.mark_by_hand import mark_by_hand
+    from course_lib.grading.handin.lms import fill_lms
+    from course_lib.grading.marks.by_hand import mark_by_hand
 
     if lms is not None and to is not None and exercise and column and id_column and not given:
         names = {"exercise": exercise, "column": column, "id_column": id_column}

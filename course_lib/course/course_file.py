@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 from zoneinfo import ZoneInfo, available_timezones
 
-from course_lib.course.files import exercises_dir
 from course_lib.course.identity import normalise
+from course_lib.course.installation import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
 
 POINTS_PER_WEEK = 100

@@ -4,8 +4,8 @@ import hashlib
 import unicodedata
 from typing import Any
 
-from course_lib.course.exercise_file import stamp_exercises
-from course_lib.course.page import in_notebook, show
+from course_lib.course.exercise import stamp_exercises
+from course_lib.course.questions import in_notebook, show
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError, counted
 

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from course_lib.course.contents import CONTENTS_FILE, write_contents
-from course_lib.course.folder import DEFAULT_FOLDER, prepare
+from course_lib.course.hand_out import DEFAULT_FOLDER, prepare
+from course_lib.course.progress import CONTENTS_FILE, write_contents
 from course_lib.errors import CourseError
 
 FIRST_PORT = 8888

@@ -1,13 +1,42 @@
-"""What the kit remembers for one student, as small JSON files in `WORK_DIR/.course/`."""
+"""The student's state: small JSON files in the folder's .course/, each written whole or not at all."""
 
+import hashlib
 import json
+import os
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
 from course_lib.errors import CourseError
 
 STATE_FOLDER = ".course"
+CHECKS, PACKED = "checks", "packed_files"  # sections of the state
+DIGITS = 12  # of a cell's digest
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file aside, on the disk for certain, then rename it; its folder is made.
+
+    Raises:
+        OSError: It can't be written; names the file itself.
+    """
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with draft.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(path)
+    except BaseException as error:
+        with suppress(OSError):
+            draft.unlink()  # on a full disk half a file would only be in the way
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
 
 
 def find_student_folder(start: Path | None = None) -> Path | None:
@@ -61,3 +90,94 @@ def student_state() -> State:
     """The state of the student's folder around the working directory, else of this process."""
     folder = find_student_folder()
     return State(folder) if folder else _of_this_process
+
+
+@dataclass(frozen=True)
+class LastCheck:
+    """The last public check of one task.
+
+    Args:
+        time: When.
+        passed: Whether every public check passed and something was filled in.
+        cells: Digests of the cells that had been run by then.
+    """
+
+    time: datetime
+    passed: bool
+    cells: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The last file that `course submit` made of an exercise.
+
+    Args:
+        time: When, in ISO format.
+        file: Where it was written.
+        source: The notebook's file.
+        notebook: A digest of the notebook's cells.
+        tasks: Short name of each task and a word for how it stood: "passed", "failed", "empty" …
+    """
+
+    time: str
+    file: str
+    source: str
+    notebook: str
+    tasks: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def by_outcome(self) -> dict[str, list[str]]:
+        """The tasks, by how they stood."""
+        found: dict[str, list[str]] = {}
+        for name, outcome in self.tasks:
+            found.setdefault(outcome, []).append(name)
+        return found
+
+
+def cell_digest(text: str) -> str:
+    """Return a short digest of a cell's source; blank lines around it do not count."""
+    return hashlib.sha256(text.strip().encode("utf-8", "replace")).hexdigest()[:DIGITS]
+
+
+def keep_check(state: State, task_id: str, *, passed: bool, cells: Iterable[str]) -> None:
+    """Remember that a task was checked now, with these cells' sources."""
+    time = datetime.now(UTC).isoformat(timespec="seconds")
+    digests = sorted({cell_digest(cell) for cell in cells})
+    state.put(CHECKS, task_id, {"time": time, "passed": passed, "cells": digests})
+
+
+def last_check(state: State, task_id: str) -> LastCheck | None:
+    """Return the last check of a task; None if there was none, or its entry cannot be read."""
+    match state.get(CHECKS, task_id):
+        case {"time": str(time), "passed": bool(passed), "cells": list(cells)}:
+            try:
+                return LastCheck(datetime.fromisoformat(time), passed, frozenset(map(str, cells)))
+            except ValueError:
+                return None
+    return None
+
+
+def keep_packed(state: State, exercise: str, packed: Packed) -> None:
+    """Remember what `course submit` has packed."""
+    state.put(PACKED, exercise, asdict(packed))
+
+
+def last_packed(state: State, exercise: str) -> Packed | None:
+    """Return what was packed last; None if nothing was, or its entry cannot be read."""
+    match state.get(PACKED, exercise):
+        case {
+            "time": str(time),
+            "file": str(file),
+            "source": str(source),
+            "notebook": str(notebook),
+            "tasks": list(tasks),
+        }:
+            pairs = (pair for pair in tasks if isinstance(pair, list) and len(pair) == 2)
+            of_tasks = tuple((str(name), str(stood)) for name, stood in pairs)
+            return Packed(time, file, source, notebook, of_tasks)
+    return None
+
+
+def saved_at(path: Path) -> datetime:
+    """Return when a file was last written."""
+    return datetime.fromtimestamp(path.stat().st_mtime, UTC)

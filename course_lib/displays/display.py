@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 from urllib.parse import quote
 
-from course_lib.displays.frames import Frames, Matrix
+from course_lib.arrays import Matrix
+from course_lib.displays.frames import Frames
 from course_lib.displays.properties import Property, PropertyHolder, flag
 from course_lib.displays.statuses import Statuses, StatusRow
 from course_lib.ros.qos import Qos

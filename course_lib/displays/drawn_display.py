@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.displays.frames import Matrix
+from course_lib.arrays import Matrix
 from course_lib.displays.topic_display import FilteredDisplay
 from course_lib.viewer.drawables import Drawable
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.displays.frames import Matrix
+from course_lib.arrays import Floats, Matrix
 from course_lib.displays.properties import Property, flag, number, vector, words
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Array, View, direction, point
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, View, direction, point
 from course_lib.viewer.camera import Camera
 
 _AXES = {
@@ -33,12 +33,12 @@ class FPS(View):
         target = eye + turned @ direction(self["Yaw"], -self["Pitch"])
         return Camera(point(eye), point(target), point(turned[:, 2]), near=self["Near Clip Distance"])
 
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         turned = self._turned(transform_target_to_fixed)
         position = point(turned.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
         return {"Position": position, **_angles(turned.T @ ahead)}
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
         """Return how the view is turned with the target frame, shape (3, 3)."""
         return np.eye(3)
 
@@ -82,14 +82,14 @@ class FrameAligned(FPS):
         near = (name for name, axis in _AXES.items() if ahead @ axis > 0.999)
         self._values["Point towards"] = next(near, "arbitrary")
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
         return transform_target_to_fixed[:3, :3]
 
-    def _keep_place(self, moved: Array) -> None:
+    def _keep_place(self, moved: Floats) -> None:
         """Jump to the new frame."""
 
 
-def _angles(ahead: Array) -> dict[str, float]:
+def _angles(ahead: Floats) -> dict[str, float]:
     """Return where a direction points to, [rad]; pitch is downward."""
     x, y, z = ahead / np.linalg.norm(ahead)
     return {

@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from course_lib.arrays import Matrix
 from course_lib.displays.statuses import Level
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_errors import TransformException
 from course_lib.ros.tf2_transform import Transform
 
-Matrix = npt.NDArray[np.float64]
 NS = 1_000_000_000  # [ns] in a second
 FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.arrays import Matrix
 from course_lib.displays.drawn_display import DrawnDisplay
-from course_lib.displays.frames import Matrix
 from course_lib.displays.marker.drawables import ALONG_MINUS_X, placement, points
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, color, integer, number

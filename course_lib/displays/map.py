@@ -1,11 +1,11 @@
 """RViz's Map display."""
 
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from course_lib.arrays import Bytes
 from course_lib.displays.display import Subscription
 from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import nanoseconds, placed
@@ -14,8 +14,6 @@ from course_lib.displays.properties import Property, flag, integer, number, read
 from course_lib.displays.statuses import Level
 from course_lib.displays.topic_display import qos_of, with_qos
 from course_lib.viewer.drawables import Drawable, Sheet
-
-Bytes: TypeAlias = npt.NDArray[np.uint8]
 
 # Of binary maps: the colours of cells below the threshold, and from there on.
 _BINARY = {

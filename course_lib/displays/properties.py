@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, TypeAlias
 
+from course_lib.arrays import Vector
 from course_lib.errors import CourseError
 
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
-Vector: TypeAlias = tuple[float, float, float]
 Convert: TypeAlias = Callable[[Any], Any]
 _LARGEST = 3.4e38  # of a number in four bytes
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_lib.arrays import Matrix
 from course_lib.displays.display import Display
-from course_lib.displays.frames import FIXED_FRAME, Matrix
+from course_lib.displays.frames import FIXED_FRAME
 from course_lib.displays.properties import Property, color, frame, integer, number, vector, words
 from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Drawable, Lines, Solids

@@ -5,8 +5,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from course_lib.arrays import Matrix
 from course_lib.displays.drawn_display import INVALID, DrawnDisplay
-from course_lib.displays.frames import Matrix
 from course_lib.displays.marker.drawables import ALONG_X, placement, turned_to
 from course_lib.displays.poses.arrow import arrows, rgba_of
 from course_lib.displays.properties import Property, color, flag, integer, number

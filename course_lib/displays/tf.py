@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from course_lib.arrays import Matrix
 from course_lib.displays.display import Display, node_name
-from course_lib.displays.frames import NS, Matrix
+from course_lib.displays.frames import NS
 from course_lib.displays.marker.drawables import placement, turned_to
 from course_lib.displays.properties import Property, flag, number, read_only, text
 from course_lib.displays.reference_display import AXIS_COLORS, axes

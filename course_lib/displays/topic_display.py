@@ -4,8 +4,9 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from course_lib.arrays import Matrix
 from course_lib.displays.display import Display, Subscription
-from course_lib.displays.frames import NS, Matrix, nanoseconds
+from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
 from course_lib.errors import counted
 from course_lib.ros.qos import Qos

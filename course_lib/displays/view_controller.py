@@ -5,9 +5,9 @@ from math import cos, pi, sin
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.displays.frames import FIXED_FRAME, Frames, Matrix
+from course_lib.arrays import Floats, Matrix
+from course_lib.displays.frames import FIXED_FRAME, Frames
 from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number
 from course_lib.errors import did_you_mean
 from course_lib.viewer.camera import Camera
@@ -19,8 +19,6 @@ COMMON = (
     Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
     Property("Invert Z Axis", False, flag),
 )
-
-Array = npt.NDArray[np.float64]
 
 
 class View(PropertyHolder):
@@ -102,7 +100,7 @@ class View(PropertyHolder):
         self.camera(frames)  # finds the target frame
         self.take(other.camera(frames))
 
-    def _keep_place(self, moved: Array) -> None:
+    def _keep_place(self, moved: Floats) -> None:
         """Have the camera stay where it is when another target frame is chosen, which is [m] away."""
         for label in ("Focal Point", "Position"):
             if label in self._values:
@@ -111,17 +109,17 @@ class View(PropertyHolder):
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
         raise NotImplementedError
 
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         """Return the properties of a camera, see `_camera`."""
         raise NotImplementedError
 
 
-def direction(yaw: float, pitch: float) -> Array:
+def direction(yaw: float, pitch: float) -> Floats:
     """Return the unit vector with a yaw and an upward pitch, [rad]."""
     return np.array([cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch)])
 
 
-def point(array: Array) -> tuple[float, float, float]:
+def point(array: Floats) -> tuple[float, float, float]:
     """Return a vector as plain numbers."""
     x, y, z = array.tolist()
     return x, y, z

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.arrays import Floats, Matrix
 from course_lib.displays.first_person import FPS, FrameAligned
-from course_lib.displays.frames import Frames, Matrix
+from course_lib.displays.frames import Frames
 from course_lib.displays.layout import text_at
 from course_lib.displays.properties import Property, number, vector
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Array, View, direction, point
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, View, direction, point
 from course_lib.viewer.camera import Camera
 
 __all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "View", "XYOrbit"]
@@ -40,7 +41,7 @@ class Orbit(View):
         eye = focus + self["Distance"] * away
         return Camera(point(eye), point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
 
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         turned, sign = self._turned(transform_target_to_fixed), self._sign()
         distance = float(np.linalg.norm(ahead))
         x, y, z = away = turned.T @ -ahead / distance
@@ -48,18 +49,18 @@ class Orbit(View):
         yaw, pitch = sign * atan2(y, x) % (2 * pi), sign * asin(min(max(z, -1.0), 1.0))
         return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": point(turned.T @ focus)}
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Array:
+    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
         x, y = transform_target_to_fixed[:2, 0]
         return _about_z(atan2(y, x) if self.turns else 0.0)
 
     def _sign(self) -> float:
         return -1.0 if self["Invert Z Axis"] else 1.0
 
-    def _lifted(self, away: Array, distance: float) -> Array:
+    def _lifted(self, away: Floats, distance: float) -> Floats:
         """Return how far the camera is moved up in the picture."""
         up = np.array([0.0, 0.0, self._sign()])
         picture_up = up - away * (away @ up)
-        lifted: Array = picture_up * distance * self.lift / max(float(np.linalg.norm(picture_up)), 1e-9)
+        lifted: Floats = picture_up * distance * self.lift / max(float(np.linalg.norm(picture_up)), 1e-9)
         return lifted
 
 
@@ -115,13 +116,13 @@ class TopDownOrtho(View):
             orthographic_scale=self["Scale"],
         )
 
-    def _taken(self, camera: Camera, ahead: Array, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         right_x, right_y, _ = camera.view_matrix()[0, :3]
         x, y, _ = camera.target - transform_target_to_fixed[:3, 3]
         scale = camera.orthographic_scale or self["Scale"]
         return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
-    def _keep_place(self, moved: Array) -> None:
+    def _keep_place(self, moved: Floats) -> None:
         self._values |= {"X": self["X"] + float(moved[0]), "Y": self["Y"] + float(moved[1])}
 
 
@@ -146,5 +147,5 @@ def view_of(config: Mapping[str, Any]) -> "tuple[View, *tuple[str, ...]]":
     return view, *(() if known else (unknown,)), *view.load(config)
 
 
-def _about_z(yaw: float) -> Array:
+def _about_z(yaw: float) -> Floats:
     return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])

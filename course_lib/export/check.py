@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.export.dependencies import dependencies
+from course_lib.export.module import dependencies
 from course_lib.ros.packages import executables_of
 
 _REQUIRED = ("package.xml", "setup.py", "setup.cfg", "resource/{}", "{}/__init__.py")

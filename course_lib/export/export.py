@@ -11,13 +11,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.export.cells import read_cells
-from course_lib.export.dependencies import dependencies
-from course_lib.export.module import Main, NodeModule
-from course_lib.export.needed import needed, node_classes
-from course_lib.export.nodes import displays, frames, node_name, parameters, parameters_text
-from course_lib.export.startable import obstacles
-from course_lib.export.statements import Statement, statements
+from course_lib.export.module import Main, NodeModule, dependencies
+from course_lib.export.nodes import (
+    displays,
+    frames,
+    needed,
+    node_classes,
+    node_name,
+    obstacles,
+    parameters,
+    parameters_text,
+)
+from course_lib.export.statements import Statement, read_cells, statements
 from course_lib.ros.package_template import PackageText, check_package_name, filled, package_files
 
 _FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}

@@ -1,16 +1,26 @@
-"""One node's module in a package: its imports, what it needs, its class, and main."""
+"""One node's module in a package, and the packages it depends on."""
 
 import ast
 import io
 import re
 import sys
 import tokenize
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from course_lib.errors import CourseError
 from course_lib.export.statements import Statement
+from course_lib.ros.standin_path import provided
 
+_ROSDEP = {  # what rosdep calls Python packages, where that is not python3-<name>
+    "PIL": "python3-pil",
+    "cv2": "python3-opencv",
+    "pinocchio": "pinocchio",
+    "skimage": "python3-skimage",
+    "sklearn": "python3-sklearn",
+    "yaml": "python3-yaml",
+}
 _MAIN = '''def main(args=None):
     """Run the node until it is stopped."""
     rclpy.init(args=args)
@@ -25,6 +35,22 @@ _MAIN = '''def main(args=None):
 _PLAIN = re.compile(r"""(\w*)"([^"'\\\n]*)\"""")  # a string that either quotation mark may enclose
 MAX_LINE = 100  # characters, as ament_flake8 has it
 _MAIN_IMPORTS = ("import rclpy", "from rclpy.executors import ExternalShutdownException")
+
+
+def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list[str]]:
+    """Give the ROS packages, and rosdep's keys of others, among imported top-level packages.
+
+    Raises:
+        CourseError: The course's library is among them, which no robot has.
+    """
+    others = set(imported) - set(sys.stdlib_module_names) - {package, ""}
+    if "course_lib" in others:
+        raise CourseError(
+            "The nodes use course_lib, which is not there on a robot. Keep Viewer, spin_for and check out of "
+            "what the nodes need."
+        )
+    ros = others & set(provided())
+    return sorted(ros), sorted(_ROSDEP.get(name, f"python3-{name.lower()}") for name in others - ros)
 
 
 class Main(Enum):

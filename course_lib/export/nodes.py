@@ -1,9 +1,15 @@
-"""What the source of a node says of it: its name, its parameters, what it publishes."""
+"""Node classes in exported code: what each needs, publishes and declares, and which can be started."""
 
 import ast
-from collections.abc import Iterator, Mapping
+import builtins
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from course_lib.errors import CourseError
+from course_lib.export.module import Main, NodeModule
+from course_lib.export.statements import Statement
+
+_ALWAYS_THERE = {*dir(builtins), "__name__", "__file__", "__doc__", "__class__"}
 _DISPLAYS = {  # message -> RViz's display
     "Image": "Image",
     "LaserScan": "LaserScan",
@@ -15,6 +21,81 @@ _DISPLAYS = {  # message -> RViz's display
     "PoseArray": "PoseArray",
     "PoseStamped": "Pose",
 }
+
+
+def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
+    """Find the classes to export: those named, or else all that derive from Node.
+
+    Raises:
+        CourseError: There is none, or none of a name.
+    """
+    classes = {name: one for one in code if isinstance(one.node, ast.ClassDef) for name in one.gives}
+    for name in names:
+        if name not in classes:
+            raise CourseError(
+                f"There is no class {name!r} to export; there is: {', '.join(classes) or 'none'}."
+            )
+    chosen = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
+    if not chosen:
+        raise CourseError("There is no class that derives from rclpy's Node. Name one: --node MyClass")
+    return sorted(chosen, key=lambda one: one.order)
+
+
+def needed(root: Statement, code: Sequence[Statement], left_out: Sequence[Statement]) -> list[Statement]:
+    """Collect a class and all that it needs, in the order of the source.
+
+    Args:
+        root: The class.
+        code: The statements that may be exported.
+        left_out: Those of cells that are not marked; for the error.
+
+    Raises:
+        CourseError: A name is defined in a cell that is left out, or nowhere.
+    """
+    chosen = {root.order: root} | {one.order: one for one in code if one.text.startswith("from __future__")}
+    to_do, last = [root], len(code) + len(left_out)
+    while to_do:
+        one = to_do.pop()
+        found = [_giver(name, one, code, left_out, at=one.order) for name in sorted(one.now)]
+        found += [_giver(name, one, code, left_out, at=last) for name in sorted(one.later)]
+        if not one.is_import:
+            found += [s for s in code if s.changes & one.gives and not isinstance(one.node, ast.ClassDef)]
+        for giver in found:
+            if giver is not None and giver.order not in chosen:
+                chosen[giver.order] = giver
+                to_do.append(giver)
+    return [chosen[order] for order in sorted(chosen)]
+
+
+def _is_node(one: Statement, classes: dict[str, Statement]) -> bool:
+    assert isinstance(one.node, ast.ClassDef)
+    for base in one.node.bases:
+        name = base.attr if isinstance(base, ast.Attribute) else getattr(base, "id", "")
+        if name in ("Node", "LifecycleNode"):
+            return True
+        if name in classes and classes[name] is not one and _is_node(classes[name], classes):
+            return True
+    return False
+
+
+def _giver(
+    name: str, user: Statement, code: Sequence[Statement], left_out: Sequence[Statement], *, at: int
+) -> Statement | None:
+    """Find the last statement before `at` that gives a name, else the first after it."""
+    givers = [one for one in code if name in one.gives or "*" in one.gives]
+    before = [one for one in givers if one.order < at]
+    if givers:
+        return before[-1] if before else givers[0]
+    if name in _ALWAYS_THERE or name in user.gives:
+        return None
+    who = f"{', '.join(sorted(user.gives)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"
+    elsewhere = next((one for one in left_out if name in one.gives), None)
+    if elsewhere is not None:
+        raise CourseError(
+            f"{who}, which cell {elsewhere.cell.number} gives, and that cell is left out. Mark it: # export "
+            "in its first line."
+        )
+    raise CourseError(f"{who}, which is defined nowhere. Define or import it in a cell that is exported.")
 
 
 def node_name(node: ast.ClassDef) -> str | None:
@@ -78,3 +159,61 @@ def _literal(node: ast.expr) -> Any:
         return ast.literal_eval(node)
     except ValueError:
         return None
+
+
+def obstacles(
+    module: NodeModule, modules: Sequence[NodeModule], code: Sequence[Statement], *, named: bool
+) -> str:
+    """Return why a class cannot be started on its own, like "needs name"; "" if it can.
+
+    Args:
+        module: The class.
+        modules: All classes that may become executables.
+        code: The exported statements, in which base classes are looked up.
+        named: Whether it was asked for by name, although others may inherit from it.
+    """
+    if module.main is Main.OWN:
+        return ""
+    classes = {one.node.name: one.node for one in code if isinstance(one.node, ast.ClassDef)}
+    heirs = [other.class_name for other in modules if module.class_name in _direct_bases(other.node)]
+    if heirs and not named:
+        return f"is the base of {', '.join(heirs)}"
+    constructors = (_method(one, "__init__") for one in _family(module.node, classes))
+    free = next((_free(one) for one in constructors if one), [])
+    if free:
+        return f"needs {', '.join(free)}"
+    methods = (item for item in module.node.body if isinstance(item, ast.FunctionDef))
+    abstract = [method.name for method in methods if _is_abstract(method)]
+    return f"leaves {', '.join(abstract)} abstract" if abstract else ""
+
+
+def _direct_bases(node: ast.ClassDef) -> list[str]:
+    return [base.id for base in node.bases if isinstance(base, ast.Name) and base.id != node.name]
+
+
+def _family(node: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> list[ast.ClassDef]:
+    """Return a class and its direct and indirect bases among `classes`, nearest first."""
+    family, to_do = [node], _direct_bases(node)
+    while to_do:
+        base = classes.get(to_do.pop(0))
+        if base is not None and base not in family:
+            family.append(base)
+            to_do += _direct_bases(base)
+    return family
+
+
+def _method(node: ast.ClassDef, name: str) -> ast.FunctionDef | None:
+    return next((one for one in node.body if isinstance(one, ast.FunctionDef) and one.name == name), None)
+
+
+def _free(function: ast.FunctionDef) -> list[str]:
+    """Return the arguments of a method, but self, that have no default."""
+    arguments = function.args
+    positional = [*arguments.posonlyargs, *arguments.args][1:]
+    free = positional[: len(positional) - len(arguments.defaults)]
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    return [one.arg for one in (*free, *(one for one, default in pairs if default is None))]
+
+
+def _is_abstract(method: ast.FunctionDef) -> bool:
+    return any(ast.unparse(one).endswith("abstractmethod") for one in method.decorator_list)

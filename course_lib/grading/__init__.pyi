@@ -19,6 +19,7 @@ from .vocabulary.diagnostics import expect_levels as expect_levels
 from .vocabulary.joints import expect_joint_states as expect_joint_states
 from .vocabulary.joints import expect_joint_swing as expect_joint_swing
 from .vocabulary.joints import expect_joints_still as expect_joints_still
+from .vocabulary.joints import expect_trajectory as expect_trajectory
 from .vocabulary.layouts import expect_colors_apart as expect_colors_apart
 from .vocabulary.layouts import expect_display as expect_display
 from .vocabulary.layouts import expect_displays_on as expect_displays_on
@@ -27,8 +28,9 @@ from .vocabulary.layouts import expect_layout as expect_layout
 from .vocabulary.markers import expect_marker as expect_marker
 from .vocabulary.markers import expect_marker_count as expect_marker_count
 from .vocabulary.motion import expect_circle as expect_circle
-from .vocabulary.parameters import expect_parameters as expect_parameters
-from .vocabulary.paths import expect_path as expect_path
+from .vocabulary.motion import expect_circling_frame as expect_circling_frame
+from .vocabulary.motion import expect_path as expect_path
+from .vocabulary.motion import expect_transform as expect_transform
 from .vocabulary.silence import expect_gone as expect_gone
 from .vocabulary.silence import expect_nothing_before as expect_nothing_before
 from .vocabulary.topics import expect_frame as expect_frame
@@ -38,9 +40,7 @@ from .vocabulary.topics import expect_rate as expect_rate
 from .vocabulary.topics import expect_stamps as expect_stamps
 from .vocabulary.topics import expect_throughout as expect_throughout
 from .vocabulary.topics import expect_topic as expect_topic
-from .vocabulary.trajectories import expect_trajectory as expect_trajectory
-from .vocabulary.transforms import expect_circling_frame as expect_circling_frame
-from .vocabulary.transforms import expect_transform as expect_transform
 from .vocabulary.values import expect_length as expect_length
+from .vocabulary.values import expect_parameters as expect_parameters
 from .vocabulary.values import expect_text as expect_text
 from .vocabulary.values import expect_value as expect_value

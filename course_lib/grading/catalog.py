@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.course_file import CourseFile, read_course_file
-from course_lib.course.files import exercises_dir
+from course_lib.course.installation import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.task import Scenario, Task, check_scenarios
 

@@ -1,24 +1,24 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
+import math
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from course_lib.course.checked import keep_check
 from course_lib.course.identity import current_identity
-from course_lib.course.page import in_notebook, show
-from course_lib.course.state import student_state
+from course_lib.course.questions import in_notebook, show
+from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import Run, TaskResult, judge_task
-from course_lib.grading.not_numbers import not_numbers
 from course_lib.grading.personal import personal_values
-from course_lib.grading.printed import printed
-from course_lib.grading.scenario import run_here
-from course_lib.grading.table import Table
+from course_lib.grading.reports.table import Table
+from course_lib.grading.run.outcome import printed
+from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import HINTS, Task
+from course_lib.ros.messages import to_plain
 
 STRICT = "COURSE_STRICT"
 GHOST_HEIGHT = 260  # [px]
@@ -134,8 +134,35 @@ def _example(catalog: Catalog, subject: Any) -> str:
 def _show_ghost(task: Task, evidence: Evidence) -> None:
     from IPython.display import display
 
-    from course_lib.grading.ghost import compared
+    from course_lib.grading.reports.scenes import compared
     from course_lib.viewer.widget import SceneWidget
 
     view = SceneWidget(compared(task, evidence), GHOST_HEIGHT, "what you drew, and pale: what is expected")
     display(view)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
+
+MAX_PLACES = 3
+
+
+def not_numbers(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence with the first places of NaN, or nothing; of a topic its last message counts."""
+    places: list[str] = []
+    for one in evidence:
+        for topic in one.topics:
+            last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
+            places += (f"{place} on {topic}" for place in _places(last[0] if last else None, ""))
+        places += (place for value in one.returns for place in _places(value, "the returned value"))
+    found = list(dict.fromkeys(places))[:MAX_PLACES]
+    cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
+    return [f"NaN (not a number): {', '.join(found)}. Is it {cause}"] if found else []
+
+
+def _places(value: Any, path: str) -> Iterator[str]:
+    if isinstance(value, float) and math.isnan(value):
+        yield path.removeprefix(".")
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from _places(item, f"{path}.{key}")
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _places(item, f"{path}[{index}]")

@@ -1,17 +1,20 @@
 """`course check FILE`: the public checks of a whole notebook, in a process of its own, as at grading."""
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
-from course_lib.course.exercise_file import find_notebook
+from course_lib.course.exercise import find_notebook
 from course_lib.course.identity import current_identity
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
-from course_lib.grading.exercise_run import run_exercise
-from course_lib.grading.first_causes import Causes
-from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.submission import NO_EXERCISE, unpack
-from course_lib.grading.working_files import working_files
+from course_lib.grading.handin.notebook import CodeCell, parse_notebook
+from course_lib.grading.handin.submission import NO_EXERCISE, unpack
+from course_lib.grading.handin.working_files import working_files
+from course_lib.grading.judge import TaskResult
+from course_lib.grading.run.outcome import NOT_MADE
+from course_lib.grading.run.run import run_exercise
 
 NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 
@@ -45,3 +48,58 @@ def check_file(path: Path) -> bool:
         )
     print(*said, sep="\n\n")  # noqa: T201  the terminal is its page
     return all(result.passed for result in run.results)
+
+
+_UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")
+_PLACE = re.compile(r"\(cell In\[(\d+)\]")
+MANY = 3  # names that no cell makes: a cell is missing, not a letter
+
+
+class Causes:
+    """What kept a notebook's cells from running.
+
+    Args:
+        errors: Of the cells, in their order, as `describe` words them.
+        cells: The sources of all code cells.
+    """
+
+    def __init__(self, errors: Sequence[str], cells: Sequence[str]) -> None:
+        self._kept: list[str] = []
+        self._followers = 0
+        made = [CodeCell(number, text, True).gives for number, text in enumerate(cells, 1)]
+        unknown = (_UNKNOWN_NAME.match(error) for error in errors)
+        names = dict.fromkeys(found[1] for found in unknown if found)
+        self._made = frozenset[str]().union(*made)
+        self._nowhere = [name for name in names if name not in self._made]
+        self._cell_missing = len(self._nowhere) >= MANY
+        lost = set[str]()
+        for error in errors:
+            found, place = _UNKNOWN_NAME.match(error), _PLACE.search(error)
+            number = int(place[1]) if place else 0
+            if found and found[1] in lost:
+                self._followers += 1
+            else:
+                self._kept.append(error)
+            lost |= made[number - 1] if 0 < number <= len(made) else set()
+            if found:
+                lost |= set(self._nowhere) if self._cell_missing else {found[1]}
+
+    def lines(self) -> list[str]:
+        """Return the first errors, and how many others follow from them."""
+        found = list(self._kept)
+        if self._cell_missing:
+            names = ", ".join(self._nowhere)
+            found.append(f"No cell imports or defines {names}: is the cell with the imports missing?")
+        if self._followers:
+            found.append(f"{counted(self._followers, 'more cell')} cannot run for the same reason.")
+        return found
+
+    def explain(self, result: TaskResult) -> bool:
+        """Whether a task only failed because of these errors, so that its checks would say them again."""
+        return bool(self._kept and result.errors) and all(map(self._follows, result.errors))
+
+    def _follows(self, error: str) -> bool:
+        unknown = _UNKNOWN_NAME.match(error)
+        if unknown is None:
+            return error.endswith(NOT_MADE)
+        return unknown[1] in self._nowhere or (self._cell_missing and unknown[1] not in self._made)

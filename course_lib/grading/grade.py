@@ -9,10 +9,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
-from course_lib.grading.attention import concerns
-from course_lib.grading.copies import compare_class
 from course_lib.grading.executors import executors, flow
 from course_lib.grading.grade_one import (
     Course,
@@ -26,16 +24,16 @@ from course_lib.grading.grade_one import (
     rules_of,
     run_job,
 )
-from course_lib.grading.grade_progress import Row, broken_lines, counts, say, task_lines, watched
-from course_lib.grading.gradebook import results_in
-from course_lib.grading.ids import with_ids
+from course_lib.grading.handin.copies import compare_class
+from course_lib.grading.handin.ids import with_ids
+from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
-from course_lib.grading.job import Job
+from course_lib.grading.marks.mark import read_result, result_path, results_in
 from course_lib.grading.out_folder import OutError, sole_use, writing
 from course_lib.grading.preflight import try_out
-from course_lib.grading.report_index import write_tables
-from course_lib.grading.result import read_result, result_path
-from course_lib.grading.submission import Submission, find_submissions
+from course_lib.grading.reports.table import Row, broken_lines, counts, say, task_lines, watched
+from course_lib.grading.reports.tables import concerns, write_tables
+from course_lib.grading.run.job import Job
 
 GRADED = ("graded", "needs_marking", "limit")
 

@@ -10,19 +10,18 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import write_whole
 from course_lib.grading.catalog import Catalog, load_catalog
-from course_lib.grading.exercise_run import judge_exercise, run_scenarios
-from course_lib.grading.hand_marks import marks_path, read_marks
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.jail.launch import WorkerError, shared_template
-from course_lib.grading.job import Job, plan
+from course_lib.grading.marks.mark import Result, Status, row_of
+from course_lib.grading.marks.marks import marks_path, read_marks
 from course_lib.grading.out_folder import writing
-from course_lib.grading.report import write_report
-from course_lib.grading.result import Result, Status, row_of
-from course_lib.grading.store import pack, unpack
-from course_lib.grading.submission import Submission
-from course_lib.grading.usage import Usage, usage_path
+from course_lib.grading.reports.report import write_report
+from course_lib.grading.run.job import Job, plan
+from course_lib.grading.run.outcome import Usage, usage_path
+from course_lib.grading.run.run import judge_exercise, pack, run_scenarios, unpack
 
 TRIES = 2
 _one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads

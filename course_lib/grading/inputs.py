@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
+from course_lib.arrays import Vector
 from course_lib.grading.task import Message
 from course_lib.ros.clock import START_NS
-
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)

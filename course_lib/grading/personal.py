@@ -5,8 +5,8 @@ from typing import Any
 
 from course_lib.course.identity import current_identity, personal_number
 from course_lib.errors import CourseError
-from course_lib.grading.plain import plain
-from course_lib.grading.task import Task
+from course_lib.grading.run.outcome import plain
+from course_lib.grading.task import Message, Task, resolve
 
 _given: dict[str, dict[str, Any]] | None = None  # set in the grader's worker, which holds no check files
 
@@ -37,3 +37,20 @@ def give_values(values: dict[str, dict[str, Any]]) -> None:
     """Make these the values of `my_values`, by task: for the worker that runs a submission."""
     global _given
     _given = values
+
+
+def build(message: Message, personal: Mapping[str, Any]) -> Any:
+    """Make the ROS message, with the student's own values in it.
+
+    Raises:
+        CourseError: A field is unknown or its value does not fit; names topic and reason.
+    """
+    from course_lib.ros.messages import message_class
+    from course_lib.tools.message_yaml import set_fields
+
+    made = message_class(message.type_name)()
+    try:
+        set_fields(made, resolve(message.fields, personal))
+    except (AssertionError, AttributeError, TypeError, ValueError) as error:  # what ROS raises for a misfit
+        raise CourseError(f"the message for {message.topic} ({message.type_name}): {error}") from error
+    return made

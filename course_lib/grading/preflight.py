@@ -12,18 +12,16 @@ from functools import cache
 from pathlib import Path
 
 import course_lib
-from course_lib.course.exercise import exercise_from
-from course_lib.course.exercise_file import notebook_text, read_notebook
-from course_lib.course.whole_file import write_whole
+from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.exercise_run import ExerciseRun, judge_exercise
 from course_lib.grading.grade_one import Course, catalog_of, run_job
-from course_lib.grading.job import Job, plan
+from course_lib.grading.handin.notebook import parse_notebook
+from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import TaskResult
-from course_lib.grading.notebook import parse_notebook
 from course_lib.grading.out_folder import writing
-from course_lib.grading.store import unpack
-from course_lib.grading.working_files import working_files
+from course_lib.grading.run.job import Job, plan
+from course_lib.grading.run.run import ExerciseRun, judge_exercise, unpack
 
 STUDENT = "preflight"  # whose personal values are tried
 FOLDER = "preflight"  # in the folder of results

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from rclpy.duration import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import configuration, link_poses
 from course_lib.robots.robot import Robot
@@ -15,8 +16,6 @@ from course_lib.robots.robot import Robot
 if TYPE_CHECKING:
     import pinocchio as pin
 
-
-Floats = npt.NDArray[np.float64]
 
 ACCURACY = 1e-10  # [m], [rad]
 STEPS, LONGEST_STEP = 200, 0.5  # [rad]
@@ -136,7 +135,7 @@ def straight_line(
     )
 
 
-def _check(names: list[str], velocities: npt.NDArray[np.float64], limits: npt.NDArray[np.float64]) -> None:
+def _check(names: list[str], velocities: Floats, limits: Floats) -> None:
     fastest = np.abs(velocities).max(axis=0)
     for name, speed, limit in zip(names, fastest, limits, strict=True):
         if speed > limit:

@@ -12,12 +12,12 @@ from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 from course_lib.robots.period import period_of
 from course_lib.robots.trajectory import (
     PREEMPTED,
     REACHED,
-    Floats,
     TrajectoryGoal,
     Waypoint,
     sample,

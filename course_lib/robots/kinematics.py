@@ -5,17 +5,13 @@ from math import cos, isfinite, nan, sin
 from numbers import Real
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.robots.robot import Robot
 from course_lib.robots.urdf import MOVING, Urdf
 
 if TYPE_CHECKING:
     import pinocchio as pin
-
-Floats = npt.NDArray[np.float64]
 
 
 def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> dict[str, Floats]:

@@ -11,10 +11,10 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node, NodeOptions
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
+from course_lib.arrays import Floats
 from course_lib.robots.period import period_of
 from course_lib.robots.resources import resolve
 from course_lib.robots.robot import Robot, load_robot
-from course_lib.robots.trajectory import Floats
 
 if TYPE_CHECKING:
     import pinocchio as pin

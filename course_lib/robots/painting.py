@@ -14,8 +14,8 @@ from rclpy.time import Time
 from tf2_ros import Buffer, TransformListener
 from visualization_msgs.msg import Marker
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.robots.trajectory import Floats
 
 CELL = 0.002  # [m]: the wall is looked at in squares
 THICK = 0.1  # [m]

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.robots.resources import package_roots, resolve
 from course_lib.robots.urdf import Urdf, needed, parse_urdf
@@ -31,7 +29,7 @@ class Robot:
     model: "pin.Model"
     collision_model: "pin.GeometryModel"
     visual_model: "pin.GeometryModel"
-    q0: npt.NDArray[np.float64]
+    q0: Floats
     urdf: str
     path: Path | None = None
 

@@ -6,7 +6,6 @@ from functools import lru_cache
 from itertools import chain, pairwise
 
 import numpy as np
-import numpy.typing as npt
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTolerance
 from numpy.polynomial.polynomial import polyder, polyval
@@ -17,9 +16,9 @@ from rclpy.task import Future
 from rclpy.time import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 
-Floats = npt.NDArray[np.float64]
 _FIELDS = ("positions", "velocities", "accelerations")
 _SMALLEST_SPEED = float(np.finfo(np.float32).eps)  # as there
 Result = FollowJointTrajectory.Result

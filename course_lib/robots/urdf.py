@@ -8,20 +8,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from transforms3d.euler import euler2mat
 
+from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
 
 if TYPE_CHECKING:
     import pinocchio as pin
 
-
-Matrix: TypeAlias = npt.NDArray[np.float64]
-Vector: TypeAlias = tuple[float, ...]
 
 _INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
 MOVING = ("revolute", "continuous", "prismatic")  # the kinds of joints that one number places
@@ -33,7 +30,7 @@ class Geometry:
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
     transform_shape_to_link: Matrix  # shape (4, 4)
-    size: Vector  # full extents along x, y, z, [m]; what a mesh is scaled by
+    size: tuple[float, ...]  # full extents along x, y, z, [m]; what a mesh is scaled by
     uri: str = ""  # of a mesh
 
 
@@ -41,7 +38,7 @@ class Geometry:
 class Material:
     """What a shape is painted with: RGBA in 0..1, or the picture at an address."""
 
-    color: Vector
+    color: tuple[float, ...]
     texture: str = ""
 
 
@@ -129,7 +126,7 @@ def _origin(element: ET.Element) -> Matrix:
     return transform
 
 
-def _numbers(text: str) -> Vector:
+def _numbers(text: str) -> tuple[float, ...]:
     return tuple(map(float, text.split()))
 
 

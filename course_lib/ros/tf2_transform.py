@@ -5,9 +5,9 @@ from math import acos, sin, sqrt
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-Vector: TypeAlias = tuple[float, float, float]
+from course_lib.arrays import Floats, Vector
+
 Quaternion: TypeAlias = tuple[float, float, float, float]  # (x, y, z, w)
 Pose: TypeAlias = tuple[Vector, Quaternion]
 
@@ -40,7 +40,7 @@ class Transform:
         """The translation and the rotation."""
         return self.translation, self.rotation
 
-    def matrix(self) -> npt.NDArray[np.float64]:
+    def matrix(self) -> Floats:
         """Return the transform from child to parent, shape (4, 4)."""
         x, y, z, w = self.rotation
         px, py, pz = self.translation

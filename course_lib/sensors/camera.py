@@ -6,13 +6,13 @@ from functools import cached_property
 from typing import Literal, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
+from course_lib.arrays import AnyArray, Bytes, Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats, Pose, check_count, check_number
+from course_lib.sensors.checked import Pose, check_count, check_number
 from course_lib.sensors.sensor_node import Common, SensorNode
 from course_lib.sensors.world import World
 
@@ -60,7 +60,7 @@ class Pinhole:
         info.p = np.hstack([k, np.zeros((3, 1))]).ravel()
         return info
 
-    def message(self, header: Header, pixels: NDArray[np.generic], encoding: str) -> Image:
+    def message(self, header: Header, pixels: AnyArray, encoding: str) -> Image:
         """Pack pixels, shape (height, width) or (height, width, 3), as sensor_msgs/Image."""
         data = np.frombuffer(pixels.tobytes(), np.uint8)
         image = Image(header=header, encoding=encoding, height=self.height, width=self.width, data=data)
@@ -107,7 +107,7 @@ class CameraNode(SensorNode):
                 CompressedImage(header=header, format=text, data=np.frombuffer(data, np.uint8))
             )
 
-    def picture(self, seconds: float, chance: np.random.Generator) -> NDArray[np.uint8]:
+    def picture(self, seconds: float, chance: np.random.Generator) -> Bytes:
         """See the world at a robot time [s], lit from the camera; shape (height, width, 3)."""
         camera = self.pinhole
         hits = self.world.cast(self.transform_at(seconds), camera.rays, seconds)
@@ -132,7 +132,7 @@ def shade(rays: Floats, distance: Floats, width: int) -> Floats:
     return np.where(np.isfinite(distance), light, 1.0)
 
 
-def compress(pixels: NDArray[np.uint8], kind: Literal["png", "jpeg"]) -> bytes:
+def compress(pixels: Bytes, kind: Literal["png", "jpeg"]) -> bytes:
     """Pack a picture, shape (height, width, 3), as a PNG or JPEG file."""
     from PIL import Image as Pictures  # on first use
 

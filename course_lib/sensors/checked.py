@@ -4,11 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 
-Floats = NDArray[np.float64]
 PoseAt = Callable[[float], ArrayLike]  # robot time since the start of the run [s] -> (4, 4)
 Pose = ArrayLike | PoseAt
 

@@ -9,8 +9,9 @@ from std_msgs.msg import Header
 from transforms3d.quaternions import mat2quat
 from vision_msgs.msg import Detection3D, Detection3DArray, ObjectHypothesisWithPose
 
+from course_lib.arrays import Floats
 from course_lib.ros.clock import START_NS
-from course_lib.sensors.checked import Floats, Pose, check_number, pose_function
+from course_lib.sensors.checked import Pose, check_number, pose_function
 from course_lib.sensors.world import Thing, World
 
 _STEPS = np.array([-0.25, 0.0, 0.25])  # of the size: these points lie in every round or edged shape

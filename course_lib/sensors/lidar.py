@@ -7,7 +7,8 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan, PointCloud2, PointField, Range
 from std_msgs.msg import Header
 
-from course_lib.sensors.checked import Floats, Pose, check_count, check_limits, check_number
+from course_lib.arrays import Floats
+from course_lib.sensors.checked import Pose, check_count, check_limits, check_number
 from course_lib.sensors.sensor_node import Common, SensorNode
 from course_lib.sensors.world import World
 

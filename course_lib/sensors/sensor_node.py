@@ -8,8 +8,9 @@ import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
 
+from course_lib.arrays import Floats
 from course_lib.ros.clock import START_NS
-from course_lib.sensors.checked import Floats, Pose, check_number, pose_function
+from course_lib.sensors.checked import Pose, check_number, pose_function
 from course_lib.sensors.world import World
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from course_lib.sensors.checked import Floats, check_number
+from course_lib.arrays import Floats
+from course_lib.sensors.checked import check_number
 
 
 @dataclass(frozen=True, eq=False)

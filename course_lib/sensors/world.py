@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from course_lib.arrays import Floats, Indices
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import (
-    Floats,
     Pose,
     check_array,
     check_number,
@@ -108,7 +108,7 @@ class Hits:
     """
 
     distance: Floats
-    thing: NDArray[np.intp]
+    thing: Indices
 
 
 class World:
@@ -151,7 +151,7 @@ class World:
             distance[chosen[closer]], found[chosen[closer]] = length[closer], number
         return Hits(distance, found)
 
-    def _near(self, centers: Floats, rays: Floats, far: float) -> list[NDArray[np.intp]]:
+    def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
         """Per thing, the rays that may meet the sphere around it; centers (M, 3) from the sensor, [m]."""
         away = np.linalg.norm(centers, axis=1)
         inside = away <= self._reach

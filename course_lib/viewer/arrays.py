@@ -1,15 +1,12 @@
 """Arrays at the viewer's border: what comes in is checked, converted and frozen once."""
 
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from course_lib.arrays import Float32s
 from course_lib.errors import CourseError
-
-Floats: TypeAlias = npt.NDArray[np.float32]
-Integers: TypeAlias = npt.NDArray[np.uint32]
-Matrix: TypeAlias = npt.NDArray[np.float64]
 
 
 class ShapeError(CourseError):
@@ -32,16 +29,16 @@ def checked(name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tupl
     return array
 
 
-def floats(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> Floats:
+def floats(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> Float32s:
     """Check an array and keep it in single precision, as it is drawn."""
-    array: Floats = checked(name, value, np.float32, *shapes)
+    array: Float32s = checked(name, value, np.float32, *shapes)
     return array
 
 
-def rgba(value: npt.ArrayLike, count: int | None = None) -> Floats:
+def rgba(value: npt.ArrayLike, count: int | None = None) -> Float32s:
     """Check RGBA, shape (4,), or also (count, 4), and keep it within 0..1; what is no number is 0."""
     shapes = ((4,),) if count is None else ((count, 4), (4,))
-    checked_rgba: Floats = np.nan_to_num(floats("colors", value, *shapes)).clip(0, 1)
+    checked_rgba: Float32s = np.nan_to_num(floats("colors", value, *shapes)).clip(0, 1)
     checked_rgba.setflags(write=False)
     return checked_rgba
 

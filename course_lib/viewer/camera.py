@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from math import pi, tan
 
 import numpy as np
-import numpy.typing as npt
 
+from course_lib.arrays import Floats, Matrix, Reals, Vector
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Matrix
 
 FAR = 1000.0  # [m]
-
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -51,13 +48,13 @@ class Camera:
         transform_scene_to_camera[:3, 3] = -rotation @ np.asarray(self.eye)
         return transform_scene_to_camera
 
-    def pixels_per_metre(self, depth: npt.NDArray[np.floating], height: int) -> npt.NDArray[np.floating]:
+    def pixels_per_metre(self, depth: Reals, height: int) -> Reals:
         """Say how large a metre is in a picture of some height in pixels, at depths ahead of the eye."""
         if self.orthographic_scale is not None:
             return np.full_like(depth, self.orthographic_scale)
         return 0.5 * height / tan(self.vertical_fov / 2) / depth
 
 
-def _unit(vector: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _unit(vector: Floats) -> Floats:
     length: float = np.linalg.norm(vector).item()
     return vector / length

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from course_lib.arrays import Bytes, UInt32s
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Integers, checked, floats, rgba
+from course_lib.viewer.arrays import checked, floats, rgba
 from course_lib.viewer.camera import Camera
 
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
@@ -149,7 +149,7 @@ class Sheet:
     """
 
     def __init__(self, cells: ArrayLike, colors: ArrayLike, width: float, behind: bool = False) -> None:
-        self.cells: npt.NDArray[np.uint8] = checked("cells", cells, np.uint8, (None, None))
+        self.cells: Bytes = checked("cells", cells, np.uint8, (None, None))
         self.colors = rgba(colors, 256)
         self.width = float(width)
         self.behind = behind
@@ -176,7 +176,7 @@ class Inset:
         over: float = 0.0,
         hidden: tuple[str, ...] = (),
     ) -> None:
-        self.pixels: npt.NDArray[np.uint8] = checked("pixels", pixels, np.uint8, (None, None, 3))
+        self.pixels: Bytes = checked("pixels", pixels, np.uint8, (None, None, 3))
         rows, columns = self.pixels.shape[:2]
         self.aspect = float(aspect or columns / max(rows, 1))
         self.camera = camera
@@ -199,13 +199,13 @@ class MeshcatObject:
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
-def _faces(faces: ArrayLike | None, count: int) -> Integers:
+def _faces(faces: ArrayLike | None, count: int) -> UInt32s:
     """Return the corners of all triangles, shape (F, 3)."""
     if faces is None:
         if count % 3:
             raise CourseError(f"A mesh without faces needs 3 vertices per triangle, there are {count}.")
         faces = np.arange(count).reshape(-1, 3)
-    corners: Integers = checked("faces", faces, np.uint32, (None, 3))
+    corners: UInt32s = checked("faces", faces, np.uint32, (None, 3))
     if corners.size and corners.max() >= count:
         raise CourseError(f"A face of the mesh names vertex {corners.max()}, the last one is {count - 1}.")
     return corners

@@ -4,9 +4,8 @@ from typing import Any
 
 import msgpack
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.viewer.arrays import Floats
+from course_lib.arrays import AnyArray, Float32s
 from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Sheet, Solids, Text
 from course_lib.viewer.scene import Node, Scene, What
 from course_lib.viewer.text import rasterized
@@ -68,7 +67,7 @@ def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
     return []
 
 
-def columns(matrices: Floats) -> Floats:
+def columns(matrices: Float32s) -> Float32s:
     """Return the upper three rows of affine matrices, column by column, shape (N, 4, 3)."""
     return np.ascontiguousarray(matrices[:, :3].transpose(0, 2, 1))
 
@@ -84,7 +83,7 @@ def _extended(value: Any) -> Any:
     raise TypeError(f"A scene cannot hold {value!r}.")
 
 
-def _packed_array(array: npt.NDArray[Any]) -> Any:
+def _packed_array(array: AnyArray) -> Any:
     for dtype, code in ((np.float32, _FLOAT32), (np.uint32, _UINT32), (np.uint8, _UINT8)):
         if array.dtype == dtype:
             return msgpack.ExtType(code, array.tobytes())

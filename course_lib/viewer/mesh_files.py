@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from course_lib.arrays import Float32s, Matrix
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Floats, Matrix
 from course_lib.viewer.drawables import Mesh
 
 Part: TypeAlias = tuple[Any, Matrix]  # a mesh of trimesh, and the transform from it to the file's frame
@@ -94,7 +94,7 @@ def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
     return normals
 
 
-def _colors(part: Any) -> Floats:
+def _colors(part: Any) -> Float32s:
     """Return the colours of a part's vertices, shape (V, 4): their own, or those of their material."""
     visual, colors = part.visual, _PLAIN
     if visual.kind == "texture" and getattr(visual.material, "image", None) and visual.uv is not None:

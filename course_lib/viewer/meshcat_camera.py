@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.viewer.arrays import Matrix
+from course_lib.arrays import Floats, Matrix
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene
 
@@ -57,7 +57,7 @@ class MeshcatCamera:
             camera = replace(self._scene.camera, vertical_fov=fov, near=json["near"], orthographic_scale=None)
             self._scene.camera = camera
 
-    def _look(self, eye: npt.NDArray[np.float64], target: npt.NDArray[np.float64]) -> None:
+    def _look(self, eye: Floats, target: Floats) -> None:
         if np.array_equal(eye, target):  # Pinocchio's disableCameraControl
             target = eye + _AHEAD
         rotation, origin = self._transform_camera_to_scene[:3, :3], self._transform_camera_to_scene[:3, 3]
@@ -65,9 +65,9 @@ class MeshcatCamera:
         vectors: dict[str, Any] = {name: tuple(point.tolist()) for name, point in points.items()}
         self._scene.camera = replace(self._scene.camera, **vectors)
 
-    def _local(self, point: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def _local(self, point: npt.ArrayLike) -> Floats:
         rotation, origin = self._transform_camera_to_scene[:3, :3], self._transform_camera_to_scene[:3, 3]
-        local: npt.NDArray[np.float64] = rotation.T @ (np.asarray(point) - origin)
+        local: Floats = rotation.T @ (np.asarray(point) - origin)
         return local
 
 

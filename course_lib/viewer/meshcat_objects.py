@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from course_lib.viewer.arrays import Floats, Matrix, floats, rgba
+from course_lib.arrays import Float32s, Matrix
+from course_lib.viewer.arrays import floats, rgba
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Shape, Solids, Text
 from course_lib.viewer.mesh_files import parse_mesh
 
@@ -62,14 +63,14 @@ def _part(json: Json, field: str, library: str) -> Json:
     return next((part for part in json.get(library, ()) if part["uuid"] == wanted), {})
 
 
-def _color(material: Json) -> Floats:
+def _color(material: Json) -> Float32s:
     rgb = int(material.get("color", 0xFFFFFF))
     alpha = float(material.get("opacity", 1)) if material.get("transparent") else 1.0
     parts = [(rgb >> shift & 255) / 255 for shift in (16, 8, 0)]
     return np.array([*parts, alpha], np.float32)
 
 
-def _colors(attributes: Json, material: Json) -> Floats:
+def _colors(attributes: Json, material: Json) -> Float32s:
     """Return the colours of the vertices if they count, shape (V, 4), else that of the material."""
     color = _color(material)
     if not material.get("vertexColors") or "color" not in attributes:
@@ -102,17 +103,17 @@ def _from_file(file: Json, material: Json) -> Mesh:
     return parse_mesh(content, file["format"], tuple(_color(material).tolist()) if material else None)
 
 
-def _mesh(points: Floats, colors: Floats, data: Json, material: Json) -> Mesh:
+def _mesh(points: Float32s, colors: Float32s, data: Json, material: Json) -> Mesh:
     lit = material.get("type") != "MeshBasicMaterial"
     return Mesh(points, _array(data["index"]) if "index" in data else None, colors, lit=lit)
 
 
-def _points(points: Floats, colors: Floats, _: Json, material: Json) -> Points:
+def _points(points: Float32s, colors: Float32s, _: Json, material: Json) -> Points:
     size = material.get("size", 0.001)  # [m]
     return Points(points, colors, (size, size))
 
 
-_BUFFERS: dict[str, Callable[[Floats, Floats, Json, Json], Drawable]] = {
+_BUFFERS: dict[str, Callable[[Float32s, Float32s, Json, Json], Drawable]] = {
     "Mesh": _mesh,
     "Points": _points,
     "Line": lambda points, colors, *_: Lines(points, colors),

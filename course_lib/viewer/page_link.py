@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
-from course_lib.viewer.camera import Vector
+from course_lib.arrays import Vector
 from course_lib.viewer.flow import running_loop
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.stream import Content, Send, Stream

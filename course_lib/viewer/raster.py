@@ -4,14 +4,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.viewer.arrays import Floats
+from course_lib.arrays import Float32s, Floats, Indices
 
 _AT_ONCE = 500_000  # samples
-
-Doubles = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.intp]
 
 
 class Covered(NamedTuple):
@@ -19,10 +15,10 @@ class Covered(NamedTuple):
 
     sample: Indices  # numbers of samples in the picture, row by row, shape (N,)
     triangle: Indices  # numbers of the triangles, shape (N,)
-    share: Doubles  # share of each corner at the sample, shape (N, 3)
+    share: Floats  # share of each corner at the sample, shape (N, 3)
 
 
-def covered(xy: Doubles, size: tuple[int, int]) -> Iterator[Covered]:
+def covered(xy: Floats, size: tuple[int, int]) -> Iterator[Covered]:
     """Iterate over the samples whose centres are in triangles.
 
     Args:
@@ -51,7 +47,7 @@ def covered(xy: Doubles, size: tuple[int, int]) -> Iterator[Covered]:
         yield Covered(y[row] * width + x, triangle[row], share)
 
 
-def clipped(corners: Floats, near: float) -> Floats:
+def clipped(corners: Float32s, near: float) -> Float32s:
     """Cut away what is nearer to the camera than that; corners of shape (T, 3, K) begin with x, y, z."""
     inside = -corners[..., 2] >= near
     count = inside.sum(axis=1)
@@ -66,13 +62,13 @@ def clipped(corners: Floats, near: float) -> Floats:
     return np.concatenate(pieces)
 
 
-def _cut(a: Floats, b: Floats, near: float) -> Floats:
+def _cut(a: Float32s, b: Float32s, near: float) -> Float32s:
     """Return the points between two at which the picture begins, shape (N, K)."""
-    part: Floats = (-near - a[:, 2:3]) / (b[:, 2:3] - a[:, 2:3])
+    part: Float32s = (-near - a[:, 2:3]) / (b[:, 2:3] - a[:, 2:3])
     return a + part * (b - a)
 
 
-def _edges(xy: Doubles) -> tuple[Doubles, Doubles]:
+def _edges(xy: Floats) -> tuple[Floats, Floats]:
     """Return the share of each corner at a point as slope * x + offset[0] + offset[1] * y."""
     this, other = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
     rise, run = this[..., 1] - other[..., 1], other[..., 0] - this[..., 0]

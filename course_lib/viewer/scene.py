@@ -8,8 +8,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Matrix, checked
+from course_lib.viewer.arrays import checked
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable
 

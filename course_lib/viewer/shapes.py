@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from course_lib.viewer.arrays import Floats, Matrix
+from course_lib.arrays import Float32s, Matrix
 from course_lib.viewer.drawables import Shape, Spot
 
 _ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
@@ -27,8 +27,8 @@ _DISC_SHADES = np.array([[1.0], [0.8], [0.8]], np.float32)  # of its middle and 
 class Surface(NamedTuple):
     """Triangles that share nothing: corners and normals, both of shape (T, 3, 3)."""
 
-    corners: Floats
-    normals: Floats
+    corners: Float32s
+    normals: Float32s
 
 
 @cache
@@ -47,7 +47,7 @@ def unit_shape(shape: Shape, steps: int) -> Surface:
 
 
 @cache
-def unit_spot(spot: Spot) -> tuple[Floats, Floats]:
+def unit_spot(spot: Spot) -> tuple[Float32s, Float32s]:
     """Return triangles, shape (T, 3, 3), and how bright RViz makes their corners, shape (T, 3, 1).
 
     The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
@@ -64,14 +64,14 @@ def unit_spot(spot: Spot) -> tuple[Floats, Floats]:
     return corners, _BOX_SHADES[np.abs(normals).argmax(axis=-1), negative][..., None]
 
 
-def _turned(profile: Matrix, angles: Matrix) -> Floats:
+def _turned(profile: Matrix, angles: Matrix) -> Float32s:
     """Turn points (radius, height), shape (S, 2), around z; returns shape (A, S, 3)."""
     radius, height = profile.T
     x, y = np.outer(np.cos(angles), radius), np.outer(np.sin(angles), radius)
     return np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1).astype(np.float32)
 
 
-def _quads(low: Floats, high: Floats) -> Floats:
+def _quads(low: Float32s, high: Float32s) -> Float32s:
     """Join what was turned, at the lower and upper ends of segments, to triangles, shape (T, 3, 3)."""
     corners = [low[:-1], low[1:], high[1:], low[:-1], high[1:], high[:-1]]
     return np.stack(corners, axis=2).reshape(-1, 3, 3)

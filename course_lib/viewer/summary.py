@@ -1,8 +1,8 @@
 """What a scene shows, in words: for those who do not see it, and for tests."""
 
 import numpy as np
-import numpy.typing as npt
 
+from course_lib.arrays import Reals
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 
@@ -37,7 +37,7 @@ def _counted(count: int, name: str) -> str:
 
 def _middle(scene: Scene, path: str, thing: Drawable) -> str:
     """Return the middle of what an object's points span, in the scene's frame."""
-    points: npt.NDArray[np.floating]
+    points: Reals
     if isinstance(thing, Solids):
         points = thing.placements[:, :3, 3]
     elif isinstance(thing, Mesh):

@@ -6,8 +6,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
+
+from course_lib.arrays import Bytes
 
 _CAPITAL = 46  # [px] height of a capital letter of the font in use
 _MARGIN = 16  # [px] room around the letters, for what hangs below and stands above them
@@ -20,7 +21,7 @@ _LONGEST = 5000  # letters
 class Glyphs:
     """A text in white on black."""
 
-    mask: npt.NDArray[np.uint8]  # how much of each pixel is ink, 0..255, shape (rows, columns)
+    mask: Bytes  # how much of each pixel is ink, 0..255, shape (rows, columns)
     pixels_per_height: float  # pixels in the height of a capital letter
 
 

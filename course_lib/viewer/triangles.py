@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.viewer.arrays import Floats, Matrix
+from course_lib.arrays import Bools, Bytes, Float32s, Matrix
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
@@ -23,11 +22,11 @@ class Triangles:
 
     # x right, y up, -z ahead of the camera, in [m], then RGBA, then the place in the mask, x right and y
     # up in 0..1; shape (T, 3, 9)
-    corners: Floats
+    corners: Float32s
     transparent: bool  # whether what is behind shines through
     # how much of the colour there is, 0..255, the first row at the top: of its alpha, shape (rows, columns),
     # or of each part, shape (rows, columns, 4)
-    mask: npt.NDArray[np.uint8] | None = None
+    mask: Bytes | None = None
     behind: bool = False  # whether it is behind everything that comes later
     farther: float = 0.0  # share of its distance by which it counts as farther away
 
@@ -40,12 +39,12 @@ class View:
     camera: Camera
     height: int
 
-    def points(self, points: Floats) -> Floats:
+    def points(self, points: Float32s) -> Float32s:
         """Return points, shape (..., 3), as the camera sees them."""
         transform = self.transform_object_to_camera
         return (points @ transform[:3, :3].T + transform[:3, 3]).astype(np.float32)
 
-    def pixel(self, points: Floats) -> Floats:
+    def pixel(self, points: Float32s) -> Float32s:
         """Return the size of a pixel in [m] at points that the camera sees, shape (N, 1)."""
         depth = np.maximum(-points[:, 2:], self.camera.near)
         return (1 / self.camera.pixels_per_metre(depth, self.height)).astype(np.float32)
@@ -69,7 +68,7 @@ def triangles_of(
             yield seen if near.all() else replace(seen, corners=seen.corners[near])
 
 
-def _triangles(points: Floats, colors: Floats, lit_by: Floats | None = None) -> Triangles:
+def _triangles(points: Float32s, colors: Float32s, lit_by: Float32s | None = None) -> Triangles:
     """Join corners, shape (T, 3, 3), with their colours, shape (T, 3, 4), darkened by normals."""
     colors = np.broadcast_to(colors, (*points.shape[:2], 4)).astype(np.float32)
     if lit_by is not None:
@@ -79,12 +78,12 @@ def _triangles(points: Floats, colors: Floats, lit_by: Floats | None = None) -> 
     return Triangles(corners, bool((colors[..., 3] < OPAQUE_FROM).any()))
 
 
-def _normals(corners: Floats) -> Floats:
+def _normals(corners: Float32s) -> Float32s:
     """Return the normal of each triangle, shape (T, 1, 3), of any length."""
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, None]
 
 
-def _turned(normals: Floats, transform: Matrix) -> Floats:
+def _turned(normals: Float32s, transform: Matrix) -> Float32s:
     """Return normals, shape (..., 3), after a transform, shape (..., 4, 4), that may stretch or flatten."""
     x, y, z = (transform[..., :3, axis] for axis in range(3))
     cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
@@ -103,10 +102,10 @@ def _solids(solids: Solids, view: View) -> Triangles:
     return _triangles(corners[front], colors[front], normals[front] if solids.lit else None)
 
 
-def _front(corners: Floats, view: View) -> npt.NDArray[np.bool_]:
+def _front(corners: Float32s, view: View) -> Bools:
     """Say which triangles turn their front to the camera."""
     towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
-    front: npt.NDArray[np.bool_] = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
+    front: Bools = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
     return front
 
 
@@ -154,7 +153,7 @@ def _points(points: Points, view: View) -> Triangles:
     return _triangles(corners, colors)
 
 
-def _spot_axes(points: Points, centres: Floats, view: View) -> Matrix:
+def _spot_axes(points: Points, centres: Float32s, view: View) -> Matrix:
     """Return right, up and ahead of each spot as columns, shape (N, 3, 3); see RViz's nogp/billboard.vert."""
     rotation = view.transform_object_to_camera[:3, :3]
     if points.pixels or points.spot in ("box", "tile"):

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import Matrix
 from course_lib.viewer.meshcat_camera import MeshcatCamera
 from course_lib.viewer.meshcat_objects import drawable_of, recolored
 from course_lib.viewer.picture import screenshot

@@ -3,21 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
-from course_lib.viewer.arrays import Floats
+from course_lib.arrays import Bytes, Float32s, Indices, Pixels
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Inset
 from course_lib.viewer.insets import placed_insets
 from course_lib.viewer.raster import clipped, covered
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.triangles import Triangles, triangles_of
-
-Pixels: TypeAlias = npt.NDArray[np.uint8]  # RGB, shape (rows, columns, 3)
 
 _FINER = 2  # samples per pixel along each axis
 
@@ -26,9 +22,9 @@ _FINER = 2  # samples per pixel along each axis
 class Fragments:
     """Samples of triangles: which sample of the picture, how far away [m], RGBA; all of length N."""
 
-    sample: npt.NDArray[np.intp]
-    depth: Floats
-    color: Floats
+    sample: Indices
+    depth: Float32s
+    color: Float32s
 
 
 def draw(scene: Scene, size: tuple[int, int]) -> bytes:
@@ -80,7 +76,7 @@ def _pixels(
     return pixels
 
 
-def _cover(depths: Floats, colors: Floats, fragments: Fragments) -> None:
+def _cover(depths: Float32s, colors: Float32s, fragments: Fragments) -> None:
     """Keep the nearest fragment of each sample."""
     order = np.argsort(-fragments.depth, kind="stable")
     order = order[fragments.depth[order] < depths[fragments.sample[order]]]
@@ -89,7 +85,7 @@ def _cover(depths: Floats, colors: Floats, fragments: Fragments) -> None:
     colors[sample] = fragments.color[order, :3]
 
 
-def _blend(depths: Floats, colors: Floats, parts: list[Fragments]) -> None:
+def _blend(depths: Float32s, colors: Float32s, parts: list[Fragments]) -> None:
     """Lay fragments over what is behind them, the farthest first."""
     if not parts:
         return
@@ -125,7 +121,7 @@ def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> I
         yield _shaded(spans.sample, value, triangles.mask)
 
 
-def _shaded(sample: npt.NDArray[np.intp], value: Floats, mask: npt.NDArray[np.uint8] | None) -> Fragments:
+def _shaded(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:
     """Split interpolated values into depth and colour, and thin the colour by the mask."""
     depth, color, place = value[:, 0], value[:, 1:5], value[:, 5:]
     if mask is None:

@@ -14,8 +14,8 @@ install()
 import rclpy  # noqa: E402  # needs the stand-in's packages
 
 from course_lib import spin_for  # noqa: E402  # as above
-from course_lib.course.exercise_file import read_notebook, source  # noqa: E402  # as above
-from course_lib.course.files import lessons_dir  # noqa: E402  # as above
+from course_lib.course.exercise import read_notebook, source  # noqa: E402  # as above
+from course_lib.course.installation import lessons_dir  # noqa: E402  # as above
 from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
 
 RUNS = 5

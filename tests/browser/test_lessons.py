@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Browser, Locator, expect
 
-from course_lib.course.files import exercises_dir, lessons_dir
+from course_lib.course.installation import exercises_dir, lessons_dir
 from tests.browser.jupyterlab import Notebook, opened, pixels_of
 from tests.browser.waiting import wait_until
 

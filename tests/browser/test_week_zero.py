@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from course_lib.course.exercise_file import read_notebook
+from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
 from tests.browser.jupyterlab import Notebook, opened, pixels_of
 from tests.browser.waiting import wait_until

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from course_lib.course.contents import contents_page, load_weeks, write_contents
+from course_lib.course.progress import contents_page, load_weeks, write_contents
 from course_lib.course.state import State
 
 

@@ -2,9 +2,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.course.exercise import exercise_from, exercise_path, stub
-from course_lib.course.exercise_file import notebook_text, read_notebook
-from course_lib.course.files import solutions_dir
+from course_lib.course.exercise import exercise_from, exercise_path, notebook_text, read_notebook, stub
+from course_lib.course.installation import solutions_dir
 from course_lib.errors import CourseError
 
 SOLVED = """def area(r):

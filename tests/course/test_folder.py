@@ -3,10 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course import folder as folder_module
-from course_lib.course.exercise_file import notebook_text, read_notebook
-from course_lib.course.files import PACKAGE
-from course_lib.course.folder import prepare, shipped_files
+from course_lib.course import hand_out
+from course_lib.course.exercise import notebook_text, read_notebook
+from course_lib.course.hand_out import prepare, shipped_files
+from course_lib.course.installation import PACKAGE
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -28,7 +28,7 @@ def release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "week01_exercise.ipynb": shipped / "week01_exercise.ipynb",
         "assets/map.txt": shipped / "map.txt",
     }
-    monkeypatch.setattr(folder_module, "shipped_files", lambda: files)
+    monkeypatch.setattr(hand_out, "shipped_files", lambda: files)
     return shipped
 
 

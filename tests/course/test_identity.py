@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_lib.course.exercise_file import notebook_text, read_notebook
+from course_lib.course.exercise import notebook_text, read_notebook
 from course_lib.course.identity import (
     ask_identity,
     current_identity,

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.predict import _form, compare, predict
+from course_lib.course.questions import _prediction_form, compare, predict
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -30,7 +30,7 @@ def test_without_a_page_the_question_is_printed_and_nothing_is_kept(
 def test_a_click_keeps_the_guess_and_the_result_is_shown_beside_it(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _form("week01.alpha", "What do you see?", OPTIONS, None).children[1].value = "a cube"
+    _prediction_form("week01.alpha", "What do you see?", OPTIONS, None).children[1].value = "a cube"
     assert State(folder).section("predictions") == {"week01.alpha": "a cube"}
     compare("week01.alpha", "nothing")
     compare("week01.alpha", "a cube")
@@ -40,8 +40,8 @@ def test_a_click_keeps_the_guess_and_the_result_is_shown_beside_it(
 
 
 def test_a_kept_guess_is_chosen_again_when_the_cell_runs_again() -> None:
-    assert _form("k", "q", OPTIONS, "a cube").children[1].value == "a cube"
-    assert _form("k", "q", OPTIONS, "an option of an older lesson").children[1].value is None
+    assert _prediction_form("k", "q", OPTIONS, "a cube").children[1].value == "a cube"
+    assert _prediction_form("k", "q", OPTIONS, "an option of an older lesson").children[1].value is None
 
 
 def test_one_option_is_no_choice() -> None:

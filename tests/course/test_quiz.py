@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.files import exercises_dir
-from course_lib.course.quiz import Answer, _form, load_quiz, quiz, verdict
+from course_lib.course.installation import exercises_dir
+from course_lib.course.questions import Answer, _quiz_form, load_quiz, quiz, verdict
 from course_lib.errors import CourseError
 
 QUIZZES = sorted((exercises_dir() / "quizzes").glob("*.toml"))
@@ -32,7 +32,7 @@ def test_without_a_page_the_questions_are_printed(capsys: pytest.CaptureFixture[
 
 def test_every_answer_can_be_clicked_and_is_answered_in_words() -> None:
     questions = load_quiz("week01")
-    for question, box in zip(questions, _form(questions).children, strict=True):
+    for question, box in zip(questions, _quiz_form(questions).children, strict=True):
         _, choice, said = box.children
         for number, answer in enumerate(question.answers):
             choice.index = number

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course import release as release_module
-from course_lib.course.exercise import BEGIN, END
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import checkout_root, solutions_dir
-from course_lib.course.release import EXTENSIONS, _copy, _without_extensions, release
+from course_lib.course import hand_out
+from course_lib.course.exercise import BEGIN, END, read_notebook, source
+from course_lib.course.hand_out import EXTENSIONS, _copy, _without_extensions, release
+from course_lib.course.installation import checkout_root, solutions_dir
 from course_lib.errors import CourseError
 
 
@@ -67,7 +66,7 @@ def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path) -> None:
 def test_an_exercise_that_was_stale_stops_the_release(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(release_module, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
+    monkeypatch.setattr(hand_out, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
     with pytest.raises(CourseError, match=r"please look and commit.*week01_exercise\.ipynb"):
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -79,8 +78,9 @@ def test_a_wheel_of_the_release_prepares_a_students_folder(out: Path, tmp_path: 
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
     subprocess.run([*pip, "--target", str(tmp_path / "site"), str(out)], check=True, capture_output=True)
     code = (
-        "from pathlib import Path; from course_lib.course import files, folder, quiz\n"
-        "print(files.PACKAGE); print(*folder.prepare(Path('mine')).added); quiz.load_quiz('week01')"
+        "from pathlib import Path; from course_lib.course import hand_out, installation, questions\n"
+        "print(installation.PACKAGE); print(*hand_out.prepare(Path('mine')).added)\n"
+        "questions.load_quiz('week01')"
     )
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
     command = [sys.executable, "-c", code]

@@ -2,7 +2,7 @@ from importlib import metadata
 
 import pytest
 
-from course_lib.course.setup_check import Finding, check_versions, find_versions
+from course_lib.course.installation import Finding, check_versions, find_versions
 
 
 def test_this_environment_is_fine(capsys: pytest.CaptureFixture[str]) -> None:

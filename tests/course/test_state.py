@@ -3,8 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.state import State, find_student_folder, student_state
-from course_lib.course.whole_file import write_whole
+from course_lib.course.state import State, find_student_folder, student_state, write_whole
 from course_lib.errors import CourseError
 
 

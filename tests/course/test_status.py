@@ -6,10 +6,9 @@ from zoneinfo import ZoneInfo
 import pytest
 from rich.console import Console
 
-from course_lib.course import contents, status
-from course_lib.course.contents import load_weeks
+from course_lib.course import progress
+from course_lib.course.progress import _due, load_weeks
 from course_lib.course.state import State
-from course_lib.course.status import _due
 from course_lib.errors import CourseError
 
 
@@ -22,7 +21,7 @@ def state(tmp_path: Path) -> State:
 
 def printed(folder: Path) -> str:
     console = Console(width=200, file=StringIO(), record=True)
-    console.print(*status.status(folder))
+    console.print(*progress.status(folder))
     return console.export_text()
 
 
@@ -66,5 +65,5 @@ def test_a_deadline_is_local_time_of_the_course_and_told_by_what_is_left(left: f
 
 def test_elsewhere_it_says_what_to_type(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="type course lab first"):
-        status.status(tmp_path)
-    assert contents.progress(load_weeks()[0], State(None)).tasks == ""
+        progress.status(tmp_path)
+    assert progress.progress(load_weeks()[0], State(None)).tasks == ""

@@ -9,7 +9,7 @@ import pytest
 
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
-from course_lib.grading.submission import find_submissions
+from course_lib.grading.handin.submission import find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
 

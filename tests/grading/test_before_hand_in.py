@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from course_lib.course import status
+from course_lib.course import progress
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
 from course_lib.grading.grade_one import Course
-from course_lib.grading.submit import Receipt, submit
+from course_lib.grading.handin.submit import Receipt, submit
 
 NODE, HALF, ANSWER = range(3)  # the cells of the right answer
 DEFINED = "def half(length):"
@@ -25,9 +25,9 @@ DEFINED = "def half(length):"
 def folder(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A student's folder; the small course is the one that is installed."""
     catalog = load_catalog(course.exercises)
-    for module in ("check", "check_file", "submit", "catalog"):
+    for module in ("check", "check_file", "handin.submit", "catalog"):
         monkeypatch.setattr(f"course_lib.grading.{module}.shipped_catalog", lambda: catalog)
-    monkeypatch.setattr("course_lib.grading.before_hand_in.exercises_dir", lambda: course.exercises)
+    monkeypatch.setattr("course_lib.grading.handin.submit.exercises_dir", lambda: course.exercises)
     (tmp_path / "mine/.course").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "mine")
     State(tmp_path / "mine").put("identity", "student", "ada")
@@ -181,7 +181,7 @@ def test_status_says_what_the_packed_file_holds_and_whether_it_is_up_to_date(
     checked: list[str], write: Callable[..., Path], folder: Path
 ) -> None:
     def told() -> Any:
-        return status.status(folder)[1].splitlines()
+        return progress.status(folder)[1].splitlines()
 
     packed: Receipt = submit(folder / "week01_exercise.ipynb")
     assert told()[0] == (

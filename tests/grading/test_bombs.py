@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.grading import arrivals, unzip
-from course_lib.grading.arrivals import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
-from course_lib.grading.collect import Collection, collect
-from course_lib.grading.submission import UTC, find_submissions
+from course_lib.grading.handin import archives
+from course_lib.grading.handin.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
+from course_lib.grading.handin.collect import Collection, collect
+from course_lib.grading.handin.submission import UTC, find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
 MEGABYTE = 1_000_000
@@ -70,8 +70,8 @@ CASES = [(PLACES[0], kind) for kind in BOMBS] + [(place, "zips in a zip") for pl
 def test_a_bomb_is_bounded_and_costs_its_student_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, kind: str
 ) -> None:
-    monkeypatch.setattr(arrivals, "MAX_UNPACKED_BYTES", 40 * MEGABYTE)
-    monkeypatch.setattr(arrivals, "MAX_UNPACKED_FILES", 100)
+    monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 40 * MEGABYTE)
+    monkeypatch.setattr(archives, "MAX_UNPACKED_FILES", 100)
     (tmp_path / "in.zip").write_bytes(zipped({place: BOMBS[kind](), f"zoe/{NAME}": notebook()}))
     done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
     assert done.refused
@@ -83,7 +83,7 @@ def test_a_bomb_is_bounded_and_costs_its_student_alone(
 def test_the_limit_is_that_of_a_student_in_total_also_over_several_archives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(arrivals, "MAX_UNPACKED_BYTES", 10 * MEGABYTE)
+    monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 10 * MEGABYTE)
     bombs = {f"Ada_7_assignsubmission_file_/{n}.zip": zips_in_a_zip(1, 3, MEGABYTE) for n in range(9)}
     (tmp_path / "in.zip").write_bytes(zipped(bombs))
     done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
@@ -113,7 +113,7 @@ def test_paths_that_a_disk_cannot_hold_are_refused_one_by_one(tmp_path: Path) ->
 
 def test_the_limits_leave_room_for_honest_work() -> None:
     assert MAX_UNPACKED_BYTES >= 50 * MEGABYTE
-    assert min(MAX_UNPACKED_FILES, unzip.MAX_MEMBERS) >= 1000
+    assert min(MAX_UNPACKED_FILES, archives.MAX_MEMBERS) >= 1000
 
 
 def test_what_a_collection_says_of_a_bomb_is_one_line(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import CheckFailedError, check
 from course_lib.grading.grade_one import Course
 from course_lib.grading.judge import CheckResult, TaskResult
-from course_lib.grading.table import Table
+from course_lib.grading.reports.table import Table
 
 
 @pytest.fixture(autouse=True)

@@ -10,11 +10,11 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.grading import grade_one
 from course_lib.grading.executors import Here, Processes, flow
-from course_lib.grading.exercise_run import ExerciseRun, run_scenarios
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
-from course_lib.grading.gradebook import results_in
-from course_lib.grading.job import Job
+from course_lib.grading.marks.mark import results_in
+from course_lib.grading.run.job import Job
+from course_lib.grading.run.run import ExerciseRun, run_scenarios
 from tests.grading.graders import fingerprint, write_class
 
 WriteNotebook = Callable[..., Path]

@@ -11,9 +11,9 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading import arrivals
-from course_lib.grading.collect import Collection, collect
-from course_lib.grading.submission import find_submissions
+from course_lib.grading.handin import archives
+from course_lib.grading.handin.collect import Collection, collect
+from course_lib.grading.handin.submission import find_submissions
 
 AMMAN = ZoneInfo("Asia/Amman")
 NAME = "week01_exercise.ipynb"
@@ -225,7 +225,7 @@ def test_a_name_with_a_null_byte_and_a_locked_file_are_refused(sort: Sort, tmp_p
 def test_an_inner_archive_that_grows_too_large_is_left(
     sort: Sort, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(arrivals, "MAX_UNPACKED_BYTES", 1000)
+    monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 1000)
     done = sort({"ada/a.zip": zipped({f"{n}.py": b"#" * 250 for n in range(9)}), f"zoe/{NAME}": notebook()})
     assert "more than 1000 bytes" in done.refused[0]
     assert len(done.refused) == 1

@@ -14,9 +14,9 @@ from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course, catalog_of, rules_of
 from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
-from course_lib.grading.mark_by_hand import mark_by_hand
-from course_lib.grading.result import read_result
-from course_lib.grading.scenario import run_here
+from course_lib.grading.marks.by_hand import mark_by_hand
+from course_lib.grading.marks.mark import read_result
+from course_lib.grading.run.student_side import run_here
 from tests.grading.conftest import COURSE, write_course
 
 WriteNotebook = Callable[..., Path]
@@ -248,7 +248,7 @@ def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
 ) -> None:
     submissions, out = hand_in({"right": right}), tmp_path / "out"
     with closing(TemplateProcess(off=LAYERS)) as template:
-        for module in ("grade_one", "exercise_run"):
+        for module in ("grade_one", "run.run"):
             monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda _: template)
         for need in ("full", "partial"):
             with pytest.raises(CourseError, match=r"--require-sandbox|--i-trust-these-submissions"):

@@ -30,7 +30,7 @@ def with_layers(
     def without(*off: str) -> Grade:
         template = TemplateProcess(off)
         opened.append(template)
-        for module in ("grade_one", "exercise_run"):
+        for module in ("grade_one", "run.run"):
             monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda _: template)
         monkeypatch.setattr("course_lib.grading.grade.exercises_dir", lambda: course.exercises)
         monkeypatch.setattr("course_lib.grading.grade.solutions_dir", lambda: course.solutions)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
-from course_lib.grading.lms import fill_lms
-from course_lib.grading.lms_file import LmsFile
+from course_lib.grading.handin.lms import fill_lms
+from course_lib.grading.handin.platform_files import LmsFile
 
 GRADEBOOK = """\
 student,exercise,score,max_score,days_late,penalty,final,status,reason,message

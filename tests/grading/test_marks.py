@@ -8,12 +8,12 @@ import pytest
 
 from course_lib.course.course_file import Late
 from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
-from course_lib.grading.gradebook import write_gradebook
+from course_lib.grading.handin.received import Received
+from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, Run, TaskResult, judge_task
-from course_lib.grading.marks import Mark, count_days_late, mark
-from course_lib.grading.received import Received
-from course_lib.grading.result import Result
-from course_lib.grading.submission import Submission
+from course_lib.grading.marks.mark import Result
+from course_lib.grading.marks.marks import Mark, count_days_late, mark
+from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.task import Scenario, Task
 
 PARIS = ZoneInfo("Europe/Paris")

@@ -15,7 +15,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.executors import Here
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
-from course_lib.grading.gradebook import results_in
+from course_lib.grading.marks.mark import results_in
 from course_lib.grading.preflight import kit_here, try_out
 from tests.grading.conftest import RIGHT
 from tests.grading.test_class import change, count_runs
@@ -128,11 +128,12 @@ def test_another_version_of_the_kit_elsewhere_is_named_with_both_places(
 PRINT_KIT = """
 from contextlib import closing
 from course_lib.course.course_file import Limits
-from course_lib.grading.runner import Session
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 task = Task("week01.kit", "Kit", "value", "kit", ("a", "b", "c"), (Scenario("public"),))
-with closing(Session(["import course_lib; kit = course_lib.__file__"], {task.id: {}}, Limits())) as session:
-    print(session.run(task, task.scenarios[0]).returns[0])
+cells = ["import course_lib; kit = course_lib.__file__"]
+with closing(SubmissionRun(cells, {task.id: {}}, Limits())) as running:
+    print(running.run(task, task.scenarios[0]).returns[0])
 """
 
 

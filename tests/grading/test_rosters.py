@@ -10,9 +10,9 @@ import pytest
 from course_lib.course import course_file
 from course_lib.course.course_file import read_course_file, zone_named
 from course_lib.errors import CourseError
-from course_lib.grading.collect import Collection, collect
-from course_lib.grading.sender import platform_name
-from course_lib.grading.submission import UTC
+from course_lib.grading.handin.collect import Collection, collect
+from course_lib.grading.handin.sender import platform_name
+from course_lib.grading.handin.submission import UTC
 from tests.grading.platforms import NAME, Handed, canvas_zip, moodle_zip, notebook, table, zipped
 from tests.test_cli import course
 

@@ -10,7 +10,7 @@ import pytest
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import TemplateProcess, WorkerError
-from course_lib.grading.runner import Session
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Call, Scenario, Task
 
 HINTS = ("one", "two", "three")
@@ -30,9 +30,9 @@ for fd in range(3, 100):
 
 def run(
     *cells: str, task: Task = ANSWER, limits: Limits | None = None, template: TemplateProcess | None = None
-) -> tuple[Evidence, Session]:
+) -> tuple[Evidence, SubmissionRun]:
     limits = limits or Limits(cell_seconds=2, scenario_seconds=2)
-    with closing(Session(cells, {task.id: {}}, limits, template)) as session:
+    with closing(SubmissionRun(cells, {task.id: {}}, limits, template)) as session:
         return session.run(task, task.scenarios[0]), session
 
 
@@ -49,7 +49,7 @@ def test_a_missing_object_is_named() -> None:
 
 def test_nodes_of_one_scenario_do_not_touch_those_of_the_next() -> None:
     cells = ["seen = []", "def talker():\n    seen.append(1)\n    print(len(seen))"]
-    with closing(Session(cells, {TALKER.id: {}}, Limits())) as session:
+    with closing(SubmissionRun(cells, {TALKER.id: {}}, Limits())) as session:
         assert [session.run(TALKER, TALKER.scenarios[0]).output for _ in range(2)] == ["1\n", "1\n"]
 
 
@@ -62,7 +62,7 @@ def test_a_thread_that_a_function_leaves_behind_is_not_there_in_the_next_scenari
             threading.Thread(target=wait, daemon=True).start()
             return count""",
     ]
-    with closing(Session(cells, {CALLED.id: {}}, Limits())) as session:
+    with closing(SubmissionRun(cells, {CALLED.id: {}}, Limits())) as session:
         assert len({session.run(CALLED, CALLED.scenarios[0]).returns for _ in range(3)}) == 1
 
 
@@ -159,7 +159,7 @@ def test_a_task_that_hangs_costs_its_time_once() -> None:
     tasks = [replace(CALLED, id=f"week01.{name}", name=name) for name in ("hangs", "called")]
     cells = ["def called():\n    return 1", "def hangs():\n    while True: pass"]
     limits = Limits(scenario_seconds=1)
-    with closing(Session(cells, {task.id: {} for task in tasks}, limits)) as session:
+    with closing(SubmissionRun(cells, {task.id: {} for task in tasks}, limits)) as session:
         hung, again, other = (session.run(task, task.scenarios[0]) for task in (tasks[0], *tasks))
     assert hung.errors == ("still running after 1 s: an endless loop? It was stopped.",)
     assert again.errors == ("not run: hangs did not come to an end before, and was stopped",)
@@ -173,7 +173,7 @@ def test_cells_that_run_again_add_nothing_to_the_log_and_find_nothing() -> None:
         "def called():\n    open('note', 'w').write('secret')\n    os._exit(0)",
         "found = os.path.exists('note')",
     ]
-    with closing(Session(cells, {CALLED.id: {}}, Limits())) as session:
+    with closing(SubmissionRun(cells, {CALLED.id: {}}, Limits())) as session:
         for _ in range(2):
             session.run(CALLED, CALLED.scenarios[0])
     assert session.log.output == "nothing\n"

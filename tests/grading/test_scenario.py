@@ -10,8 +10,8 @@ from std_msgs.msg import Float64
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import RAISED
-from course_lib.grading.scenario import run_here
+from course_lib.grading.run.outcome import RAISED
+from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
 
 # How a runaway thread is ended; nothing else raises in threads here.

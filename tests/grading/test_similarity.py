@@ -7,12 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import exercises_dir, solutions_dir
-from course_lib.grading.copies import handed_out
-from course_lib.grading.copies_page import Work
-from course_lib.grading.fingerprint import fingerprint, normalised
-from course_lib.grading.similarity import Comparison, compare
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.installation import exercises_dir, solutions_dir
+from course_lib.grading.handin.copies import Work, handed_out
+from course_lib.grading.handin.similarity import Comparison, compare, fingerprint, normalised
 from tests.notebooks.graded import WEEKS, cells_of, solution
 from tests.notebooks.test_answers import ANSWERS
 

@@ -9,9 +9,9 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.notebook import parse_notebook
-from course_lib.grading.submission import find_submissions
-from course_lib.grading.submit import submit
+from course_lib.grading.handin.notebook import parse_notebook
+from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.handin.submit import submit
 
 WriteNotebook = Callable[..., Path]
 

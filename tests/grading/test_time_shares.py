@@ -1,4 +1,4 @@
-from course_lib.grading.time_shares import TimeShares
+from course_lib.grading.run.submission_run import TimeShares
 
 
 def test_a_task_takes_its_own_part_and_all_that_is_common() -> None:

@@ -2,15 +2,15 @@ from contextlib import closing
 from pathlib import Path
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.runner import Session
+from course_lib.grading.run.outcome import Usage, read_usage, usage_path
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
-from course_lib.grading.usage import Usage, read_usage, usage_path
 
 ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
 
 
 def used(*cells: str) -> Usage:
-    with closing(Session(cells, {ANSWER.id: {}}, Limits())) as session:
+    with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits())) as session:
         session.run(ANSWER, ANSWER.scenarios[0])
     return session.usage
 

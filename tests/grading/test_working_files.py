@@ -7,9 +7,9 @@ import pytest
 
 from course_lib.grading.grade import grade
 from course_lib.grading.grade_one import Course
-from course_lib.grading.submission import find_submissions
-from course_lib.grading.submit import submit
-from course_lib.grading.working_files import working_files
+from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.handin.submit import submit
+from course_lib.grading.handin.working_files import working_files
 
 WriteNotebook = Callable[..., Path]
 CODE = """

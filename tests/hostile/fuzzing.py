@@ -9,14 +9,13 @@ import msgpack
 from hypothesis import strategies as st
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.exercise_run import ExerciseRun
 from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.job import Step
 from course_lib.grading.judge import Run, judge_task
-from course_lib.grading.perform import Outcome
-from course_lib.grading.runner import CellLog, _drive
-from course_lib.grading.scenario import Stage
-from course_lib.grading.store import pack, unpack
+from course_lib.grading.run.job import Step
+from course_lib.grading.run.outcome import Outcome
+from course_lib.grading.run.run import ExerciseRun, pack, unpack
+from course_lib.grading.run.scenario_graph import ScenarioGraph
+from course_lib.grading.run.submission_run import CellLog, _drive
 from course_lib.grading.task import Call, Scenario, Task
 from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_value
 from course_lib.ros import wall
@@ -84,7 +83,7 @@ def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
 
 def swallow(stream: bytes) -> Evidence:
     """Take a stream as what a submission sent, keep the evidence, judge it."""
-    stage = Stage(TASK, SCENARIO, {})
+    stage = ScenarioGraph(TASK, SCENARIO, {})
     ours, theirs = socket.socketpair()
     channel = Channel(ours)
     channel.deadline = wall.monotonic() + 5.0

@@ -5,8 +5,8 @@ from contextlib import closing
 import pytest
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.plain import MAX_TEXT
-from course_lib.grading.runner import Session
+from course_lib.grading.run.outcome import MAX_TEXT
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 
 LAYOUT = Task("week01.layout", "A layout", "file", "layout", ("a", "b", "c"), (Scenario("public"),))
@@ -39,7 +39,7 @@ ENTITIES = (
     ],
 )
 def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
-    with closing(Session([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=4))) as session:
+    with closing(SubmissionRun([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=4))) as session:
         came = session.run(LAYOUT, LAYOUT.scenarios[0])
     assert any(came.errors[0].startswith(kind) for kind in error.split("|"))
     assert came.returns == ()
@@ -51,6 +51,6 @@ def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, lim
 )
 def test_a_bomb_is_but_a_text(text: str) -> None:
     files = {"f.yaml": text}
-    with closing(Session(["layout = 'f.yaml'"], {LAYOUT.id: {}}, Limits(), files=files)) as session:
+    with closing(SubmissionRun(["layout = 'f.yaml'"], {LAYOUT.id: {}}, Limits(), files=files)) as session:
         came = session.run(LAYOUT, LAYOUT.scenarios[0])
     assert came.returns == (text[:MAX_TEXT],)

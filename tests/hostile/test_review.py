@@ -13,16 +13,15 @@ from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading import judge
 from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.ghost import seen
+from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.handin.working_files import MAX_BYTES, working_files
 from course_lib.grading.judge import Run, judge_task
-from course_lib.grading.plain import MAX_TEXT, is_plain
-from course_lib.grading.report_scene import figures
-from course_lib.grading.runner import Session
-from course_lib.grading.submission import find_submissions
+from course_lib.grading.reports.scenes import figures, seen
+from course_lib.grading.run.outcome import MAX_TEXT, is_plain
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Message, Scenario, Task
 from course_lib.grading.vocabulary import expect_marker, expect_parameters
 from course_lib.grading.vocabulary.wording import LONGEST
-from course_lib.grading.working_files import MAX_BYTES, working_files
 from course_lib.robots.resources import packages_only, resolve
 from course_lib.ros.channel import ChannelError
 from course_lib.ros.clock import START_NS
@@ -87,7 +86,7 @@ def talker(size):
 Flood, Right = talker(9_000_000), talker(10)
 """
     tasks = [replace(task_with(), id=f"week01.{name.lower()}", name=name) for name in ("Flood", "Right")]
-    with closing(Session([cell], {task.id: {} for task in tasks}, Limits())) as session:
+    with closing(SubmissionRun([cell], {task.id: {} for task in tasks}, Limits())) as session:
         flood, right = (session.run(task, task.scenarios[0]) for task in tasks)
     assert (flood.stopped, len(flood.samples)) == ("size", 0)
     assert (right.errors, len(right.samples)) == ((), 1)
@@ -108,7 +107,7 @@ Left = lambda: Camera(290)
 
 def test_a_camera_left_in_one_task_costs_no_other() -> None:
     tasks = [replace(task_with(), id=f"week01.{name.lower()}", name=name) for name in ("Left", "Camera")]
-    with closing(Session([CAMERA], {task.id: {} for task in tasks}, Limits())) as session:
+    with closing(SubmissionRun([CAMERA], {task.id: {} for task in tasks}, Limits())) as session:
         left, camera = (session.run(task, task.scenarios[0]) for task in tasks)
     assert (left.stopped, len(left.samples)) == ("", 290)
     assert (camera.stopped, camera.errors, len(camera.samples)) == ("", (), 1)
@@ -116,7 +115,7 @@ def test_a_camera_left_in_one_task_costs_no_other() -> None:
 
 def test_a_task_that_took_its_time_leaves_the_others_theirs() -> None:
     tasks = [replace(task_with(), id=f"week01.{n}", kind="value", name=n) for n in ("slow", "quick")]
-    with closing(Session(["slow = quick = 1"], {task.id: {} for task in tasks}, Limits())) as session:
+    with closing(SubmissionRun(["slow = quick = 1"], {task.id: {} for task in tasks}, Limits())) as session:
         session._shares.take("week01.slow", 1e9)
         slow, quick = (session.run(task, task.scenarios[0]) for task in tasks)
     assert (slow.stopped, slow.errors) == ("time", ("not run: the scenarios of slow took too long before",))
@@ -134,7 +133,7 @@ class Flood(Node):
         self.create_timer(1 / 6000, lambda: publisher.publish(Empty()))
 """
     task = replace(task_with(), name="Flood")
-    with closing(Session([cell], {task.id: {}}, Limits())) as session:
+    with closing(SubmissionRun([cell], {task.id: {}}, Limits())) as session:
         came = session.run(task, task.scenarios[0])
     assert came.stopped == "size"
     assert "is the period of a timer too short" in came.errors[0]

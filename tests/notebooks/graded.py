@@ -7,14 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import exercises_dir, solutions_dir
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.exercise_run import ExerciseRun, run_exercise
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.personal import give_values, personal_values
-from course_lib.grading.scenario import run_here
+from course_lib.grading.run.run import ExerciseRun, run_exercise
+from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Scenario, Task
 
 WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 from course_lib import cli
-from course_lib.course.files import checkout_root, exercises_dir, lessons_dir, solutions_dir
-from course_lib.course.folder import prepare
+from course_lib.course.hand_out import prepare
+from course_lib.course.installation import checkout_root, exercises_dir, lessons_dir, solutions_dir
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2

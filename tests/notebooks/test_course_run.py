@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.files import lessons_dir, solutions_dir
+from course_lib.course.installation import lessons_dir, solutions_dir
 from course_lib.tools.run import run
 from tests.export.conftest import write_notebook
 from tests.test_cli import course

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.course.exercise_file import notebook_text, read_notebook, source
-from course_lib.course.files import exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.exercise import notebook_text, read_notebook, source
+from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
 
 LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
 ALL = [*LESSONS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]

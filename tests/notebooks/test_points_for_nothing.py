@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.exercise_run import run_exercise
 from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.run.run import run_exercise
 from tests.notebooks.graded import (
     IN_PROCESS,
     STUDENT,

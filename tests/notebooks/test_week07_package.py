@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.exercise_file import read_notebook, source
-from course_lib.course.files import lessons_dir, solutions_dir
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.installation import lessons_dir, solutions_dir
 from course_lib.export.check import lacks
 from course_lib.export.export import export
 from tests.export.conftest import write_notebook

@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import shipped_catalog
-from course_lib.grading.facts import DIGESTS, TOOLS, digest, is_fact
+from course_lib.grading.vocabulary.diagnostics import DIGESTS, TOOLS, digest, is_fact
 from course_lib.recording import record
 from course_lib.robots.unknown_robot import unknown_robot
 from course_lib.ros import virtual_time

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from course_lib.arrays import Vector
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_errors import (
     ConnectivityException,
@@ -12,7 +13,7 @@ from course_lib.ros.tf2_errors import (
     InvalidArgumentException,
     LookupException,
 )
-from course_lib.ros.tf2_transform import Quaternion, Transform, Vector
+from course_lib.ros.tf2_transform import Quaternion, Transform
 
 S = 1_000_000_000  # [ns]
 NONE: Quaternion = (0.0, 0.0, 0.0, 1.0)

@@ -8,10 +8,10 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from course_lib.arrays import Floats
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize
-from course_lib.sensors.checked import Floats
 from course_lib.sensors.world import placed
 
 # Of a camera that looks along the world's x; its own z is ahead, x to the right, y down.

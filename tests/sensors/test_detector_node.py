@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from vision_msgs.msg import Detection3DArray
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats
 from course_lib.sensors.detector import Detector, DetectorNode, quaternion
 from course_lib.sensors.shapes import box
 from course_lib.sensors.world import Thing, World, circle, placed

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats
 from course_lib.sensors.shapes import Shape, box, cylinder, plane, sphere
 from tests.sensors.scenes import random_rays
 

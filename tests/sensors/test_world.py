@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Floats
 from course_lib.sensors.shapes import box, cylinder, plane, sphere
 from course_lib.sensors.world import Thing, World, circle, placed
 from tests.sensors.scenes import AT_ORIGIN, random_rays

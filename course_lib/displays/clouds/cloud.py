@@ -7,11 +7,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.displays.frames import Matrix
+from course_lib.arrays import AnyArray, Float32s, Matrix, Reals
 from course_lib.displays.properties import Property, PropertyHolder, color, flag, number, text, words
-from course_lib.viewer.arrays import Floats
-
-Channel = npt.NDArray[Any]
 
 # By the constants of sensor_msgs/msg/PointField; RViz reads signed whole numbers as if they had no sign.
 _TYPES = {1: "u1", 2: "u1", 3: "u2", 4: "u2", 5: "u4", 6: "u4", 7: "f4", 8: "f8"}
@@ -49,12 +46,12 @@ class Cloud:
         received_ns: When it came, [ns].
     """
 
-    channels: Mapping[str, Channel]
+    channels: Mapping[str, AnyArray]
     transform_cloud_to_fixed: Matrix
     received_ns: int
 
     @property
-    def positions(self) -> Floats:
+    def positions(self) -> Float32s:
         """The points in the frame of the cloud, shape (N, 3), [m]."""
         return np.stack([self.channels[axis] for axis in _XYZ], axis=-1).astype(np.float32)
 
@@ -80,14 +77,14 @@ def size_problem(message: Any) -> str | None:
     )
 
 
-def channels_of(message: Any) -> tuple[dict[str, Channel], list[str]]:
+def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
     """Return the fields of a sensor_msgs/msg/PointCloud2 by name, only of points whose place is finite.
 
     Returns:
         Also what is wrong with fields that are left out.
     """
     count, step = message.width * message.height, message.point_step
-    channels: dict[str, Channel] = {}
+    channels: dict[str, AnyArray] = {}
     wrong = []
     for field in reversed(message.fields):  # of two of one name the first one counts
         dtype = np.dtype(_TYPES.get(field.datatype, "V1")).newbyteorder(">" if message.is_bigendian else "<")
@@ -102,7 +99,7 @@ def channels_of(message: Any) -> tuple[dict[str, Channel], list[str]]:
     return _finite(channels), wrong
 
 
-def _finite(channels: dict[str, Channel]) -> dict[str, Channel]:
+def _finite(channels: dict[str, AnyArray]) -> dict[str, AnyArray]:
     """Drop the points that are nowhere."""
     known = [np.isfinite(channels[axis]) for axis in _XYZ if axis in channels]
     if not known or all(axis.all() for axis in known):
@@ -111,7 +108,7 @@ def _finite(channels: dict[str, Channel]) -> dict[str, Channel]:
     return {name: channel[kept] for name, channel in channels.items()}
 
 
-def _is_32_bits(channel: Channel, kinds: tuple[str, ...]) -> bool:
+def _is_32_bits(channel: AnyArray, kinds: tuple[str, ...]) -> bool:
     return channel.dtype.itemsize == 4 and channel.dtype.kind in kinds
 
 
@@ -121,7 +118,7 @@ class Transformer(NamedTuple):
     supports: Callable[[Cloud], bool]
     score: int  # of those that can, the highest is taken if none is asked for
     # returns colours RGB or RGBA in 0..1, shape (N, 3) or (N, 4), and the bounds that were found
-    colors: Callable[[Cloud, PropertyHolder], tuple[npt.NDArray[np.floating], Bounds]]
+    colors: Callable[[Cloud, PropertyHolder], tuple[Reals, Bounds]]
 
 
 def best_transformer(cloud: Cloud, wanted: str) -> str:
@@ -132,18 +129,18 @@ def best_transformer(cloud: Cloud, wanted: str) -> str:
     return "RGB8" if "RGB8" in able else max(able, key=lambda name: (TRANSFORMERS[name].score, name))
 
 
-def rainbow(value: npt.ArrayLike) -> Floats:
+def rainbow(value: npt.ArrayLike) -> Float32s:
     """Return colours from red at 1 by way of green to violet at 0, shape (N, 3)."""
     hue = np.clip(np.nan_to_num(np.asarray(value, np.float32)), 0, 1) * 5 + 1
     part = np.minimum(hue.astype(int), 5)
     rest = hue - part
-    rgb: Floats = _RAINBOW[part - 1]
+    rgb: Float32s = _RAINBOW[part - 1]
     falls = np.where(part % 2 == 1, 1 - rest, rest)
     rgb[np.arange(len(rgb)), _CHANGING[part - 1]] = np.where(hue >= 6, 0, falls)
     return rgb
 
 
-def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
+def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     name = holder["Channel Name"]
     if name == "intensity" and name not in cloud.channels:
         name = "intensities"
@@ -164,7 +161,7 @@ def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
     return (bright * share + dark * (1 - share)).astype(np.float32), found
 
 
-def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
+def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     axis, points = AXES.index(holder["Axis"]), cloud.positions
     values = points[:, axis]
     if holder["Use Fixed Frame"]:
@@ -179,12 +176,12 @@ def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
     return rainbow(1 - (values - low) / ((high - low) or 0.001)), found
 
 
-def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
+def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     rgb = np.array(holder["Color"], np.float32) / 255
     return np.broadcast_to(rgb, (len(cloud.positions), 3)), {}
 
 
-def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[npt.NDArray[np.floating], Bounds]:
+def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
     name = "rgb" if "rgb" in cloud.channels else "rgba"
     channel = np.ascontiguousarray(cloud.channels[name])
     packed = channel.view(channel.dtype.str.replace("f", "u")).astype("<u4")
@@ -192,11 +189,11 @@ def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[npt.NDArray[np.floating
     return bgra[:, [2, 1, 0] if name == "rgb" else [2, 1, 0, 3]] / np.float32(255), {}
 
 
-def _rgbf32(cloud: Cloud, holder: PropertyHolder) -> tuple[Floats, Bounds]:
+def _rgbf32(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     return np.stack([cloud.channels[name] for name in "rgb"], axis=-1).astype(np.float32), {}
 
 
-def _bounds(values: Floats, limit: float) -> tuple[float, float]:
+def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
     """Return the least and the greatest value, as RViz searches them: from and within some limit."""
     known = values[~np.isnan(values)]
     low, high = min(known.min(initial=limit), limit), max(known.max(initial=-limit), -limit)

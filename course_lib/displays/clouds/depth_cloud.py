@@ -5,19 +5,18 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from course_lib.displays.clouds.cloud import Channel, Cloud
+from course_lib.arrays import AnyArray, Float32s, Matrix, Pixels
+from course_lib.displays.clouds.cloud import Cloud
 from course_lib.displays.clouds.display import CLOUD_PROPERTIES, CloudDisplay
 from course_lib.displays.display import Display, Subscription
-from course_lib.displays.frames import NS, Matrix, nanoseconds
+from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.images.camera import INFO
 from course_lib.displays.images.display import IMAGE, PACKED, info_topic
-from course_lib.displays.images.pixels import Pixels, rgb_of, rows_of, unpacked
+from course_lib.displays.images.pixels import rgb_of, rows_of, unpacked
 from course_lib.displays.properties import Property, flag, integer, number, text, words
 from course_lib.displays.topic_display import FilteredDisplay
 from course_lib.ros.qos import Qos
-from course_lib.viewer.arrays import Floats
 
 _SHADOW = 0.01  # [m] that a point must be behind another one to be hidden by it
 _WHOLE = ("16UC1", "mono16", "16SC1")  # in [mm], 0 is unknown; 32FC1 is in [m], unknown if not finite
@@ -31,7 +30,7 @@ class DepthError(ValueError):
     """RViz cannot make points of images; with its words."""
 
 
-def depths(message: Any) -> Floats:
+def depths(message: Any) -> Float32s:
     """Return the depths of an image in [m], NaN where unknown, shape (rows, columns).
 
     Raises:
@@ -59,7 +58,7 @@ def colors(message: Any, shape: tuple[int, ...]) -> Pixels:
     return pixels
 
 
-def projected(depth: Floats, info: Any) -> Floats:
+def projected(depth: Float32s, info: Any) -> Float32s:
     """Return the points of an image of depths, shape (rows, columns, 3), z ahead, x right, y down, [m].
 
     Raises:
@@ -78,7 +77,7 @@ def projected(depth: Floats, info: Any) -> Floats:
         return np.stack([x * depth, y[:, None] * depth, depth], axis=-1).astype(np.float32)
 
 
-def channels_of(points: Floats, rgb: Pixels) -> dict[str, Channel]:
+def channels_of(points: Float32s, rgb: Pixels) -> dict[str, AnyArray]:
     """Return points and their colours, shape (..., 3), without those that are nowhere."""
     known = np.isfinite(points).all(axis=-1)
     parts = rgb[known].astype(np.uint32)
@@ -99,7 +98,9 @@ class Shadows:
         self._rgb = np.zeros((*shape, 3), np.uint8)
         self._seen = np.zeros(shape)  # [s]
 
-    def with_hidden(self, points: Floats, rgb: Pixels, now: float, timeout: float) -> tuple[Floats, Pixels]:
+    def with_hidden(
+        self, points: Float32s, rgb: Pixels, now: float, timeout: float
+    ) -> tuple[Float32s, Pixels]:
         """Return points and colours of an image, shape (rows, columns, 3), with what is hidden by it.
 
         Args:
@@ -119,17 +120,17 @@ class Shadows:
         )
 
 
-def _whole(values: npt.NDArray[Any]) -> tuple[float, float]:
+def _whole(values: AnyArray) -> tuple[float, float]:
     return 0.0, 255.0
 
 
-def _raw(message: Any) -> npt.NDArray[Any]:
+def _raw(message: Any) -> AnyArray:
     if message.encoding not in (*_WHOLE, "32FC1"):
         raise DepthError("Depth image has invalid format (only 16 bit and float are supported)!")
     return rows_of(message, "u2" if message.encoding in _WHOLE else "f4", 1)[..., 0]
 
 
-def _packed(message: Any) -> npt.NDArray[Any]:
+def _packed(message: Any) -> AnyArray:
     """Return the numbers in a PNG; those of compressedDepth may stand for the inverse of a depth."""
     from PIL import Image, UnidentifiedImageError
 

@@ -4,23 +4,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from course_lib.arrays import AnyArray, Float32s, Matrix
 from course_lib.displays.clouds.cloud import (
     COLOR_PROPERTIES,
     TRANSFORMERS,
-    Channel,
     Cloud,
     best_transformer,
     channels_of,
     has_positions,
     size_problem,
 )
-from course_lib.displays.frames import NS, Matrix, nanoseconds
+from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.marker.drawables import drawn_twice
 from course_lib.displays.properties import Property, flag, number, words
 from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay
 from course_lib.ros.tf2_errors import TransformException
 from course_lib.ros.tf2_transform import Transform, interpolated
-from course_lib.viewer.arrays import Floats
 from course_lib.viewer.drawables import Points, Spot
 
 # Squares have soft edges in RViz, which nobody sees at their size.
@@ -126,7 +125,7 @@ class CloudDisplay(TopicDisplay):
         drawn = Points(shown.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
         self.context.scene.set_object(shown.path, drawn)
 
-    def _colors(self, cloud: Cloud) -> Floats:
+    def _colors(self, cloud: Cloud) -> Float32s:
         """Return RGBA of each point, shape (N, 4); alpha of a channel counts only if it is called rgba."""
         name = best_transformer(cloud, self["Color Transformer"])
         colors, bounds = TRANSFORMERS[name].colors(cloud, self)
@@ -222,7 +221,7 @@ def _duration_ns(scan: Any) -> int:
     return max(int((len(scan.ranges) - 1) * float(scan.time_increment) * NS), 0)
 
 
-def _projected(scan: Any, first: Transform, last: Transform) -> dict[str, Channel]:
+def _projected(scan: Any, first: Transform, last: Transform) -> dict[str, AnyArray]:
     """Return the ends of the beams in the fixed frame, and their intensities (laser_geometry)."""
     ranges = np.asarray(scan.ranges, np.float64)
     with np.errstate(invalid="ignore"):
@@ -230,7 +229,7 @@ def _projected(scan: Any, first: Transform, last: Transform) -> dict[str, Channe
     angles = scan.angle_min + beam * scan.angle_increment
     points = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]) * ranges[beam, None]
     placed = _placed(points, beam / max(len(ranges) - 1, 1), first, last).astype(np.float32)
-    channels: dict[str, Channel] = dict(zip("xyz", placed.T, strict=True))
+    channels: dict[str, AnyArray] = dict(zip("xyz", placed.T, strict=True))
     if len(scan.intensities) == len(ranges):
         channels["intensity"] = np.asarray(scan.intensities, np.float32)[beam]
     return channels

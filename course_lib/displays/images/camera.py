@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.arrays import Matrix, Pixels
 from course_lib.displays.display import Subscription, node_name
 from course_lib.displays.drawn_display import DrawnDisplay
-from course_lib.displays.frames import Matrix
 from course_lib.displays.images.display import PictureDisplay, info_topic
-from course_lib.displays.images.pixels import Pixels, zoomed
+from course_lib.displays.images.pixels import zoomed
 from course_lib.displays.poses.arrow import rgba_of
 from course_lib.displays.properties import Property, booleans, color, flag, number, words
 from course_lib.displays.statuses import Level

@@ -2,11 +2,9 @@
 
 from typing import Any
 
-import numpy.typing as npt
-
+from course_lib.arrays import AnyArray, Pixels
 from course_lib.displays.display import Subscription
 from course_lib.displays.images.pixels import (
-    Pixels,
     Range,
     UnsupportedEncodingError,
     reduced,
@@ -81,7 +79,7 @@ class PictureDisplay(TopicDisplay):
         """Show a picture."""
         self.context.scene.set_object(f"{self.path}/picture", Inset(pixels))
 
-    def limits(self, values: npt.NDArray[Any]) -> tuple[float, float]:
+    def limits(self, values: AnyArray) -> tuple[float, float]:
         """Say which values are black and white: the least and the greatest of the last five images."""
         return self._range.found(values, 5)
 
@@ -98,7 +96,7 @@ class ImageDisplay(PictureDisplay):
         Property("Median window", 5, integer(1)),
     )
 
-    def limits(self, values: npt.NDArray[Any]) -> tuple[float, float]:
+    def limits(self, values: AnyArray) -> tuple[float, float]:
         """Say which values are black and white: those asked for, which RViz rounds down, or what is found."""
         if self["Normalize Range"]:
             return self._range.found(values, self["Median window"])

@@ -6,10 +6,10 @@ from io import BytesIO
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-Pixels: TypeAlias = npt.NDArray[np.uint8]  # RGB, shape (rows, columns, 3)
-Limits: TypeAlias = Callable[[npt.NDArray[Any]], tuple[float, float]]
+from course_lib.arrays import AnyArray, Bytes, Pixels
+
+Limits: TypeAlias = Callable[[AnyArray], tuple[float, float]]
 
 
 class UnsupportedEncodingError(ValueError):
@@ -50,7 +50,7 @@ class Range:
         self._lows: deque[float] = deque()
         self._highs: deque[float] = deque()
 
-    def found(self, values: npt.NDArray[Any], window: int) -> tuple[float, float]:
+    def found(self, values: AnyArray, window: int) -> tuple[float, float]:
         """Return the medians over as many images, with the values of one more."""
         known = values[np.isfinite(values)]
         low, high = float(known.min(initial=65535)), float(known.max(initial=0))  # RViz's search begins there
@@ -116,17 +116,17 @@ def zoomed(pixels: Pixels, zoom: float) -> Pixels:
     return shown
 
 
-def _ranged(values: npt.NDArray[Any], limits: Limits) -> npt.NDArray[np.uint8]:
+def _ranged(values: AnyArray, limits: Limits) -> Bytes:
     """Return values as bytes from black to white; all black if these are the same."""
     low, high = limits(values)
     if not high > low:
         return np.zeros(values.shape, np.uint8)
     share = np.nan_to_num((values.astype(np.float32) - low) / (high - low), nan=0.0)
-    grey: npt.NDArray[np.uint8] = (share.clip(0, 1) * 255).astype(np.uint8)
+    grey: Bytes = (share.clip(0, 1) * 255).astype(np.uint8)
     return grey
 
 
-def rows_of(message: Any, kind: str, count: int) -> npt.NDArray[Any]:
+def rows_of(message: Any, kind: str, count: int) -> AnyArray:
     """Return the numbers of each pixel, shape (height, width, count); a row may be longer than its pixels."""
     dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
     height, width = message.height, message.width

@@ -5,15 +5,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from course_lib.arrays import Floats, Reals
 from course_lib.displays.statuses import Level
 from course_lib.errors import CourseError
 from course_lib.robots.resources import resolve
 from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Shape, Solids, Spot, Text
 from course_lib.viewer.mesh_files import load_mesh
 
-Floats = npt.NDArray[np.float64]
 SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
 ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # takes z of the solids to x
 ALONG_MINUS_X = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
@@ -181,7 +180,7 @@ def _spot_colors(marker: Any) -> Floats:
     return each
 
 
-def drawn_twice(alpha: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
+def drawn_twice(alpha: Reals) -> Reals:
     """Return the alpha of something that is drawn over itself once more."""
     return 1 - (1 - alpha) ** 2
 

@@ -7,8 +7,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from course_lib.arrays import Matrix
 from course_lib.displays.display import Context, node_name
-from course_lib.displays.frames import NS, Matrix, is_unit, nanoseconds, placed
+from course_lib.displays.frames import NS, is_unit, nanoseconds, placed
 from course_lib.displays.marker.drawables import DRAW, Drawn, label
 from course_lib.displays.marker.hints import hints
 from course_lib.displays.statuses import Statuses

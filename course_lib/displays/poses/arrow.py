@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_lib.arrays import Floats
 from course_lib.displays.marker.drawables import ALONG_X, placement
 from course_lib.displays.properties import Property, PropertyHolder, color, number, words
 from course_lib.displays.reference_display import AXIS_COLORS, axes
@@ -82,7 +83,7 @@ def axes_at(poses: npt.ArrayLike, length: float, diameter: float) -> dict[str, D
     return {"axes": Solids("cylinder", every, np.tile(AXIS_COLORS, (len(at), 1)))}
 
 
-def numbers_of(poses: Any) -> npt.NDArray[np.float64]:
+def numbers_of(poses: Any) -> Floats:
     """Return positions and quaternions (x, y, z, w) of geometry_msgs/msg/Pose messages, shape (N, 7)."""
     rows = [
         (p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in ((pose.position, pose.orientation) for pose in poses)
@@ -90,7 +91,7 @@ def numbers_of(poses: Any) -> npt.NDArray[np.float64]:
     return np.array(rows, np.float64).reshape(-1, 7)
 
 
-def matrices(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def matrices(poses: Floats) -> Floats:
     """Return poses, shape (N, 7), as transforms, shape (N, 4, 4); Ogre's: zeros do not turn."""
     x, y, z, w = poses[:, 3:].T
     made = np.tile(np.eye(4), (len(poses), 1, 1))

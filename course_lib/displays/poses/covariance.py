@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from course_lib.displays.frames import Matrix, placed
+from course_lib.arrays import Matrix
+from course_lib.displays.frames import placed
 from course_lib.displays.marker.drawables import ALONG_MINUS_X, placement
 from course_lib.displays.poses.arrow import numbers_of, rgba_of
 from course_lib.displays.properties import Property, PropertyHolder, color, flag, number, words

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.arrays import Matrix
 from course_lib.displays.drawn_display import INVALID, DrawnDisplay
-from course_lib.displays.frames import Matrix, is_unit, placed
+from course_lib.displays.frames import is_unit, placed
 from course_lib.displays.poses.arrow import (
     arrows,
     axes_at,

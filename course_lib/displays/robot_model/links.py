@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from course_lib.displays.frames import Matrix
+from course_lib.arrays import Matrix
 from course_lib.displays.reference_display import axes
 from course_lib.errors import CourseError
 from course_lib.robots.resources import resolve

@@ -20,7 +20,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.jail.place import HOMES, INSIDE
 from course_lib.grading.jail.readable import KIT, Readable, readable
-from course_lib.grading.usage import Usage
+from course_lib.grading.run.outcome import Usage
 
 START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
 STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands

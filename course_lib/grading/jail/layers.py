@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 from contextlib import suppress
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.jail import landlock, limits, namespaces, seccomp
+from course_lib.grading.jail import filters, limits, namespaces
 from course_lib.grading.jail.place import DEVICES, HOMES, Place, works
 from course_lib.grading.jail.system_calls import DUMPABLE, NO_NEW_PRIVILEGES, drop_capabilities, prctl
 
@@ -19,7 +19,7 @@ def working_layers(place: Place, off: Collection[str]) -> list[str]:
     tries: dict[str, Callable[[], None]] = {
         "namespaces": lambda: _own_namespaces(place, Limits()),
         "Landlock": lambda: _only_files(place, place.scratch),
-        "seccomp": seccomp.restrict,
+        "seccomp": filters.refuse_calls,
         "limits": lambda: limits.apply(Limits(), counts_from_zero=False),
     }
     if place.root == "host":  # which namespaces alone do not hide
@@ -55,7 +55,7 @@ def enter(place: Place, layers: Collection[str], given: Limits) -> None:
     if "Landlock" in layers:
         _only_files(place, folder)
     if "seccomp" in layers:
-        seccomp.restrict()
+        filters.refuse_calls()
 
 
 def _own_namespaces(place: Place, given: Limits) -> None:
@@ -67,7 +67,7 @@ def _own_namespaces(place: Place, given: Limits) -> None:
 
 
 def _only_files(place: Place, folder: str) -> None:
-    landlock.restrict([*place.read, *DEVICES], [folder, os.devnull], place.listed)
+    filters.restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
 
 
 def _count_processes(place: Place, layers: Collection[str]) -> None:

@@ -20,11 +20,11 @@ from select import select
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail.layers import enter, working_layers
+from course_lib.grading.jail.limits import EVERY, stop_writing
 from course_lib.grading.jail.place import Place, settle
-from course_lib.grading.jail.quota import EVERY, stop_writing
 from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
-from course_lib.grading.usage import Usage, wait_any_child
-from course_lib.grading.worker import Worker, warm_up
+from course_lib.grading.run.outcome import Usage, wait_any_child
+from course_lib.grading.run.worker import Worker, warm_up
 from course_lib.ros.channel import Channel
 
 

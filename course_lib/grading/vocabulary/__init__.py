@@ -1,7 +1,12 @@
 """The words that check files are written in; each gives a `Check`."""
 
 from course_lib.grading.vocabulary.diagnostics import expect_fact, expect_level, expect_levels
-from course_lib.grading.vocabulary.joints import expect_joint_states, expect_joint_swing, expect_joints_still
+from course_lib.grading.vocabulary.joints import (
+    expect_joint_states,
+    expect_joint_swing,
+    expect_joints_still,
+    expect_trajectory,
+)
 from course_lib.grading.vocabulary.layouts import (
     expect_colors_apart,
     expect_display,
@@ -10,9 +15,12 @@ from course_lib.grading.vocabulary.layouts import (
     expect_layout,
 )
 from course_lib.grading.vocabulary.markers import expect_marker, expect_marker_count
-from course_lib.grading.vocabulary.motion import expect_circle
-from course_lib.grading.vocabulary.parameters import expect_parameters
-from course_lib.grading.vocabulary.paths import expect_path
+from course_lib.grading.vocabulary.motion import (
+    expect_circle,
+    expect_circling_frame,
+    expect_path,
+    expect_transform,
+)
 from course_lib.grading.vocabulary.silence import expect_gone, expect_nothing_before
 from course_lib.grading.vocabulary.topics import (
     expect_frame,
@@ -23,9 +31,7 @@ from course_lib.grading.vocabulary.topics import (
     expect_throughout,
     expect_topic,
 )
-from course_lib.grading.vocabulary.trajectories import expect_trajectory
-from course_lib.grading.vocabulary.transforms import expect_circling_frame, expect_transform
-from course_lib.grading.vocabulary.values import expect_length, expect_text, expect_value
+from course_lib.grading.vocabulary.values import expect_length, expect_parameters, expect_text, expect_value
 
 __all__ = [
     "expect_circle", "expect_circling_frame", "expect_colors_apart", "expect_display",

@@ -1,4 +1,4 @@
-"""Expectations on joint states: that they are whole, and how a joint swings."""
+"""Checks on joint states, and on trajectories that are sent to an arm."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.wording import (
     Problem,
@@ -16,11 +17,16 @@ from course_lib.grading.vocabulary.wording import (
     numbers,
     word,
 )
+from course_lib.robots.trajectory import Waypoint
+from course_lib.ros import standin_path
+from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import type_name
 
 TOPIC = "/joint_states"
 STATE = "sensor_msgs/msg/JointState"
 PHASE_TOLERANCE = 0.2  # [rad]: time may be counted from the node's start or from its first message
+TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
 
 
 @word("every joint has a name and a position")
@@ -73,7 +79,7 @@ def expect_joint_swing(
     if not np.isfinite(positions).all():
         return [Problem(f"a position of {joint} is not finite", "the position of a joint is not finite")]
     wave = 2 * math.pi * hz * (times - states[0][0])
-    return list(_differs(joint, wave, positions, (amplitude, hz, phase, middle), tolerance))
+    return list(_differs_from_swing(joint, wave, positions, (amplitude, hz, phase, middle), tolerance))
 
 
 @word("the joints that stand still")
@@ -110,7 +116,7 @@ def _broken(state: Any, names: Sequence[str]) -> Iterator[Problem]:
         yield Problem("a position is not finite", "the position of a joint is not finite")
 
 
-def _differs(
+def _differs_from_swing(
     joint: str,
     wave: np.ndarray[Any, Any],
     positions: np.ndarray[Any, Any],
@@ -153,3 +159,70 @@ def _angles(came: float, expected: float) -> str:
     in_degrees = expected and close(math.radians(came), expected, 0.01 * abs(expected))
     hint = ": degrees, where radians are wanted" if in_degrees else ""
     return f"{number(came, 'rad')}, expected {number(expected, 'rad')}{hint}"
+
+
+@word("trajectory {index} on {topic}")
+def expect_trajectory(
+    evidence: Evidence,
+    topic: str,
+    goal: Mapping[str, float],
+    *,
+    index: int = 0,
+    at: float,
+    seconds: float,
+    points: int | None = None,
+    of: int | None = None,
+) -> Iterable[Problem]:
+    """Expect a trajectory that joint_trajectory_controller takes, and that ends in `goal`.
+
+    Args:
+        evidence: With the trajectories.
+        topic: Where they come.
+        goal: By joint, in any order, [rad]; the arm stands still there.
+        index: Which trajectory, counted from 0.
+        at: When it comes, [s] after the start.
+        seconds: The time of its last point, [s] after that.
+        points: How many it has; any number if it is not given.
+        of: How many trajectories come; any number if it is not given.
+    """
+    standin_path.install()  # the judge's process has not imported any ROS name yet
+    from rclpy.time import Time
+
+    from course_lib.robots.trajectory import waypoints_of
+
+    came = heard(evidence, topic, TRAJECTORY)
+    if len(came) <= index:
+        message = f"{len(came)} trajectories came on {topic}, expected at least {index + 1}"
+        return [Problem(message, "a trajectory is missing")]
+    if len(came) > (of or len(came)):
+        message = f"{len(came)} trajectories came on {topic}, expected {of}"
+        return [Problem(message, "the count of trajectories is wrong")]
+    when, sent = came[index]
+    if len(sent.points) != (points or len(sent.points)):
+        message = f"the trajectory has {len(sent.points)} points, expected {points}"
+        return [Problem(message, "a trajectory has the wrong number of points")]
+    try:
+        *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
+    except (CourseError, ValueError) as refused:  # rclpy says of a time before 1970 that it is none
+        return [Problem(f"the controller says: {refused}", "the controller refuses the trajectory")]
+    return list(_differs_from_goal(last, goal, when, at, seconds))
+
+
+def _differs_from_goal(
+    last: Waypoint, goal: Mapping[str, Any], when: float, at: float, seconds: float
+) -> Iterator[Problem]:
+    if not close(when, at, TIME_TOLERANCE):
+        message = f"the trajectory came after {number(when, 's')}, expected after {number(at, 's')}"
+        yield Problem(message, "a trajectory is sent at the wrong time")
+    if not close(last.seconds, seconds, TIME_TOLERANCE):
+        message = (
+            f"its last point is reached after {number(last.seconds, 's')}, expected {number(seconds, 's')}"
+        )
+        yield Problem(message, "the time of a trajectory is wrong")
+    if len(last.state) < 2:
+        message = "its last point has no velocities, so the arm would stop with a jerk"
+        yield Problem(message, "a trajectory has no velocities")
+    for (joint, expected), position in zip(goal.items(), last.state[0].tolist(), strict=True):
+        if not close(position, expected, TOLERANCE):
+            message = f"{joint} goes to {number(position, 'rad')}, expected {number(expected, 'rad')}"
+            yield Problem(message, "a trajectory leads to the wrong position of a joint")

@@ -14,7 +14,7 @@ from course_lib.displays.registry import full_name, short_name
 from course_lib.displays.session import Session
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.message_data import build
+from course_lib.grading.personal import build
 from course_lib.grading.task import Message
 from course_lib.grading.vocabulary.values import compare
 from course_lib.grading.vocabulary.wording import Problem, listed, word

@@ -6,7 +6,7 @@ from typing import Any
 
 from course_lib.errors import counted
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.plain import plain
+from course_lib.grading.run.outcome import plain
 from course_lib.grading.vocabulary.marker_state import ADD
 from course_lib.grading.vocabulary.values import compare
 from course_lib.grading.vocabulary.wording import Problem, close, heard, number, word

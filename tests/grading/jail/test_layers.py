@@ -7,10 +7,10 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.jail import seccomp
+from course_lib.grading.jail import filters
 from course_lib.grading.jail.isolation import LAYERS, Isolation
 from course_lib.grading.jail.launch import TemplateProcess
-from course_lib.grading.runner import Session
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 
 ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
@@ -89,7 +89,7 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
             pytest.skip(f"no {missing} on this machine")
         attacks = {name: line.format(**places) for name, line in ATTACKS.items()}
         cells = [PROGRAM.format(attacks=attacks)]
-        with closing(Session(cells, {ANSWER.id: {}}, Limits(), template)) as session:
+        with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)) as session:
             came = session.run(ANSWER, ANSWER.scenarios[0])
         assert session.log.errors == []
         assert set(came.returns[0]) <= OPEN[off]
@@ -100,7 +100,7 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
 def test_folders_in_folders_are_cleared_away() -> None:
     cells = ["import os\nfor _ in range(1200): os.mkdir('d'); os.chdir('d')\nanswer = 1"]
     with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
-        with closing(Session(cells, {ANSWER.id: {}}, Limits(), template)) as session:
+        with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)) as session:
             assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
         assert template.is_sound
 
@@ -109,7 +109,7 @@ def test_files_on_a_disk_are_bounded_all_together() -> None:
     cells = ["for n in range(10**5): open(str(n), 'wb').write(bytes(10**6))", "answer = 1"]
     limits = Limits(scratch_megabytes=16)
     with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
-        with closing(Session(cells, {ANSWER.id: {}}, limits, template)) as session:
+        with closing(SubmissionRun(cells, {ANSWER.id: {}}, limits, template)) as session:
             assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
         assert session.log.limit == "size"
 
@@ -144,11 +144,11 @@ def test_what_is_missing_is_said() -> None:
     assert str(Isolation()).startswith("no sandbox (lacks")
 
 
-@pytest.mark.parametrize(("column", "machine"), seccomp.MACHINES.values(), ids=seccomp.MACHINES)
+@pytest.mark.parametrize(("column", "machine"), filters.MACHINES.values(), ids=filters.MACHINES)
 def test_every_jump_of_the_filter_ends_inside_it(column: int, machine: int) -> None:
-    code = seccomp.program(column, machine)
+    code = filters.program(column, machine)
     steps = [code[i : i + 8] for i in range(0, len(code), 8)]
     assert len(steps) < 4096  # what the kernel takes
     for index, step in enumerate(steps):
-        if step[0] != seccomp.RETURN:
+        if step[0] != filters.RETURN:
             assert index + 1 + max(step[2], step[3]) < len(steps)

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from geometry_msgs.msg import (
     Point,
     Point32,
@@ -19,6 +18,7 @@ from geometry_msgs.msg import (
 )
 from tf2_ros.buffer_interface import TransformRegistration
 
+from course_lib.arrays import Floats
 from course_lib.ros.tf2_transform import IDENTITY, Transform, compose, scaled_to_one
 from course_lib.ros.tf2_transform import Pose as Placement
 
@@ -70,13 +70,11 @@ def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformSt
     return PolygonStamped(header=transform.header, polygon=Polygon(points=points))
 
 
-def transform_covariance(
-    cov_in: npt.NDArray[np.float64], transform: TransformStamped
-) -> npt.NDArray[np.float64]:
+def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
     """Return a covariance of (x, y, z) and turns about them in the transform's parent frame, shape (36,)."""
     turn = Transform.from_message(transform).matrix()[:3, :3]
     both = np.kron(np.eye(2), turn)
-    covariance: npt.NDArray[np.float64] = both @ np.reshape(cov_in, (6, 6)) @ both.T
+    covariance: Floats = both @ np.reshape(cov_in, (6, 6)) @ both.T
     return covariance.reshape(36)
 
 

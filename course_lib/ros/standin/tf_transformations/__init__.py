@@ -7,37 +7,36 @@ axes, then their order; the default sxyz takes roll, pitch, yaw.
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from transforms3d import affines, axangles, euler, quaternions
 
+from course_lib.arrays import Floats
 from course_lib.ros.tf2_transform import slerp
 
-Array = npt.NDArray[np.float64]
-Numbers = Sequence[float] | Array
+Numbers = Sequence[float] | Floats
 _NO_SHIFT, _NO_TURN, _NO_ZOOM = np.zeros(3), np.eye(3), np.ones(3)
 
 
-def translation_matrix(direction: Numbers) -> Array:
+def translation_matrix(direction: Numbers) -> Floats:
     """Return a shift by a vector, shape (4, 4)."""
     return _affine(_NO_TURN, direction)
 
 
-def translation_from_matrix(matrix: Array) -> Array:
+def translation_from_matrix(matrix: Floats) -> Floats:
     """Return the shift of a transform, shape (3,)."""
     return np.array(matrix, float)[:3, 3]
 
 
-def rotation_matrix(angle: float, direction: Numbers, point: Numbers | None = None) -> Array:
+def rotation_matrix(angle: float, direction: Numbers, point: Numbers | None = None) -> Floats:
     """Return a turn about an axis through a point, shape (4, 4)."""
     return np.asarray(axangles.axangle2aff(direction, angle, point=point))
 
 
-def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
+def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Floats:
     """Return the turn by three angles, shape (4, 4)."""
     return _affine(euler.euler2mat(ai, aj, ak, axes=axes))
 
 
-def euler_from_matrix(matrix: Array, axes: str = "sxyz") -> tuple[float, float, float]:
+def euler_from_matrix(matrix: Floats, axes: str = "sxyz") -> tuple[float, float, float]:
     """Return the three angles of a turn."""
     ai, aj, ak = euler.mat2euler(np.asarray(matrix), axes=axes)
     return ai, aj, ak
@@ -48,22 +47,22 @@ def euler_from_quaternion(quaternion: Numbers, axes: str = "sxyz") -> tuple[floa
     return euler_from_matrix(quaternion_matrix(quaternion), axes)
 
 
-def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
+def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Floats:
     """Return the quaternion (x, y, z, w) of three angles."""
     return np.roll(euler.euler2quat(ai, aj, ak, axes=axes), -1)
 
 
-def quaternion_about_axis(angle: float, axis: Numbers) -> Array:
+def quaternion_about_axis(angle: float, axis: Numbers) -> Floats:
     """Return the quaternion (x, y, z, w) of a turn about an axis."""
     return np.roll(quaternions.axangle2quat(axis, angle), -1)
 
 
-def quaternion_matrix(quaternion: Numbers) -> Array:
+def quaternion_matrix(quaternion: Numbers) -> Floats:
     """Return the turn of a quaternion (x, y, z, w), shape (4, 4)."""
     return _affine(quaternions.quat2mat(np.roll(quaternion, 1)))
 
 
-def quaternion_from_matrix(matrix: Array) -> Array:
+def quaternion_from_matrix(matrix: Floats) -> Floats:
     """Return the quaternion (x, y, z, w) of a transform."""
     return np.roll(quaternions.mat2quat(affines.decompose(np.asarray(matrix))[1]), -1)
 
@@ -74,25 +73,25 @@ def quaternion_multiply(quaternion1: Numbers, quaternion0: Numbers) -> tuple[flo
     return x, y, z, w
 
 
-def quaternion_conjugate(quaternion: Numbers) -> Array:
+def quaternion_conjugate(quaternion: Numbers) -> Floats:
     """Return the quaternion (x, y, z, w) with its axis reversed."""
     x, y, z, w = quaternion
     return np.array([-x, -y, -z, w])
 
 
-def quaternion_inverse(quaternion: Numbers) -> Array:
+def quaternion_inverse(quaternion: Numbers) -> Floats:
     """Return the quaternion (x, y, z, w) that undoes another one."""
     return quaternion_conjugate(quaternion) / float(np.dot(quaternion, quaternion))
 
 
-def quaternion_slerp(quat0: Numbers, quat1: Numbers, fraction: float) -> Array:
+def quaternion_slerp(quat0: Numbers, quat1: Numbers, fraction: float) -> Floats:
     """Return the quaternion (x, y, z, w) at a fraction of the shorter way from one to another."""
     x, y, z, w = unit_vector(quat0)
     bx, by, bz, bw = unit_vector(quat1)
     return np.array(slerp((x, y, z, w), (bx, by, bz, bw), fraction))
 
 
-def unit_vector(data: Numbers) -> Array:
+def unit_vector(data: Numbers) -> Floats:
     """Return a vector of length 1."""
     return np.asarray(data, float) / vector_norm(data)
 
@@ -102,12 +101,12 @@ def vector_norm(data: Numbers) -> float:
     return float(np.linalg.norm(data))
 
 
-def inverse_matrix(matrix: Array) -> Array:
+def inverse_matrix(matrix: Floats) -> Floats:
     """Return the transform that undoes another one, shape (4, 4)."""
     return np.linalg.inv(np.asarray(matrix, float)).astype(np.float64)
 
 
-def concatenate_matrices(*matrices: Array) -> Array:
+def concatenate_matrices(*matrices: Floats) -> Floats:
     """Return the product of transforms: the last one is applied first, shape (4, 4)."""
     product = np.eye(4)
     for matrix in matrices:
@@ -115,5 +114,5 @@ def concatenate_matrices(*matrices: Array) -> Array:
     return product
 
 
-def _affine(turn: Array, shift: Numbers = _NO_SHIFT) -> Array:
+def _affine(turn: Floats, shift: Numbers = _NO_SHIFT) -> Floats:
     return np.asarray(affines.compose(shift, turn, _NO_ZOOM))

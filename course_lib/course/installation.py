@@ -1,0 +1,102 @@
+"""The installation: where the kit keeps what it ships, and whether its packages fit."""
+
+import platform
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from course_lib.errors import CourseError
+
+PACKAGE = Path(__file__).resolve().parent.parent
+DISTRIBUTION = "course-lib"
+REPAIR = "pip install -e ."
+
+
+def material_root() -> Path:
+    """The folder with `notebooks/` and `exercises/`: inside an installed wheel, else the checkout.
+
+    Raises:
+        CourseError: the installation holds neither.
+    """
+    for root in (PACKAGE / "_course", PACKAGE.parent):
+        if (root / "notebooks").is_dir() and (root / "exercises").is_dir():
+            return root
+    raise CourseError(
+        f"no lessons beside {PACKAGE}: this installation is not complete. Install again: pip install -e ."
+    )
+
+
+def lessons_dir() -> Path:
+    """The lessons, `weekNN_*.ipynb`."""
+    return material_root() / "notebooks"
+
+
+def exercises_dir() -> Path:
+    """The exercises as handed out, `course.toml`, public checks, quizzes and assets."""
+    return material_root() / "exercises"
+
+
+def checkout_root() -> Path:
+    """The instructors' checkout, the only place that holds solutions and hidden checks.
+
+    Raises:
+        CourseError: this is a student's copy, or an installed wheel.
+    """
+    root = PACKAGE.parent
+    if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
+        return root
+    raise CourseError(
+        f"{root} holds no solutions: this needs the instructors' checkout. "
+        "Clone the course's repository, then there: pip install -e ."
+    )
+
+
+def solutions_dir() -> Path:
+    """The solved exercises and hidden checks; instructors only."""
+    return checkout_root() / "solutions"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One package: what is wanted, what is there."""
+
+    name: str
+    wanted: str
+    installed: str | None
+    fits: bool
+
+    @property
+    def line(self) -> str:
+        """One line for people."""
+        if self.fits:
+            return f"✔ {self.name} {self.installed}"
+        came = f"version {self.installed} is installed" if self.installed else "not installed"
+        return f"✘ {self.name}: {came}, wanted {self.wanted or 'any version'}. In a terminal: {REPAIR}"
+
+
+def find_versions() -> Iterator[Finding]:
+    """Yield each package that the kit itself needs on this platform."""
+    from packaging.requirements import Requirement
+
+    for text in metadata.requires(DISTRIBUTION) or []:
+        need = Requirement(text)
+        if need.marker and not need.marker.evaluate({"extra": ""}):
+            continue  # of another platform, or of an extra
+        try:
+            installed = metadata.version(need.name)
+        except metadata.PackageNotFoundError:
+            yield Finding(need.name, str(need.specifier), None, False)
+        else:
+            yield Finding(need.name, str(need.specifier), installed, need.specifier.contains(installed))
+
+
+def check_versions() -> None:
+    """Print Python and every package with ✔ or ✘, and what to do about the latter."""
+    findings = list(find_versions())
+    bad = [finding for finding in findings if not finding.fits]
+    print(f"✔ Python {platform.python_version()} on {platform.system()} ({sys.prefix})")  # noqa: T201  output
+    print("\n".join(finding.line for finding in findings))  # noqa: T201  the cell's output
+    verdict = f"{len(bad)} of {len(findings)} need a hand" if bad else "All of it is fine."
+    print(verdict)  # noqa: T201  the cell's output

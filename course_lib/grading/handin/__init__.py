@@ -1,0 +1,1 @@
+"""Submissions: from a learning platform to what is graded, and marks back to it."""

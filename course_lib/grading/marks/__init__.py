@@ -1,0 +1,1 @@
+"""From scores of checks and points of persons to results."""

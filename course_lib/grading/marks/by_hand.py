@@ -1,0 +1,96 @@
+"""`course mark`: points and comments of a person, at once in gradebook, index and report."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+from course_lib.course.identity import normalise
+from course_lib.course.installation import exercises_dir, solutions_dir
+from course_lib.errors import CourseError, did_you_mean
+from course_lib.grading.grade_one import Course, catalog_of, renew_report
+from course_lib.grading.handin.submission import Submission
+from course_lib.grading.marks.mark import read_result, result_path
+from course_lib.grading.marks.marks import add_mark, marks_path
+from course_lib.grading.out_folder import sole_use, writing
+from course_lib.grading.reports.tables import write_tables
+
+
+def mark_by_hand(
+    out: Path,
+    student: str,
+    exercise: str,
+    task: str,
+    points: str,
+    *,
+    row: str = "",
+    comment: str = "",
+    course: Course | None = None,
+) -> str:
+    """Keep what a person gives, and return a line with the mark as it is now.
+
+    Args:
+        out: The folder that `course grade` wrote.
+        student: As it stands in the gradebook.
+        exercise: "week05_exercise".
+        task: "week05.essay", or "essay".
+        points: A number: for the row, else for the whole task instead of what the checks give.
+        row: Of the rubric: its number from 1, or how it begins.
+        comment: For the student.
+        course: Where the tasks are; default: this checkout.
+
+    Raises:
+        CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
+    """
+    try:
+        number = float(points)
+    except ValueError as error:
+        raise CourseError(f"{points!r} is not a number of points") from error
+    student = _known(student, out / "results", "student")
+    exercise = _known(exercise, out / "results" / student, "exercise")
+    path = result_path(out, student, exercise)
+    with sole_use(out), writing(out):
+        result = read_result(path)
+        tasks = {known["task"]: known for known in result.get("tasks", ())}
+        task = _task(task, tasks, f"{exercise} of {student}")
+        given = add_mark(marks_path(out, student, exercise), tasks[task], number, row, comment)
+        course = course or Course(exercises_dir(), solutions_dir())
+        renew_report(Submission.from_plain(result), course, out)
+        write_tables(out, catalog_of(course).course.zone)
+    now = read_result(path)["row"]
+    what = f"{task} ({given.row})" if given.row else task
+    return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
+
+
+def _known(name: str, folder: Path, what: str) -> str:
+    """Return the name of a student or an exercise as the results have it.
+
+    Raises:
+        CourseError: There is none; names the nearest.
+    """
+    known = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
+    spelled = {_spelled(one): one for one in known}
+    for spelling in (_spelled(name), _spelled(f"{name}_{what}")):
+        if spelling in spelled:
+            return spelled[spelling]
+    meant = did_you_mean(_spelled(name), spelled, 3) or f"; there is {', '.join(known[:10]) or 'none'}."
+    raise CourseError(f"{folder} has no {what} {name!r}{meant}")
+
+
+def _spelled(name: str) -> str:
+    try:
+        return normalise(name)
+    except CourseError:
+        return name
+
+
+def _task(name: str, tasks: Collection[str], of: str) -> str:
+    """Return a task's id, also by what follows its dot.
+
+    Raises:
+        CourseError: There is none; names the nearest.
+    """
+    short = {task.split(".", 1)[-1]: task for task in tasks}
+    found = name if name in tasks else short.get(name)
+    if found is None:
+        meant = did_you_mean(name, [*short, *tasks], 3) or f"; there is {', '.join(short) or 'none'}."
+        raise CourseError(f"{of} has no task {name!r}{meant}")
+    return found

@@ -1,0 +1,1 @@
+"""What people read of results: tables, pages, the gradebook and the terminal's lines."""

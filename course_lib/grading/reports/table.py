@@ -1,0 +1,158 @@
+"""Results as text and HTML: a student's table, and lines for the terminal."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_lib.grading.judge import CheckResult, TaskResult
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+ALL_PASSED = "all public checks passed; hidden checks run at grading"
+LONG = 40  # characters of a reason that is not repeated row by row
+FOR_A_PERSON = "noted; a person reads and marks it"
+_WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A task's result with lines below it; Jupyter shows the HTML, a terminal the text.
+
+    Args:
+        result: Of the task.
+        notes: Below its checks.
+        printed: What the student's code printed, line by line.
+    """
+
+    result: TaskResult
+    notes: tuple[str, ...] = ()
+    printed: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [f"{icon} {word:6}  {title}: {why}" for icon, word, title, why in rows(self.result.checks)]
+        above = "\n  ".join([self._headline(), *self.result.errors, *lines])
+        below = ["It printed:", *(f"  | {line}" for line in self.printed)] if self.printed else []
+        return "\n".join([above, *below, *self._end()])
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
+        shown = {"headline": self._headline(), "errors": self.result.errors, "end": self._end()}
+        printed = "\n".join(self.printed)
+        html = fill("result.html", rows=rows(self.result.checks), printed=printed, **shown)
+        return {"text/html": html, "text/plain": str(self)}
+
+    def _headline(self) -> str:
+        done = sum(check.passed for check in self.result.checks)
+        return f"{self.result.task} ({self.result.title}): {done} of {len(self.result.checks)} checks passed"
+
+    def _end(self) -> list[str]:
+        verdict = ALL_PASSED if self.result.checks else FOR_A_PERSON
+        return [*self.notes, *([verdict] if self.result.passed else [])]
+
+
+def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
+    """Icon, word, title and reason of each check; of a hidden one its number and the kind of mistake."""
+    made: list[tuple[str, str, str, str]] = []
+    hidden = 0
+    for check in checks:
+        icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
+        if 0 < check.score < 1:
+            word = f"{check.score:.0%}"
+        hidden += check.hidden
+        said = (f"hidden check {hidden}", check.mistake) if check.hidden else (check.title, check.message)
+        title, why = said
+        if not check.passed and len(why) > LONG:
+            same = next((row[2] for row in made if row[3] == why and row[1] == word), "")
+            why = f"as for “{same}”" if same else why
+        made.append((icon, word, title, why))
+    return made
+
+
+def fill(template: str, **values: Any) -> str:
+    """A page of templates/, in which every text is escaped."""
+    return _templates().get_template(template).render(values)
+
+
+def printable(line: str) -> str:
+    """A line for the terminal; names that come from students may be broken, or try to control it."""
+    return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
+
+
+@lru_cache(maxsize=1)
+def _templates() -> "Environment":
+    from jinja2 import Environment, FileSystemLoader
+
+    loader = FileSystemLoader(Path(__file__).with_name("templates"))
+    return Environment(loader=loader, autoescape=True, finalize=_tame)
+
+
+def _tame(value: Any) -> Any:
+    """A text without terminal colours, control characters and turns of the reading direction."""
+    return _WILD.sub("", value) if type(value) is str else value  # not what is markup already
+
+
+Row = Mapping[str, Any]  # of the gradebook
+MOST_NAMED = 5  # students in a line
+MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
+
+
+def watched(rows: Iterable[Row], total: int) -> Iterator[Row]:
+    """The same rows, while a bar with rate and time left tells how far it is; problems go above it."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    rate, columns = TextColumn("{task.fields[rate]}"), (BarColumn(), MofNCompleteColumn())
+    with Progress(TextColumn("Grading"), *columns, rate, TimeRemainingColumn()) as progress:
+        bar = progress.add_task("", total=total, rate="")
+        for row in rows:
+            if row["status"] != "graded":
+                words = (str(row[name]) for name in ("student", "exercise", "status", "reason", "message"))
+                line = printable("  ".join(words))
+                progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
+            progress.advance(bar)
+            progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
+            yield row
+
+
+def say(line: str) -> None:
+    """Print a line."""
+    print(printable(line))  # noqa: T201  the terminal is its page
+
+
+def counts(rows: Iterable[Row]) -> str:
+    """How many there are of each status."""
+    return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row["status"] for row in rows).items()))
+
+
+def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
+    """A line per task that checks mark, of all results: how many, the mean, how many have full marks."""
+    scores: dict[str, list[float]] = {}
+    points: dict[str, float] = {}
+    for result in results:
+        for task in (task for task in result.get("tasks", ()) if not task["rubric"]):
+            scores.setdefault(task["task"], []).append(task["score"])
+            points[task["task"]] = task["points"]
+    return [
+        f"{task:30} {len(got):5} graded  mean {sum(got) / len(got):5.1f} of {points[task]:g}  "
+        f"{sum(score >= points[task] for score in got)} with full marks"
+        for task, got in sorted(scores.items())
+    ]
+
+
+def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each check that raised an exception, with the submissions that it did not judge."""
+    met: dict[str, list[str]] = {}
+    for result in results:
+        for task in result.get("tasks", ()):
+            for check in (check for check in task["checks"] if check.get("broken")):
+                what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
+                met.setdefault(what, []).append(result["student"])
+    return [f"A check could not judge {_few(students)}: {what}. {MEND}" for what, students in met.items()]
+
+
+def _few(students: list[str]) -> str:
+    shown = ", ".join(students[:MOST_NAMED])
+    return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

@@ -1,0 +1,163 @@
+"""What is derived from all results: gradebook.csv, the index, and what an instructor must look at."""
+
+import csv
+import io
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+from zoneinfo import ZoneInfo
+
+from course_lib.course.state import write_whole
+from course_lib.errors import counted
+from course_lib.grading.handin.copies import Alike, alike_in
+from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
+from course_lib.grading.marks.mark import COLUMNS, results_in
+from course_lib.grading.reports.table import fill
+from course_lib.grading.run.outcome import read_usage
+
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
+
+
+def write_gradebook(out: Path) -> Path:
+    """Write OUT/gradebook.csv from all that OUT/results and OUT/marks hold."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for result in results_in(out):
+        writer.writerow(map(harmless, result["row"].values()))
+    path = out / "gradebook.csv"
+    write_whole(path, text.getvalue().encode())
+    return path
+
+
+def harmless(value: Any) -> Any:
+    """A text that a spreadsheet would take for a formula gets an apostrophe in front."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
+
+
+NAMED = 5  # names in one line; the index has all
+SIMILAR = "similar code"
+ADVICE = {
+    MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
+    "Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
+    "Folders that are not named after IDs: course collect with --roster",
+    NO_ID: "the files name no student; judged as who handed in, or as a guest if no roster says who",
+    UNVERIFIED: "only the files say whose they are; collect with --roster to have it compared",
+    SIMILAR: "to be read side by side in",
+}
+
+
+@dataclass(frozen=True)
+class Flag:
+    """Some words on a submission, and the page that shows more, or ""."""
+
+    kind: str
+    text: str
+    link: str = ""
+
+
+@dataclass(frozen=True)
+class Concern:
+    """A kind of thing to look at, with pages in OUT/reports that show more."""
+
+    text: str
+    pages: tuple[str, ...] = ()
+
+    def line(self, out: Path) -> str:
+        """Return it for the terminal."""
+        return " ".join([self.text, ", ".join(str(out / "reports" / page) for page in self.pages)]).rstrip()
+
+
+def flags(result: Mapping[str, Any], alike: Mapping[tuple[str, str], Alike]) -> list[Flag]:
+    """Return what to look at in one result."""
+    word = result.get("id_flag")
+    found = [Flag(word, word)] if word else []
+    if similar := alike.get((result["student"], result["exercise"])):
+        found.append(Flag(SIMILAR, f"{SIMILAR}: {_some(similar.others)}", similar.link))
+    return found
+
+
+def concerns(results: Iterable[Mapping[str, Any]], out: Path) -> list[Concern]:
+    """Return each kind of thing to look at, with those whom it concerns."""
+    alike, who, pages = alike_in(out), defaultdict[str, list[str]](list), set[str]()
+    for result in results:
+        for flag in flags(result, alike):
+            who[flag.kind].append(f"{result['student']} {result['exercise']}")
+            pages |= {flag.link.split("#")[0]} - {""}
+    return [
+        Concern(
+            f"{kind}: {counted(len(who[kind]), 'submission')} ({_some(who[kind])}): {advice}",
+            tuple(sorted(pages)) if kind == SIMILAR else (),
+        )
+        for kind, advice in ADVICE.items()
+        if kind in who
+    ]
+
+
+def _some(names: Sequence[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
+
+
+# Key in the result's row, heading; numbers are sorted as such.
+INDEX_COLUMNS = (
+    ("student", "student"), ("exercise", "exercise"), ("final", "mark"), ("max_score", "of"),
+    ("score", "before late policy"), ("days_late", "days late"), ("status", "status"), ("reason", "reason"),
+    ("message", "message"), ("cpu_seconds", "CPU [s]"), ("memory_megabytes", "memory [MB]"),
+)  # fmt: skip
+
+
+def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
+    """Write what is derived from all results and marks: the gradebook and the index."""
+    return [write_gradebook(out), write_index(out, zone)]
+
+
+def write_index(out: Path, zone: ZoneInfo) -> Path:
+    """Write OUT/reports/index.html from all that OUT/results holds, times in a zone."""
+    results = list(results_in(out))
+    failures, alike = _failures(results), alike_in(out)
+    page = fill(
+        "index.html",
+        headings=[heading for _, heading in INDEX_COLUMNS],
+        lines=[{**_line(result, out, zone), "flags": flags(result, alike)} for result in results],
+        concerns=concerns(results, out),
+        counts=sorted(Counter(result["row"]["status"] for result in results).items()),
+        isolations=Counter(result["isolation"] for result in results).most_common(),
+        failures=[row for row in failures if row["failed"]],
+        never=sum(not row["failed"] for row in failures),
+        zone=zone.key,
+    )
+    path = out / "reports" / "index.html"
+    write_whole(path, page.encode("utf-8", "replace"))
+    return path
+
+
+def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
+    usage = read_usage(out, result["attempts"][-1]["key"])
+    row = {**result["row"], **(asdict(usage) if usage else {})}
+    cells = [row.get(key, "") for key, _ in INDEX_COLUMNS]
+    place = f"{row['student']}/{row['exercise']}.html"
+    time = result["received"] and datetime.fromisoformat(result["received"]).astimezone(zone)
+    return {
+        "link": quote(place) if (out / "reports" / place).is_file() else "",
+        "cells": [f"{v:g}" if isinstance(v, float) else v for v in cells],
+        "received": time.isoformat(" ", "minutes") if time else "unknown",
+        "notes": result["notes"],
+    }
+
+
+def _failures(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Each check with how many submissions did not pass it, the most first."""
+    judged, failed = Counter[tuple[Any, ...]](), Counter[tuple[Any, ...]]()
+    for result in results:
+        for task in result.get("tasks", ()):
+            for check in task["checks"]:
+                key = task["task"], check["title"], check["scenario"], check["hidden"]
+                judged[key] += 1
+                failed[key] += check["score"] < 1
+    shares = sorted(judged, key=lambda key: (-failed[key] / judged[key], key))
+    return [{"names": key, "failed": failed[key], "of": judged[key]} for key in shares]

@@ -1,0 +1,114 @@
+"""Our side of a scenario: its graph with clock, inputs and recorder."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.personal import build
+from course_lib.grading.run.outcome import Outcome, plain
+from course_lib.grading.task import Scenario, Task, resolve
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph_server import PICTURES
+from course_lib.ros.messages import serialize
+from course_lib.ros.qos import Qos
+from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
+
+INPUT_NODE = "scenario"
+# Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
+NOT_EVIDENCE = ("/rosout", "/parameter_events")
+
+
+@dataclass(frozen=True)
+class Instructions:
+    """What the student's side gets to know: the task's kind, the seed, the arguments of calls."""
+
+    kind: str
+    seed: int
+    calls: Sequence[tuple[Sequence[Any], dict[str, Any]]] = ()
+
+
+class ScenarioGraph:
+    """The graph of one scenario, with our inputs on it and a recorder of what the student's side publishes.
+
+    Args:
+        task: Whose scenario it is.
+        scenario: What runs.
+        personal: The student's own values.
+    """
+
+    def __init__(self, task: Task, scenario: Scenario, personal: Mapping[str, Any]) -> None:
+        self._task, self._scenario, self._personal = task, scenario, personal
+        self.seconds = scenario.seconds
+        self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
+        self._ours = self.graph.add_node(INPUT_NODE, "/")
+        self._samples: list[Sample] = []
+        self._room = ImageRoom()
+        self.graph.tap(self._record)
+        for message in scenario.inputs:
+            is_request = "/srv/" in message.type_name
+            if is_request:
+                prefix, suffix = SERVICE_TOPICS[0]
+                topic, type_name = f"{prefix}{message.topic}{suffix}", f"{message.type_name}_Request"
+                message = replace(message, topic=topic, type_name=type_name)
+            cdr = serialize(build(message, personal))
+            endpoint = self.graph.add_publisher(self._ours, message.topic, message.type_name, Qos())
+            publish = partial(
+                self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
+            )
+            due_ns = START_NS + round(message.at * 1e9)
+            self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
+        calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
+        self.part = Instructions(task.kind, scenario.seed, calls)
+
+    def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
+        """What came out, so far."""
+        return Evidence(
+            task=self._task.id,
+            scenario=self._scenario.name,
+            seconds=self._scenario.seconds,
+            samples=tuple(self._samples),
+            returns=tuple(outcome.returns),
+            output=output,
+            errors=tuple(outcome.errors),
+            stopped=stopped,
+            personal=self._personal,
+        )
+
+    def _record(self, sample: Sample) -> None:
+        if sample.node != self._ours and sample.topic not in NOT_EVIDENCE:
+            self._samples.append(self._room.fitted(sample))
+
+
+ROOM = 4 << 20  # bytes for each topic
+ALL = 8 << 20  # bytes for all topics
+
+
+class ImageRoom:
+    """Counts what each topic's pictures take."""
+
+    def __init__(self) -> None:
+        self._taken = Counter[str]()
+        self._kept = 0
+
+    def fitted(self, sample: Sample) -> Sample:
+        """The sample, without its pixels where there is no more room for them."""
+        if sample.type_name not in PICTURES:
+            return sample
+        self._taken[sample.topic] += len(sample.cdr)
+        if self._taken[sample.topic] > ROOM or self._kept + len(sample.cdr) > ALL:
+            return _without_pixels(sample)
+        self._kept += len(sample.cdr)
+        return sample
+
+
+def _without_pixels(sample: Sample) -> Sample:
+    try:
+        message: Any = sample.message()
+    except Exception:  # the bytes come from a student's process: what is no picture has no header to keep
+        return replace(sample, cdr=b"")
+    message.data = []
+    return replace(sample, cdr=serialize(message))

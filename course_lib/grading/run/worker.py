@@ -1,0 +1,204 @@
+"""The process that runs a submission: its cells once, then each scenario in a fork of it.
+
+It is a fork of `jail.template`. It holds no check, no expected value and no hidden text; what it says is
+evidence, judged elsewhere and not believed.
+"""
+
+import _thread
+import importlib
+import os
+import sys
+import timeit  # noqa: F401  before robot time is there: %timeit measures, also when graded
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.grading.check import bind_only
+from course_lib.grading.personal import give_values
+from course_lib.grading.run.outcome import NOT_MADE, Outcome, describe
+from course_lib.grading.run.scenario_graph import Instructions
+from course_lib.grading.run.student_side import perform
+from course_lib.ros import standin_path, virtual_time
+from course_lib.ros.baton import baton
+from course_lib.ros.channel import Channel, ChannelClosedError
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+from course_lib.ros.remote_graph import RemoteGraph
+from course_lib.ros.seeding import seeded
+from course_lib.ros.shell import make_shell
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+CELLS_SEED = 0
+USUAL = (  # what most notebooks import
+    "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
+    "std_msgs.msg",     "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
+    "course_lib.displays.viewer", "course_lib.tools.notebook",
+)  # fmt: skip
+NO_SHELL = "There is no shell when graded: this line is left out."
+
+
+class Worker:
+    """One submission.
+
+    Args:
+        channel: To the grader.
+        shell: What `warm_up` made.
+    """
+
+    def __init__(self, channel: Channel, shell: "InteractiveShell") -> None:
+        self._channel, self._shell, self._pid = channel, shell, os.getpid()
+        self._bound: dict[str, Any] = {}
+        bind_only(self._bound.__setitem__)
+
+    def serve(self) -> None:
+        """Do what the grader asks until it is gone."""
+        handlers: dict[str, Callable[..., None]] = {
+            "files": write_files,
+            "cells": self.run_cells,
+            "scenario": self.run_scenario,
+        }
+        while True:
+            try:
+                name, *arguments = self._channel.receive()
+            except ChannelClosedError:
+                return
+            handlers[name](*arguments)
+
+    def run_cells(self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int]) -> None:
+        """Run all cells in order, but those to skip; an error in one does not stop the rest."""
+        give_values(values)
+        errors = []
+        with baton.known(), seeded(CELLS_SEED):
+            for index, cell in enumerate(cells):
+                if index not in skip:
+                    self._channel.send(["cell", index])
+                    errors += self._run_cell(index, cell)
+                    if self._is_crowded():
+                        self._channel.send(["crowded"])
+                        return
+        _flush()
+        self._channel.send(["ran", errors])
+
+    def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
+        """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
+        part = Instructions(kind, seed, calls)
+        if kind != "node" and _thread._count() == 0:  # a fork takes longer than all the rest of it
+            self._perform(task, name, part, end_ns)
+            self._channel.send(["exit", 0])
+            return
+        try:
+            child = os.fork()
+        except BlockingIOError as error:  # what an earlier cell left running has multiplied
+            self._channel.send(["result", [], [describe(error)]])
+            self._channel.send(["exit", 1])
+            return
+        if child == 0:
+            self._run_in_child(task, name, part, end_ns)
+        self._channel.send(["exit", os.waitpid(child, 0)[1]])
+
+    def _run_cell(self, index: int, cell: str) -> list[str]:
+        self._shell.execution_count = index + 1
+        try:
+            result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+            error = result.error_before_exec or result.error_in_exec
+        except Exception as stumble:  # IPython's own, over what the student's code put in its way
+            error = stumble
+        if os.getpid() != self._pid:
+            os._exit(0)  # a fork that the cell made: the next cells are its parent's
+        return [describe(error)] if error is not None else []
+
+    def _is_crowded(self) -> bool:
+        """Whether a cell has left so many processes and threads behind that no further one can start."""
+        if not hasattr(os, "waitid"):
+            return False  # macOS, where processes are not bounded
+        try:
+            os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:
+            if _thread._count() == 0:
+                return False  # the usual case, at once
+        try:
+            probe = os.fork()
+        except BlockingIOError:
+            return True
+        if probe == 0:
+            os._exit(0)
+        os.waitpid(probe, 0)
+        return False
+
+    def _run_in_child(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
+        status = 1
+        try:
+            self._perform(task, name, part, end_ns)
+            status = 0
+        finally:
+            _flush()
+            os._exit(status)  # no handler that the student's code left behind is run
+
+    def _perform(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
+        outcome = Outcome()
+        try:
+            graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns)
+            perform(part, self._subject(task, name), graph, outcome)
+        except CourseError as error:
+            outcome = Outcome(errors=[str(error)])
+        _flush()
+        self._channel.send(["result", outcome.returns, outcome.errors])
+
+    def _subject(self, task: str, name: str) -> Any:
+        """What `check` was called with, else what has the declared name."""
+        if task in self._bound:
+            return self._bound[task]
+        if name not in self._shell.user_ns:
+            raise CourseError(f"{name} {NOT_MADE}")
+        return self._shell.user_ns[name]
+
+
+def write_files(files: dict[str, str]) -> None:
+    """Write what came with the notebook; where the folder does not take one, the cells will miss it."""
+    for name, text in files.items():
+        with suppress(OSError):
+            Path(name).parent.mkdir(parents=True, exist_ok=True)
+            Path(name).write_text(text, encoding="utf-8")
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except Exception:  # the student's code may have closed it, or put anything in its place
+            continue
+
+
+def warm_up() -> "InteractiveShell":
+    """Do all that is the same for every submission: imports, a first run of everything, the cells' shell."""
+    standin_path.install()
+    virtual_time.install()
+    for module in USUAL:
+        importlib.import_module(module)
+    shell = make_shell()
+    shell.InteractiveTB.set_mode("Minimal")
+    vars(shell).update(system=_no_shell, getoutput=_no_shell)
+    formatter = shell.display_formatter
+    if formatter is not None:  # nobody looks: no picture is drawn
+        formatter.active_types = ["text/plain"]
+        formatter.mimebundle_formatter.enabled = False
+    shell.run_cell("None")  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    perform(Instructions("node", 0), _publish_once, Graph(end_ns=START_NS + 1), Outcome())
+    return shell
+
+
+def _publish_once() -> Any:
+    from rclpy.node import Node
+    from visualization_msgs.msg import Marker, MarkerArray
+
+    node = Node("warm_up")
+    node.create_publisher(MarkerArray, "warm_up", 1).publish(MarkerArray(markers=[Marker()]))
+    return [node]
+
+
+def _no_shell(*_: Any, **__: Any) -> None:
+    print(NO_SHELL)  # noqa: T201  into the output of the cell
