@@ -32,7 +32,7 @@ def pattern(text: str) -> re.Pattern[str]:
     try:
         return re.compile(text)
     except re.error as error:
-        raise ArgumentTypeError(f"{text!r} is no regular expression: {error}") from error
+        raise ArgumentTypeError(f"{text!r} is not a regular expression: {error}") from error
 
 
 def several(*flags: str, help: str, metavar: str = "Topic") -> Option:  # noqa: A002  # argparse's own word

@@ -57,7 +57,7 @@ def fill(message: Message, text: str) -> list[SetTime]:
     try:
         values = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise CourseError(f"{text!r} is no YAML: {error}. Write it like '{{x: 1.0, y: 2.0}}'.") from error
+        raise CourseError(f"{text!r} is not YAML: {error}. Write it like '{{x: 1.0, y: 2.0}}'.") from error
     if not isinstance(values, dict):
         raise CourseError(
             "The passed value needs to be a dictionary in YAML format, like '{x: 1.0}' or 'x: 1.0' "

@@ -59,7 +59,7 @@ def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
     try:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))
     except ValueError as error:
-        raise CourseError(f"{arguments.value!r} is no value of a parameter: {error}") from error
+        raise CourseError(f"{arguments.value!r} is not a parameter value: {error}") from error
     with asked(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
     words = "Set parameter successful" if result.successful else "Setting parameter failed"

@@ -62,7 +62,7 @@ def test_what_echo_prints_fills_an_equal_message(data: list[float], label: str, 
     [
         (String, "data:hi", "The passed value needs to be a dictionary in YAML format"),
         (String, "[1]", "The passed value needs to be a dictionary in YAML format"),
-        (String, "{data: [}", "is no YAML"),
+        (String, "{data: [}", "is not YAML"),
         (
             String,
             "{dat: hi}",

@@ -110,7 +110,7 @@ def passes(name: str, rule: str) -> bool:
     """Return whether a name passes a filter of comma-separated patterns; a leading - excludes names.
 
     Raises:
-        CourseError: One is no regular expression.
+        CourseError: One is not a regular expression.
     """
     parts = [part.strip() for part in rule.split(",") if part.strip() not in ("", "/")]
     try:
@@ -119,7 +119,7 @@ def passes(name: str, rule: str) -> bool:
         return not out and (not wanted or any(re.fullmatch(part, name) for part in wanted))
     except re.error as error:
         raise CourseError(
-            f"{rule!r} is no filter: {error}. Write names or patterns, like /arm/.*, -/tf"
+            f"{rule!r} is not a filter: {error}. Write names or patterns, like /arm/.*, -/tf"
         ) from error
 
 

@@ -104,9 +104,9 @@ def _read(file: Path) -> list[Any]:
     except OSError as error:
         raise CourseError(f"Can't read {file}: {error.strerror}. `%rqt save {file}` writes one.") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CourseError(f"{file} is no perspective: {error}") from error
+        raise CourseError(f"{file} is not a perspective: {error}") from error
     if not isinstance(views, list) or not all(isinstance(one, dict) for one in views):
-        raise CourseError(f"{file} is no perspective of %rqt: `%rqt save {file}` writes one.")
+        raise CourseError(f"{file} is not a perspective of %rqt: `%rqt save {file}` writes one.")
     return views
 
 
@@ -116,7 +116,7 @@ def _restored(about: dict[str, Any], file: str) -> list[View]:
         view_class, words = _view_class(str(about["view"])), [str(word) for word in about.get("words", [])]
         settings = dict(about.get("controls", {}))
     except (KeyError, TypeError, ValueError) as error:
-        raise CourseError(f"{file}: {about!r} is no view: write view, words and controls.") from error
+        raise CourseError(f"{file}: {about!r} is not a view: write view, words and controls.") from error
     try:
         view = view_class(current_graph(), words)
     except CourseError as error:

@@ -176,7 +176,7 @@ class ReconfigureView(View):
                 (result,) = ask("set_parameters", [Parameter(name, value=value)]).results
             refusal = "" if result.successful else result.reason or "the node refuses it"
         except ValueError as error:
-            refusal = f"{new!r} is no value of a parameter: {error}"
+            refusal = f"{new!r} is not a parameter value: {error}"
         if refusal:
             self._show({name: was})
         said = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"

@@ -144,7 +144,7 @@ def passes(expression: str | None) -> Callable[[Any], bool]:
     try:
         code = compile(expression, "--filter", "eval")
     except SyntaxError as error:
-        raise CourseError(f"--filter {expression!r} is no Python expression: {error.msg}.") from error
+        raise CourseError(f"--filter {expression!r} is not a Python expression: {error.msg}.") from error
 
     def test(message: Any) -> bool:
         try:

@@ -39,7 +39,7 @@ def test_the_response_is_shown(view: ServiceCallerView) -> None:
     ("request_", "said"),
     [
         ("c: 1", "object has no attribute &#x27;c&#x27;"),
-        ("a: [", "is no YAML"),
+        ("a: [", "is not YAML"),
         ("a: {b: 1}", "Failed to populate field"),
     ],
 )
