@@ -154,7 +154,7 @@ def view(
 
 @bag.command()
 def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]) -> None:
-    """Say what a recording holds."""
+    """Show the content of a recording."""
     from course_lib.recording import bag_info
 
     typer.echo(bag_info(folder))
@@ -222,7 +222,7 @@ def export(
     force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
     check: Annotated[Path | None, typer.Option(help="Only say what this package lacks.")] = None,
 ) -> None:
-    """Make a ROS 2 package of the nodes in a notebook: of cells marked # export, or of all."""
+    """Export the nodes in a notebook as a ROS 2 package: of cells marked # export, or of all."""
     from course_lib.export.check import lacks
     from course_lib.export.export import export as write
 

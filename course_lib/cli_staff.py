@@ -104,7 +104,7 @@ def mark(
         bool, typer.Option("--cap", help="No mark above the platform's maximum, where it refuses a bonus.")
     ] = False,
 ) -> None:
-    """Give points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
+    """Enter points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
     from course_lib.grading.handin.lms import fill_lms
     from course_lib.grading.marks.by_hand import mark_by_hand
 

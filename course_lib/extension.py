@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
 from course_lib.ros.graph import current_graph
-from course_lib.ros.repeated import repeated_lines
+from course_lib.ros.notices import repeated_lines
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell

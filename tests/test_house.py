@@ -47,10 +47,10 @@ def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
     assert too_long == []
 
 
-FOR_USERS = [*ROOT.glob("*s/*.ipynb"), ROOT / "README.md"]
+FOR_USERS = [*ROOT.glob("*s/*.ipynb"), *ROOT.glob("*s/checks/*.py"), ROOT / "README.md"]
 
 
-@pytest.mark.parametrize("path", sorted(FOR_USERS), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(FOR_USERS), ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_users_import_only_the_public_modules(path: Path) -> None:
     code = path.read_text("utf-8")
     if path.suffix == ".ipynb":

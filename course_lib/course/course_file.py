@@ -28,7 +28,7 @@ class Late:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a submission may use at grading: wall clock in [s], output in [kB], memory and files in [MB]."""
+    """Limits of a submission at grading: wall clock in [s], output in [kB], memory and files in [MB]."""
 
     cell_seconds: float = 10.0
     scenario_seconds: float = 10.0
@@ -152,7 +152,7 @@ def read_course_file(path: Path) -> CourseFile:
 
 
 def shipped_course_file() -> CourseFile:
-    """The course.toml of this installation."""
+    """Read the course.toml of this installation."""
     return read_course_file(exercises_dir() / "course.toml")
 
 
@@ -173,7 +173,7 @@ KINDS[ZoneInfo | None] = KINDS[ZoneInfo]
 
 
 def _read(kind: Any, value: Any, where: str) -> Any:
-    """A value of TOML as an annotation wants it: a table becomes the dataclass, with all that is in it."""
+    """Convert a value of TOML to the type of an annotation; a table becomes the dataclass."""
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):

@@ -34,7 +34,7 @@ def find_notebook(path: Path) -> Path:
 
 
 def read_notebook(path: Path) -> Notebook:
-    """A notebook as plain data.
+    """Read a notebook as plain data.
 
     Raises:
         CourseError: it is missing, no JSON, or no notebook of format 4.
@@ -49,12 +49,12 @@ def read_notebook(path: Path) -> Notebook:
 
 
 def notebook_text(notebook: Notebook) -> str:
-    """The file's text in Jupyter's own layout: indent 1, keys sorted, non-ASCII as it is."""
+    """Return the file's text in Jupyter's own layout: indent 1, keys sorted, non-ASCII as it is."""
     return json.dumps(notebook, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
 def source(cell: dict[str, Any]) -> str:
-    """A cell's text; the file format allows a string or a list of lines."""
+    """Return a cell's text; the file format allows a string or a list of lines."""
     text = cell.get("source", "")
     return text if isinstance(text, str) else "".join(text)
 
@@ -81,7 +81,7 @@ def stamp_exercises(folder: Path, student: str) -> list[Path]:
 
 
 def stub(code: str) -> str:
-    """One code cell with its answers replaced by the sentence that says what is missing.
+    """Replace the answers in a code cell by an exception that names the missing part.
 
     Raises:
         CourseError: an answer is opened twice or not closed.
@@ -105,7 +105,7 @@ def stub(code: str) -> str:
 
 
 def exercise_from(solution: Notebook) -> Notebook:
-    """The exercise notebook: stubs for answers, no instructors' cells, no outputs."""
+    """Return the exercise of a solution: stubs for answers, no instructors' cells, no outputs."""
     exercise = copy.deepcopy(solution)
     exercise["cells"] = [
         c for c in exercise["cells"] if "solution" not in c.get("metadata", {}).get("tags", [])
@@ -118,12 +118,12 @@ def exercise_from(solution: Notebook) -> Notebook:
 
 
 def exercise_path(solution: Path) -> Path:
-    """Where the exercise of a solution stands: week01_solution.ipynb -> exercises/week01_exercise.ipynb."""
+    """Return the path of a solution's exercise: week01_solution.ipynb -> exercises/week01_exercise.ipynb."""
     return exercises_dir() / solution.name.replace("_solution", "_exercise")
 
 
 def write_exercises() -> list[Path]:
-    """Make every exercise anew; returns the files that changed."""
+    """Write every exercise again from its solution; return the files that changed."""
     changed = []
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
         text, path = notebook_text(exercise_from(read_notebook(solution))), exercise_path(solution)

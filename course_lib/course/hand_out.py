@@ -34,14 +34,14 @@ LESSONS = ("week*.ipynb", "images", "coverage.toml")  # else lessons have writte
 
 @dataclass(frozen=True)
 class Refresh:
-    """What one call of `prepare` did, as names relative to the folder."""
+    """The changes of one call of `prepare`, as names relative to the folder."""
 
     added: tuple[str, ...] = ()
     updated: tuple[str, ...] = ()  # not edited by the student, so the new release took their place
     beside: tuple[str, ...] = ()  # edited: the new release was written beside
 
     def lines(self) -> list[str]:
-        """The report, one line per kind of change."""
+        """Return the report, one line per kind of change."""
         return [
             f"{what}: {', '.join(names)}"
             for what, names in (
@@ -54,7 +54,7 @@ class Refresh:
 
 
 def shipped_files() -> dict[str, Path]:
-    """What students get: name in their folder -> file of the kit."""
+    """Return the kit's file for each name in a student's folder."""
     notebooks = [*lessons_dir().glob("week*.ipynb"), *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
     named = {path.name: path for path in notebooks}
@@ -64,7 +64,7 @@ def shipped_files() -> dict[str, Path]:
 
 
 def content_hash(path: Path) -> str:
-    """A digest of what somebody wrote: a notebook's cells without outputs, any other file's bytes."""
+    """Return a digest of a notebook's cells without outputs, or of any other file's bytes."""
     content = path.read_bytes()
     if path.suffix == ".ipynb":
         try:
@@ -163,7 +163,7 @@ def release(out: Path) -> list[Path]:
 
 
 def _without_extensions(path: Path) -> str:
-    """The course file as students get it; a malformed one is refused."""
+    """Return course.toml without the students' extensions; refuse a malformed file."""
     read_course_file(path)
     text = EXTENSIONS.sub("", path.read_text(encoding="utf-8"))
     for week, table in tomllib.loads(text)["weeks"].items():
@@ -173,7 +173,7 @@ def _without_extensions(path: Path) -> str:
 
 
 def _strays(folder: str, names: list[str]) -> set[str]:
-    """What is in notebooks/ and does not belong there."""
+    """Return the names that `shutil.copytree` leaves out; notebooks/ may hold files that lessons wrote."""
     if Path(folder).name != "notebooks":
         return LEFT_OUT(folder, names)
     return {name for name in names if not any(fnmatch(name, pattern) for pattern in LESSONS)}

@@ -14,7 +14,7 @@ EXTRA_CHARACTERS = "-_.@"
 
 
 def normalise(text: str) -> str:
-    """One spelling per ID: no spaces, small letters, digits of any script as 0-9.
+    """Normalise an ID to one spelling: no spaces, small letters, digits of any script as 0-9.
 
     Raises:
         CourseError: nothing is left, or something that does not belong into an ID (it also names folders).
@@ -31,7 +31,7 @@ def normalise(text: str) -> str:
 
 
 def current_identity() -> str | None:
-    """The ID kept in the student's folder, or None if it was not given yet."""
+    """Return the ID kept in the student's folder, or None."""
     kept = student_state().get("identity", "student")
     return kept if isinstance(kept, str) else None
 
@@ -48,7 +48,7 @@ def set_identity(text: str) -> str:
 
 
 def personal_number(student: str | None, key: str, choices: int) -> int:
-    """A number from 0 to choices - 1 that depends on the student and on `key` only; None is a guest."""
+    """Return a number from 0 to choices - 1 by a hash of the student and `key`; None is a guest."""
     digest = hashlib.sha256(f"{student or 'guest'}/{key}".encode()).digest()
     return int.from_bytes(digest[:8], "big") % choices
 

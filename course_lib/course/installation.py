@@ -15,7 +15,7 @@ REPAIR = "pip install -e ."
 
 
 def material_root() -> Path:
-    """The folder with `notebooks/` and `exercises/`: inside an installed wheel, else the checkout.
+    """Return the folder with `notebooks/` and `exercises/`: in an installed wheel, else the checkout.
 
     Raises:
         CourseError: the installation holds neither.
@@ -29,17 +29,17 @@ def material_root() -> Path:
 
 
 def lessons_dir() -> Path:
-    """The lessons, `weekNN_*.ipynb`."""
+    """Return the folder of the lessons, `weekNN_*.ipynb`."""
     return material_root() / "notebooks"
 
 
 def exercises_dir() -> Path:
-    """The exercises as handed out, `course.toml`, public checks, quizzes and assets."""
+    """Return the folder of the exercises, `course.toml`, public checks, quizzes and assets."""
     return material_root() / "exercises"
 
 
 def checkout_root() -> Path:
-    """The instructors' checkout, the only place that holds solutions and hidden checks.
+    """Return the instructors' checkout, the only place that holds solutions and hidden checks.
 
     Raises:
         CourseError: this is a student's copy, or an installed wheel.
@@ -54,7 +54,7 @@ def checkout_root() -> Path:
 
 
 def solutions_dir() -> Path:
-    """The solved exercises and hidden checks; instructors only."""
+    """Return the folder of the solved exercises and hidden checks; instructors only."""
     return checkout_root() / "solutions"
 
 

@@ -24,7 +24,7 @@ JUPYTER_SETTINGS = Path(__file__).parent / "jupyter"  # no news pop-ups; Markdow
 
 
 def free_port(first: int = FIRST_PORT) -> int:
-    """The first port from `first` on that nobody on this machine listens to.
+    """Return the first free port from `first` on.
 
     Raises:
         CourseError: none is free, or there is no such port.
@@ -40,7 +40,7 @@ def free_port(first: int = FIRST_PORT) -> int:
 
 
 def command(folder: Path, port: int) -> list[str]:
-    """The line that starts the server: this Python, this folder only, no pop-ups; root as in containers."""
+    """Return the command that starts the server for this folder only, without pop-ups."""
     allow_root = ["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     return [
         *(sys.executable, "-m", "jupyterlab", "--no-browser", *allow_root),
@@ -56,7 +56,7 @@ def command(folder: Path, port: int) -> list[str]:
 
 @contextmanager
 def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]", str]]:
-    """A running JupyterLab and its address; it and its kernels are gone when the block ends."""
+    """Start JupyterLab; yield its process and its address, and stop it at the end of the block."""
     token = secrets.token_hex(24)
     settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
     environment = {
@@ -79,7 +79,7 @@ def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]",
 
 
 def _wait_for_server(process: "subprocess.Popen[bytes]") -> str:
-    """The server's URL, from the file that Jupyter writes once it listens."""
+    """Return the server's URL, from the file that Jupyter writes as soon as it listens."""
     from jupyter_core.paths import jupyter_runtime_dir
 
     facts = Path(jupyter_runtime_dir()) / f"jpserver-{process.pid}.json"
@@ -92,7 +92,7 @@ def _wait_for_server(process: "subprocess.Popen[bytes]") -> str:
 
 
 def can_open_browser() -> bool:
-    """Whether a browser with windows can be opened from here; text browsers would take the terminal."""
+    """Return whether a graphical browser can be opened; text browsers would occupy the terminal."""
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
@@ -128,5 +128,5 @@ def lab(folder: Path = DEFAULT_FOLDER, *, port: int | None = None, browser: bool
 
 
 def say(text: str) -> None:
-    """One message to the terminal, at once, also into a pipe."""
+    """Print a message at once, also into a pipe."""
     print(text, flush=True)  # noqa: T201  the command's own voice

@@ -46,7 +46,7 @@ class Week:
 
 
 def load_weeks() -> tuple[Week, ...]:
-    """All weeks that have a lesson, in order; deadlines and points from course.toml."""
+    """Return all weeks that have a lesson, in order; deadlines and points from course.toml."""
     settings = shipped_course_file().weeks
     return tuple(_week(path, settings) for path in sorted(lessons_dir().glob("week*.ipynb")))
 
@@ -66,7 +66,7 @@ def _week(lesson: Path, settings: Mapping[str, Settings]) -> Week:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far the public checks of a week are passed, and what was packed to hand in."""
+    """A student's progress in a week: passed public checks, and the file to hand in."""
 
     done: tuple[str, ...]  # tasks with all their points
     open: tuple[str, ...]
@@ -100,7 +100,7 @@ def progress(week: Week, state: State) -> Progress:
 
 
 def _is_done(state: State, task: str, result: Mapping[str, float]) -> bool:
-    """Whether a task has its points; one that a person marks: whether it passed its checks."""
+    """Return whether a task has its points, or passed its checks where a person marks it."""
     last = last_check(state, task)
     return result["score"] >= result["of"] or (last is not None and last.passed)
 
@@ -111,7 +111,7 @@ def _has_changed(file: Packed) -> bool:
 
 
 def contents_page(state: State) -> str:
-    """The page as Markdown; links open inside JupyterLab."""
+    """Return the page as Markdown; links open inside JupyterLab."""
     return PAGE.format(rows="\n".join(_row(week, state) for week in load_weeks()))
 
 
@@ -166,7 +166,7 @@ def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple
 
 
 def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
-    """When, and how long from now; a deadline is local time of the course."""
+    """Return the deadline, in local time of the course, and the time left."""
     if deadline is None:
         return "no deadline"
     left = deadline.replace(tzinfo=zone) - now
@@ -196,7 +196,7 @@ def _packed(week: Week, so_far: Progress) -> str:
 
 
 def _next(rows: list[tuple[Week, Progress]]) -> str:
-    """The first thing that is not done."""
+    """Return a sentence that names the first open task."""
     for week, so_far in rows:
         if so_far.open:
             begun = "go on with" if so_far.done else "begin with"

@@ -14,7 +14,7 @@ SECTION = "predictions"
 
 
 def in_notebook() -> bool:
-    """Whether this code runs in a notebook's kernel."""
+    """Return whether this code runs in a notebook's kernel."""
     ipython = sys.modules.get("IPython")
     return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
@@ -89,7 +89,7 @@ class Question:
 
 
 def load_quiz(week: str) -> tuple[Question, ...]:
-    """The questions in `exercises/quizzes/<week>.toml`.
+    """Read the questions in `exercises/quizzes/<week>.toml`.
 
     Raises:
         CourseError: no such quiz, or a question without exactly one right answer.
@@ -111,7 +111,7 @@ def load_quiz(week: str) -> tuple[Question, ...]:
 
 
 def verdict(answer: Answer) -> str:
-    """What is said to a chosen answer: in words, since colour alone does not reach everybody."""
+    """Return the text below a chosen answer; colour alone does not reach everybody."""
     return f"{'✔ Right.' if answer.right else '✘ Not this one.'} {answer.reason}"
 
 
@@ -122,7 +122,7 @@ def quiz(week: str) -> None:
 
 
 def as_text(questions: tuple[Question, ...]) -> str:
-    """The questions for a page without widgets."""
+    """Return the questions for a page without widgets."""
     lines = []
     for number, question in enumerate(questions, 1):
         lines += [f"{number}. {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]

@@ -40,7 +40,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def find_student_folder(start: Path | None = None) -> Path | None:
-    """The student's folder that holds `start` (default: the working directory), or None."""
+    """Return the student's folder that holds `start` (default: the working directory), or None."""
     here = (start or Path.cwd()).resolve()
     return next((folder for folder in (here, *here.parents) if (folder / STATE_FOLDER).is_dir()), None)
 
@@ -53,7 +53,7 @@ class State:
         self._memory: dict[str, dict[str, Any]] = {}
 
     def section(self, name: str) -> dict[str, Any]:
-        """All keys of one section, e.g. "predictions"; empty if nothing was kept yet."""
+        """Return all keys of one section, e.g. "predictions"; empty if nothing is stored."""
         path = self._path(name)
         if path is None:
             return dict(self._memory.get(name, {}))
@@ -66,7 +66,7 @@ class State:
         return kept if isinstance(kept, dict) else {}
 
     def get(self, name: str, key: str, default: Any = None) -> Any:
-        """One value of a section."""
+        """Return one value of a section."""
         return self.section(name).get(key, default)
 
     def put(self, name: str, key: str, value: Any) -> None:
@@ -87,7 +87,7 @@ _of_this_process = State(None)
 
 
 def student_state() -> State:
-    """The state of the student's folder around the working directory, else of this process."""
+    """Return the state of the student's folder around the working directory, else of this process."""
     folder = find_student_folder()
     return State(folder) if folder else _of_this_process
 

@@ -18,7 +18,7 @@ _TESTED_BY = ("ament_copyright", "ament_flake8", "ament_pep257", "python3-pytest
 
 @dataclass(frozen=True)
 class Report:
-    """What a package lacks to be built and started, and what it should have besides."""
+    """The parts that a package lacks: those required to build and start it, and those advised."""
 
     name: str
     missing: tuple[str, ...]
@@ -26,11 +26,11 @@ class Report:
 
     @property
     def complete(self) -> bool:
-        """Whether it can be built and started."""
+        """True if the package can be built and started."""
         return not self.missing
 
     def lines(self) -> list[str]:
-        """Tell it."""
+        """Return a line for each missing part."""
         told = [f"lacks: {text}" for text in self.missing] + [f"advised: {text}" for text in self.advised]
         return told or [f"{self.name} has all that a package needs."]
 

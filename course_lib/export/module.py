@@ -38,7 +38,7 @@ _MAIN_IMPORTS = ("import rclpy", "from rclpy.executors import ExternalShutdownEx
 
 
 def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list[str]]:
-    """Give the ROS packages, and rosdep's keys of others, among imported top-level packages.
+    """Return the ROS packages, and rosdep's keys of others, among imported top-level packages.
 
     Raises:
         CourseError: The course's library is among them, which no robot has.
@@ -54,7 +54,7 @@ def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list
 
 
 class Main(Enum):
-    """Where a module's function `main` comes from."""
+    """The origin of a module's function `main`."""
 
     OWN = "the exported code"
     MADE = "the template"
@@ -87,7 +87,7 @@ class NodeModule:
         return text if text.endswith((".", "!", "?")) else f"{text}."
 
     def imported(self) -> set[str]:
-        """Give the top-level packages that it imports."""
+        """Return the top-level packages that the module imports."""
         tree = ast.parse(self.text())
         found = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
         found |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
@@ -121,7 +121,7 @@ def _sorted(imports: set[str]) -> str:
 
 
 def _joined(lines: Sequence[str]) -> list[str]:
-    """Let names from one module share a line."""
+    """Join imports from one module into a line, unless it gets too long."""
     names: dict[str, list[str]] = {}
     for line in lines:
         head, _, name = line.partition(" import ")

@@ -99,13 +99,13 @@ def _giver(
 
 
 def node_name(node: ast.ClassDef) -> str | None:
-    """Give the name in `super().__init__("name")`, if it is written there."""
+    """Return the name in `super().__init__("name")`, if it is a literal."""
     calls = (call for call in _calls(node, "__init__") if call.args)
     return next((text for call in calls if isinstance(text := _literal(call.args[0]), str)), None)
 
 
 def parameters(node: ast.ClassDef) -> dict[str, Any]:
-    """Give the parameters that a class declares with a default that is written there."""
+    """Return the parameters that a class declares with a literal default."""
     found = {}
     for call in _calls(node, "declare_parameter"):
         default = call.args[1] if len(call.args) > 1 else None
@@ -116,7 +116,7 @@ def parameters(node: ast.ClassDef) -> dict[str, Any]:
 
 
 def displays(node: ast.ClassDef) -> dict[str, str]:
-    """Give RViz's display for each topic that a class publishes, where RViz has one."""
+    """Return RViz's display for each topic that a class publishes, where RViz has one."""
     found = {}
     for call in _calls(node, "create_publisher"):
         if len(call.args) > 1 and isinstance(topic := _literal(call.args[1]), str):

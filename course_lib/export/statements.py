@@ -79,12 +79,12 @@ class Statement:
 
     @property
     def is_import(self) -> bool:
-        """Whether it is an import."""
+        """True for an import."""
         return isinstance(self.node, ast.Import | ast.ImportFrom)
 
 
 def statements(cells: Sequence[Cell]) -> list[Statement]:
-    """Take cells apart; raises CourseError where one is no Python."""
+    """Split cells into statements; raise CourseError where one is not valid Python."""
     found: list[Statement] = []
     for cell in cells:
         try:
@@ -157,7 +157,7 @@ def _changed(node: ast.stmt) -> Iterator[str]:
 
 
 def _needs(text: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Give the module's names that a text needs when it runs, and when its functions are called."""
+    """Return the names that a text needs when it runs, and when its functions are called."""
     now, later = set[str](), set[str]()
 
     def look(table: symtable.SymbolTable, names: set[str]) -> None:

@@ -28,7 +28,7 @@ class Catalog:
     hidden: Mapping[str, tuple[Scenario, ...]] = field(default_factory=dict)
 
     def task(self, task_id: str) -> Task:
-        """One task.
+        """Return a task.
 
         Raises:
             CourseError: No task has this id; the message names the close ones.
@@ -39,11 +39,11 @@ class Catalog:
         return self.tasks[task_id]
 
     def of_week(self, week: str) -> list[Task]:
-        """The tasks of one week, in order."""
+        """Return the tasks of one week, in order."""
         return [task for task in self.tasks.values() if task.week == week]
 
     def points(self, task: Task) -> tuple[float, bool]:
-        """The task's points, and whether they are a bonus on top of the week's 100."""
+        """Return the task's points, and whether they are a bonus on top of the week's 100."""
         week, name = self.course.weeks[task.week], task.id.split(".")[1]
         return (week.bonus[name], True) if name in week.bonus else (week.points[name], False)
 
@@ -70,7 +70,7 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
 
 @lru_cache(maxsize=1)
 def shipped_catalog() -> Catalog:
-    """The public tasks that come with the installation: what students have."""
+    """Return the public tasks of the installation."""
     return load_catalog(exercises_dir())
 
 

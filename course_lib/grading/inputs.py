@@ -1,7 +1,7 @@
-"""What our side publishes in a scenario, in the words of the check files."""
+"""Messages that our side publishes in a scenario, in the words of the check files."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -33,13 +33,13 @@ class Found:
 
 
 def header(at: float, frame: str) -> dict[str, Any]:
-    """The header of a message of `at` [s] after the start of the scenario."""
+    """Return the header of a message of `at` [s] after the start of the scenario."""
     seconds, nanoseconds = divmod(START_NS + round(at * 1e9), 10**9)
     return {"frame_id": frame, "stamp": {"sec": seconds, "nanosec": nanoseconds}}
 
 
 def xyz(values: Iterable[float]) -> dict[str, float]:
-    """Three numbers as the fields of a point or a vector."""
+    """Return three numbers as the fields of a point or a vector."""
     return dict(zip("xyz", values, strict=True))
 
 
@@ -50,12 +50,12 @@ def corners(center: Vector, size: Vector) -> list[list[float]]:
 
 
 def turned(yaw: float) -> dict[str, float]:
-    """The quaternion of a turn about z, [rad], as the fields of an orientation."""
+    """Return the quaternion of a turn about z, [rad], as the fields of an orientation."""
     return {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
 
 
 def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
-    """What a detector says on `/objects`, `at` [s] after the start."""
+    """Return the message of a detector on `/objects`, `at` [s] after the start."""
     fields = {
         "header": header(at, frame),
         "detections": [{"header": header(at, frame), **_detection(one)} for one in found],
@@ -64,13 +64,13 @@ def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> M
 
 
 def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
-    """The transform child to parent of `transforms`: translation in [m], yaw about z in [rad]."""
+    """Return the transform child to parent for `transforms`: translation in [m], yaw about z in [rad]."""
     placed = {"translation": xyz(translation), "rotation": turned(yaw)}
     return {"parent": parent, "child_frame_id": child, "transform": placed}
 
 
 def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
-    """What is broadcast on `/tf`, `at` [s] after the start, with that stamp."""
+    """Return the broadcast on `/tf`, `at` [s] after the start, with that stamp."""
     stamped = [
         {"header": header(at, made["parent"]), **{k: v for k, v in made.items() if k != "parent"}}
         for made in poses
@@ -78,8 +78,28 @@ def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
     return Message("/tf", "tf2_msgs/msg/TFMessage", {"transforms": stamped}, at=at)
 
 
-def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: float, step: float) -> Message:
-    """What a laser scanner says on `/scan`: ranges [m] from the angle `first` on, every `step`, [rad]."""
+def circling(begin: float, end: float, parent: str = "world", child: str = "base_link") -> Iterable[Message]:
+    """Yield transforms of a frame that drives round `on_circle`, 20 a second between two times [s]."""
+    for step in range(round((end - begin) * 20)):
+        at = begin + step / 20  # [s]
+        yield transforms([pose(parent, child, on_circle(at), at + math.pi / 2)], at)
+
+
+def on_circle(at: float) -> Vector:
+    """Return the place on a circle of 3 m, driven round at 1 rad/s, `at` [s] after the start."""
+    return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.0)
+
+
+def scan(
+    ranges: Iterable[float],
+    at: float,
+    frame: str = "laser",
+    *,
+    first: float,
+    step: float,
+    topic: str = "/scan",
+) -> Message:
+    """Return the message of a laser scanner: ranges [m] from the angle `first` on, every `step`, [rad]."""
     measured = list(ranges)
     fields = {
         "header": header(at, frame),
@@ -90,7 +110,7 @@ def scan(ranges: Iterable[float], at: float, frame: str = "laser", *, first: flo
         "range_max": 30.0,  # [m]
         "ranges": measured,
     }
-    return Message("/scan", "sensor_msgs/msg/LaserScan", fields, at=at)
+    return Message(topic, "sensor_msgs/msg/LaserScan", fields, at=at)
 
 
 def odometry(topic: str, at: float, place: Vector, frame: str = "odom") -> Message:
@@ -118,6 +138,29 @@ def marker_array(topic: str, at: float, frame: str, center: Vector, size: Vector
     return Message(topic, "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
 
 
+def ghost(
+    kind: int,
+    center: Sequence[Any],
+    size: Sequence[Any],
+    color: Sequence[float],
+    number: int = 0,
+    *,
+    frame: str = "map",
+    yaw: float = 0.0,
+) -> Message:
+    """Return the expected picture of one marker: type number, center and size [m], RGB or RGBA, yaw [rad]."""
+    fields = {
+        "header": {"frame_id": frame},
+        "ns": "expected",
+        "id": number,
+        "type": kind,
+        "pose": {"position": xyz(center), "orientation": turned(yaw)},
+        "scale": xyz(size),
+        "color": dict(zip("rgba", (*color, 1.0), strict=False)),
+    }
+    return Message("/expected", "visualization_msgs/msg/Marker", fields)
+
+
 def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera_link") -> Iterable[Message]:
     """Return images of one pixel, `hz` [1/s] of them between two times [s]."""
     fields = {"width": 1, "height": 1, "step": 1, "encoding": "mono8", "data": [9]}
@@ -127,7 +170,7 @@ def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera
 
 
 def set_parameters(node: str, at: float, **values: Any) -> Message:
-    """What `ros2 param set` asks of a node, "/perception_node", `at` [s] after the start."""
+    """Return the request of `ros2 param set` to a node, "/perception_node", `at` [s] after the start."""
     parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
     kind = "rcl_interfaces/srv/SetParameters"
     return Message(f"{node}/set_parameters", kind, {"parameters": parameters}, at=at)
@@ -139,7 +182,7 @@ def _upright(place: Vector) -> Mapping[str, Any]:
 
 
 def _parameter(value: Any) -> Mapping[str, Any]:
-    """A rcl_interfaces/ParameterValue; a value of the student's own is a double."""
+    """Return a rcl_interfaces/ParameterValue; a value of the student's own is a double."""
     number, field = {
         bool: (1, "bool_value"),
         int: (2, "integer_value"),

@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 from course_lib.ros.clock import START_NS, Alarm, Clock
 from course_lib.ros.qos import Qos
@@ -12,6 +13,7 @@ from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample, Sub
 __all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
 
 DELAY_NS = 1_000_000  # [ns] from publication to delivery
+PartT = TypeVar("PartT")
 
 
 class Graph:
@@ -39,7 +41,7 @@ class Graph:
         # called after each callback: entity, ready since [ns], begun at [ns], processor time [s]
         self.callback_listeners: list[Callable[[Any, int, int, float], None]] = []
         self.programs = 0  # how many were started beside each other
-        self._states: dict[str, dict[str, Any]] = {}
+        self._parts: dict[str, dict[type, object]] = {}  # by program
         self._clock = Clock(start_ns)
         self.delay_ns = delay_ns
         self._topics = Topics()
@@ -54,10 +56,16 @@ class Graph:
         """Robot time, [ns]."""
         return self._clock.now_ns
 
-    @property
-    def state(self) -> dict[str, Any]:
-        """What the stand-in packages keep for this run, and in it for the calling program."""
-        return self._states.setdefault(program.name, {})
+    def part(self, kind: type[PartT]) -> PartT:
+        """Return the calling program's object of a class in this run, made on first use.
+
+        A module that keeps state for a run defines a class for it, which is made without arguments.
+        """
+        parts = self._parts.setdefault(program.name, {})
+        found = parts.get(kind)
+        if not isinstance(found, kind):
+            found = parts[kind] = kind()
+        return found
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node; returns its id, which is its start order."""
@@ -187,6 +195,13 @@ class Graph:
 
         due_ns = self.now_ns + self.delay_ns
         self._clock.call_at(due_ns, arrive, node=info.node, entity=subscription.entity)
+
+
+@dataclass
+class NodesOfProgram:
+    """The ids of the nodes that one program has in the graph: they leave it when the program ends."""
+
+    ids: set[int] = field(default_factory=set)
 
 
 class _Program(threading.local):

@@ -7,14 +7,20 @@ from importlib import import_module
 from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError
-from launch.action import Action, Entities, listed
 from launch.actions import declared
 from launch.conditions import InvalidConditionExpressionError
-from launch.events import Event, ProcessExited, ProcessStarted, Shutdown
-from launch.launch_context import LaunchContext
-from launch.launch_description import LaunchDescription
+from launch.entities import (
+    Action,
+    Entities,
+    Event,
+    LaunchContext,
+    LaunchDescription,
+    SubstitutionFailure,
+    listed,
+    text_of,
+)
+from launch.events import ProcessExited, ProcessStarted, Shutdown
 from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
-from launch.substitution import SubstitutionFailure, text_of
 from launch_ros.actions import Node
 
 from course_lib.errors import CourseError, did_you_mean

@@ -1,4 +1,4 @@
-"""How fast robot time goes: as the wall clock while somebody is watching, else at full speed."""
+"""The pace of robot time: the wall clock's while somebody is watching, else full speed."""
 
 import os
 import sys
@@ -10,6 +10,7 @@ from course_lib.errors import CourseError
 from course_lib.ros import wall
 from course_lib.ros.graph import Graph
 
+SECONDS_WITHOUT_A_PAGE = 5.0  # [s] of robot time, where a watched call would go on until it is stopped
 WAIT_FOR_PAGE = 2.0  # [s] of the wall clock
 SLICE = 0.02  # [s] an interrupt is noticed within
 
@@ -17,7 +18,7 @@ pages: set[Callable[[], bool]] = set()  # each viewer in a cell adds: is its pag
 
 
 def wanted() -> Literal["real", "fast"]:
-    """Say which pace this process is to keep; `COURSE_PACE` overrides.
+    """Return the pace that this process is to keep; `COURSE_PACE` overrides it.
 
     Kernels that a Jupyter server started are watched; nbclient, nbmake and scripts are not.
     """
@@ -30,7 +31,7 @@ def wanted() -> Literal["real", "fast"]:
 
 
 class Speed:
-    """How fast robot time goes beside the wall clock's, as the Time panel says; set from any thread."""
+    """The speed of robot time against the wall clock, as the Time panel sets it, from any thread."""
 
     def __init__(self) -> None:
         self.rate = 1.0
@@ -38,15 +39,14 @@ class Speed:
         self.step_ns = 0  # robot time that shall go by although it is paused, [ns]
 
     def passed_ns(self, seconds: float) -> int:
-        """Say how much robot time, [ns], goes by in so much wall time, [s]."""
+        """Return the robot time, [ns], that goes by in so much wall time, [s]."""
         step_ns, self.step_ns = self.step_ns, 0
         return step_ns + (0 if self.paused else round(seconds * self.rate * 1e9))
 
 
 def speed_of(graph: Graph) -> Speed:
-    """Return the speed that a graph's robot time has, where the wall clock is kept to at all."""
-    speed: Speed = graph.state.setdefault("pace.speed", Speed())
-    return speed
+    """Return the speed of a graph's robot time, where the wall clock is kept to at all."""
+    return graph.part(Speed)
 
 
 @contextmanager
@@ -66,7 +66,7 @@ def kept(graph: Graph) -> Iterator[None]:
 
 
 class WallPace:
-    """Holds robot time back to the wall clock, from now on, at the graph's speed."""
+    """The pace of the wall clock, from now on, at the graph's speed: a graph asks it before each event."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from course_lib.ros.baton import DeadlockError, baton
-from course_lib.ros.graph import current_graph, program
+from course_lib.ros.graph import NodesOfProgram, current_graph, program
 from course_lib.ros.program_thread import StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
 
@@ -104,10 +104,8 @@ class Processes:
 
 
 def _remove_nodes() -> None:
-    """Take the nodes that the calling program has left out of the graph: their process is gone."""
-    from rclpy.impl.run import current_run
-
-    for node in tuple(current_run().nodes):
+    """Remove the nodes that the calling program has not destroyed: their process is gone."""
+    for node in current_graph().part(NodesOfProgram).ids:
         current_graph().remove_node(node)
 
 

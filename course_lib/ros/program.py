@@ -15,6 +15,7 @@ from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
+from course_lib.ros.interrupts import signals_kept
 from course_lib.ros.process import Process, Processes
 from course_lib.ros.seeding import seeded
 from course_lib.ros.shell import make_shell
@@ -130,21 +131,16 @@ def _interpreter_kept() -> Iterator[None]:
     before = sys.argv, sys.path[:], sys.modules["__main__"]
     environment = dict(os.environ)
     threading.excepthook = print_error_of_thread
-    on_interrupt = signal.getsignal(signal.SIGINT)
-    if on_interrupt is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _ends_at_the_second())
-    try:
-        yield
-    finally:
-        from rclpy.signals import uninstall_signal_handlers
-
-        uninstall_signal_handlers()  # a program that never shut down has left them; they remember ours
-        sys.argv, sys.path[:], sys.modules["__main__"] = before
-        os.environ.clear()
-        os.environ.update(environment)  # a launch file may have changed it
-        threading.excepthook = threading.__excepthook__
-        if on_interrupt is signal.default_int_handler:
-            signal.signal(signal.SIGINT, on_interrupt)
+    with signals_kept():
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, _ends_at_the_second())
+        try:
+            yield
+        finally:
+            sys.argv, sys.path[:], sys.modules["__main__"] = before
+            os.environ.clear()
+            os.environ.update(environment)  # a launch file may have changed it
+            threading.excepthook = threading.__excepthook__
 
 
 def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:

@@ -1,16 +1,19 @@
-"""Tracebacks that show the student's own lines, not the kit's."""
+"""Tracebacks that show the student's own lines, not the kit's, and the line in which code is or failed."""
 
+import linecache
 import sys
+import sysconfig
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from traceback import FrameSummary, StackSummary, TracebackException
+from traceback import FrameSummary, StackSummary, TracebackException, walk_stack, walk_tb
 from types import TracebackType
 from typing import Any
 
 from course_lib.ros.hints import add_hint
 
 KIT = str(Path(__file__).resolve().parent.parent)
+OTHERS = (KIT, *sysconfig.get_paths().values())
 SHOWN = 6  # frames at each end of a very long traceback
 
 
@@ -78,3 +81,40 @@ def _shorten(shown: TracebackException) -> None:
             setattr(shown, name, None)
         elif inner is not None:
             _shorten(inner)
+
+
+def line_of_traceback(trace: TracebackType | None) -> str:
+    """Return the innermost own line: "cell In[3], line 2: 1 / 0"; "" if there is none."""
+    return _innermost((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))
+
+
+def line_of_thread(ident: int) -> str:
+    """Return the own line that a thread is in right now; "" if there is none."""
+    frame = sys._current_frames().get(ident)
+    stack = [(frame.f_code.co_filename, line) for frame, line in walk_stack(frame)] if frame else []
+    return _innermost(reversed(stack))
+
+
+def is_own(filename: str) -> bool:
+    """Return whether a file is the student's: neither the kit's nor Python's nor a library's."""
+    return not filename.startswith(("<frozen", *OTHERS))
+
+
+def name_line(filename: str, line: int) -> str:
+    """Return the name of a line and its text; cells have the name that IPython gives them."""
+    code = linecache.getline(filename, line).strip()
+    return f"{_cell(filename)}line {line}{code and f': {code}'}"
+
+
+def _innermost(places: Iterable[tuple[str, int | None]]) -> str:
+    own = [(name, line) for name, line in places if line and is_own(name)]
+    return name_line(*own[-1]) if own else ""
+
+
+def _cell(filename: str) -> str:
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    named = shell.compile.format_code_name(filename) if shell is not None else None
+    if named is not None:
+        return f"{named[0].lower()} {named[1]}, "
+    return f"{Path(filename).name}, " if filename and not filename.startswith("<") else ""

@@ -5,7 +5,7 @@ from argparse import Namespace
 from typing import Any, Literal
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, action_class, type_name
 from course_lib.tools.message_yaml import Style, check_type, fill, kind_of, to_yaml
 from course_lib.tools.sources import Source, answer, own_node
@@ -89,7 +89,7 @@ def _text(message: Message) -> str:
 
 
 def _actions(source: Source, with_hidden: bool = True) -> dict[str, list[str]]:
-    from rclpy.action.graph import actions
+    from rclpy.impl.graph_queries import actions
 
     return dict(actions(source.graph.endpoints()))
 

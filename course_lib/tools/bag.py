@@ -10,8 +10,8 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
-from course_lib.ros.driving import until_interrupted
 from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.qos import Qos
 from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden

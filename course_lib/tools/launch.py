@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.live import go_live, live_runs
-from course_lib.ros.live_run import LiveRun
+from course_lib.ros.live import LiveRun, go_live, live_runs
 from course_lib.ros.packages import find_package, why_not_found
 from course_lib.ros.process import Processes
 from course_lib.tools.sources import Source

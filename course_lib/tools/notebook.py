@@ -15,8 +15,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.hints import add_hint
-from course_lib.ros.own_line import line_of_traceback
-from course_lib.ros.tracebacks import without_the_kit
+from course_lib.ros.tracebacks import line_of_traceback, without_the_kit
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource

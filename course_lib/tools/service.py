@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
 from course_lib.tools.message_yaml import check_type, fill, kind_of
@@ -66,7 +66,7 @@ def _call(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _services(source: Source, with_hidden: bool) -> dict[str, list[str]]:
     """Return the sorted types of each service, by name."""
-    from rclpy.impl.node_graph import services
+    from rclpy.impl.graph_queries import services
 
     found = services(source.graph.endpoints())
     return {name: types for name, types in found if with_hidden or not is_hidden(name)}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, wait_for
+from course_lib.ros.driving import running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph, Sample
 from course_lib.ros.qos import Qos, incompatible
 
@@ -69,7 +69,7 @@ class Source(ABC):
         """List the QoS of the topic's publishers."""
         return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
 
-    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+    def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Return the longest time of an endless tool, [s]: `enough`, or None until ■ or the run's end."""
         return None
 
@@ -95,7 +95,7 @@ class GraphSource(Source):
         super().__init__(graph, ALWAYS_THERE)
         self.discovery = discovery
 
-    def limit(self, enough: float = SECONDS_WITHOUT_A_PAGE) -> float | None:
+    def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Return a limit for notebooks without a page, in which nobody presses ■."""
         return enough if self.graph.notebook and pace.wanted() == "fast" else None
 

@@ -10,7 +10,7 @@ from math import asin, atan2, degrees, pi
 
 from course_lib.errors import CourseError
 from course_lib.ros import tf2_frames
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_errors import TransformException

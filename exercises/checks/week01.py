@@ -1,11 +1,11 @@
 """Week 1, the first marker: tasks, hints and public checks."""
 
 import math
-from typing import Any
 
-from course_lib.grading.evidence import Check, with_formal
-from course_lib.grading.task import Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Check,
+    Scenario,
+    Task,
     expect_circle,
     expect_frame,
     expect_marker,
@@ -14,6 +14,9 @@ from course_lib.grading.vocabulary import (
     expect_rate,
     expect_stamps,
     expect_throughout,
+    inputs,
+    my,
+    with_formal,
 )
 
 TOPIC = "/visualization_marker"
@@ -26,22 +29,8 @@ LAMPS = (("red", RED, 1.8), ("yellow", YELLOW, 1.3), ("green", GREEN, 0.8))  # c
 SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
 
 
-def ghost(kind: int, position: Any, scale: Any, color: Any, number: int = 0) -> Message:
-    """The expected picture of one marker: type number, centre [m], size [m], RGB."""
-    fields = {
-        "header": {"frame_id": "map"},
-        "ns": "expected",
-        "id": number,
-        "type": kind,
-        "pose": {"position": dict(zip("xyz", position, strict=True))},
-        "scale": dict(zip("xyz", scale, strict=True)),
-        "color": dict(zip("rgba", (*color, 1.0), strict=True)),
-    }
-    return Message(TOPIC, "visualization_msgs/msg/Marker", fields)
-
-
 def steady(*content: Check, hz: float) -> tuple[Check, ...]:
-    """What counts is published all the time; the rate [Hz], the stamps and the frame are formal."""
+    """Return checks of content for the whole scenario; the rate [Hz], stamps and frame are formal."""
     always = expect_throughout(TOPIC).titled("published from beginning to end").worth(0)
     formal = (
         expect_frame(TOPIC, "map").titled("in the frame map"),
@@ -75,7 +64,7 @@ RED_CUBE = Task(
             ),
         ),
     ),
-    ghost=(ghost(1, (0.0, 0.0, 0.5), (1.0, 1.0, 1.0), RED),),
+    ghost=(inputs.ghost(1, (0.0, 0.0, 0.5), (1.0, 1.0, 1.0), RED),),
 )
 
 BLUE_CYLINDER = Task(
@@ -108,7 +97,7 @@ BLUE_CYLINDER = Task(
     personal={
         "height": (0.6, 0.8, 1.2, 1.4, 1.6, 1.8)
     },  # [m]; 1.0 is left out: it is what copying the lesson gives
-    ghost=(ghost(3, (1.0, 0.0, my("height", times=0.5)), (0.4, 0.4, my("height")), BLUE),),
+    ghost=(inputs.ghost(3, (1.0, 0.0, my("height", times=0.5)), (0.4, 0.4, my("height")), BLUE),),
 )
 
 TRAFFIC_LIGHT = Task(
@@ -144,7 +133,7 @@ TRAFFIC_LIGHT = Task(
         ),
     ),
     ghost=tuple(
-        ghost(2, (0.0, 0.0, height), (0.4, 0.4, 0.4), color, number)
+        inputs.ghost(2, (0.0, 0.0, height), (0.4, 0.4, 0.4), color, number)
         for number, (_, color, height) in enumerate(LAMPS)
     ),
 )
@@ -180,7 +169,7 @@ PURPLE_CIRCLE = Task(
         ),
     ),
     ghost=tuple(
-        ghost(
+        inputs.ghost(
             2,
             (2.0 * math.cos(number * math.pi / 6), 2.0 * math.sin(number * math.pi / 6), 0.5),
             (0.5, 0.5, 0.5),
@@ -221,7 +210,9 @@ SQUARE_ROUTE = Task(
             ),
         ),
     ),
-    ghost=tuple(ghost(2, corner, (0.25, 0.25, 0.25), YELLOW, number) for number, corner in enumerate(SQUARE)),
+    ghost=tuple(
+        inputs.ghost(2, corner, (0.25, 0.25, 0.25), YELLOW, number) for number, corner in enumerate(SQUARE)
+    ),
 )
 
 TASKS = (RED_CUBE, BLUE_CYLINDER, TRAFFIC_LIGHT, PURPLE_CIRCLE, SQUARE_ROUTE)

@@ -2,10 +2,11 @@
 
 import math
 
-from course_lib.grading.evidence import with_formal
-from course_lib.grading.inputs import scan, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
+    Task,
     expect_frame,
     expect_joint_states,
     expect_joint_swing,
@@ -17,6 +18,9 @@ from course_lib.grading.vocabulary import (
     expect_throughout,
     expect_topic,
     expect_value,
+    inputs,
+    my,
+    with_formal,
 )
 
 STATES = "/joint_states"
@@ -193,7 +197,8 @@ NEAREST_OBSTACLE = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=tuple(
-                scan(ranges, at=0.3 + step / 2, first=-1.5, step=0.5) for step, ranges in enumerate(SCANS)
+                inputs.scan(ranges, at=0.3 + step / 2, first=-1.5, step=0.5)
+                for step, ranges in enumerate(SCANS)
             ),
             checks=(
                 AGAIN,
@@ -225,8 +230,8 @@ NEAREST_OBSTACLE = Task(
                 "header": {"frame_id": "laser"},
                 "ns": "expected",
                 "type": 2,
-                "pose": {"position": xyz(NEAREST)},
-                "scale": xyz((0.2, 0.2, 0.2)),  # [m]
+                "pose": {"position": inputs.xyz(NEAREST)},
+                "scale": inputs.xyz((0.2, 0.2, 0.2)),  # [m]
                 "color": {"r": 1.0, "g": 0.0, "b": 0.0, "a": 1.0},
             },
         ),

@@ -3,36 +3,42 @@
 from dataclasses import replace
 from typing import Any
 
-from course_lib.grading.evidence import Check, with_formal
-from course_lib.grading.inputs import Found, detections, turned, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Message,
+    Scenario,
+    Task,
     expect_frame,
     expect_marker,
     expect_marker_count,
     expect_stamps,
     expect_topic,
     expect_value,
+    inputs,
+    my,
+    with_formal,
 )
 
 MARKERS, ARRAY = "/detections", "visualization_msgs/msg/MarkerArray"
 ABOVE = 0.5  # [m] between the top of a box and its label
 
-PERSON = Found(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
-CAR = Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
-BICYCLE = Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.75)
+PERSON = inputs.Found(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
+CAR = inputs.Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
+BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.75)
 OBJECTS = (PERSON, CAR, BICYCLE)
 COUNT = 6  # messages, twice a second
 
 
-def walked(found: Found, steps: int) -> Found:
+def walked(found: inputs.Found, steps: int) -> inputs.Found:
     """The same object some steps of 0.3 m to the left."""
     x, y, z = found.center
     return replace(found, center=(x, y + 0.3 * steps, z))
 
 
 TWICE_A_SECOND = tuple(
-    detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2) for step in range(COUNT)
+    inputs.detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2)
+    for step in range(COUNT)
 )
 
 
@@ -41,31 +47,23 @@ def color_of(confidence: float) -> tuple[float, float, float, float]:
     return 1.0 - confidence, confidence, 0.0, 0.5
 
 
-def expected_box(found: Found) -> dict[str, Any]:
-    """What a check of the box of a detection compares."""
+def expected_box(found: inputs.Found) -> dict[str, Any]:
+    """Return the fields of a detection's box that a check compares."""
     color = color_of(found.confidence)
     place = {"position": found.center, "scale": found.size, "yaw": found.yaw}
     return {"type": "CUBE", "id": found.track, **place, "color": color}
 
 
-def above(found: Found) -> tuple[float, float, float]:
-    """Where the centre of its label is, [m]."""
+def above(found: inputs.Found) -> tuple[float, float, float]:
+    """Return the centre of the label, [m]."""
     x, y, z = found.center
     return x, y, z + found.size[2] / 2 + ABOVE
 
 
-def ghost(found: Found) -> Message:
+def ghost(found: inputs.Found) -> Message:
     """The expected picture of one box."""
-    fields = {
-        "header": {"frame_id": "base_link"},
-        "ns": "expected",
-        "id": found.track,
-        "type": 1,
-        "pose": {"position": xyz(found.center), "orientation": turned(found.yaw)},
-        "scale": xyz(found.size),
-        "color": dict(zip("rgba", color_of(found.confidence), strict=True)),
-    }
-    return Message("/expected", "visualization_msgs/msg/Marker", fields)
+    place = (found.center, found.size, color_of(found.confidence), found.track)
+    return inputs.ghost(1, *place, frame="base_link", yaw=found.yaw)
 
 
 def from_messages(namespace: str, *content: Check, at: float | None = None) -> tuple[Check, ...]:
@@ -183,8 +181,8 @@ LABELS = Task(
     personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; 0.3 is left out: it is the lesson's
 )
 
-JUST_SURE = Found(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
-NOT_SURE = Found(8, "Post", (4.0, 1.0, 0.5), (0.1, 0.1, 1.0), my("threshold", times=0.99))
+JUST_SURE = inputs.Found(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
+NOT_SURE = inputs.Found(8, "Post", (4.0, 1.0, 0.5), (0.1, 0.1, 1.0), my("threshold", times=0.99))
 A_BOX = expect_marker(MARKERS, type="CUBE", at=1.0).titled("a box is there at first")
 
 SURE = Task(
@@ -203,9 +201,9 @@ SURE = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=(
-                detections((*OBJECTS, JUST_SURE, NOT_SURE), at=0.5),
-                detections((PERSON, BICYCLE), at=1.5),
-                detections((), at=2.5),
+                inputs.detections((*OBJECTS, JUST_SURE, NOT_SURE), at=0.5),
+                inputs.detections((PERSON, BICYCLE), at=1.5),
+                inputs.detections((), at=2.5),
             ),
             checks=from_messages(
                 "boxes",
@@ -244,7 +242,7 @@ SEEN = (
     (replace(PERSON, center=(3.6, 1.0, 0.9)), replace(BICYCLE, center=(3.0, 3.5, 0.8)), CAR),
 )
 MET = tuple(
-    replace(detections(found, at=stamp), at=stamp + delay)
+    replace(inputs.detections(found, at=stamp), at=stamp + delay)
     for found, stamp, delay in zip(SEEN, STAMPS, DELAYS, strict=True)
 )
 PERSON_ARROW = ((3.6, 1.0, 0.9), (4.6, 1.0, 0.9))  # [m], at 1 m/s

@@ -3,16 +3,21 @@
 import math
 from typing import Any
 
-from course_lib.grading.evidence import Check, with_formal
-from course_lib.grading.inputs import header, pose, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Message,
+    Scenario,
+    Task,
     expect_circling_frame,
     expect_message,
     expect_rate,
     expect_topic,
     expect_transform,
     expect_value,
+    inputs,
+    my,
+    with_formal,
 )
 
 OUT, POINT = "/obstacle_in_map", "geometry_msgs/msg/PointStamped"
@@ -22,18 +27,18 @@ ASKED = (0.57, 1.07, 2.52)  # [s] stamps of the obstacle, none of them that of a
 
 def driving(at: float) -> Message:
     """A robot on a curve: at 1 m/s along x, turning by 0.5 rad/s."""
-    base = pose("map", "base_link", (at, 0.0, 0.0), 0.5 * at)
-    return transforms((base, pose("base_link", "camera_link", (0.3, 0.0, 0.5))), at)
+    base = inputs.pose("map", "base_link", (at, 0.0, 0.0), 0.5 * at)
+    return inputs.transforms((base, inputs.pose("base_link", "camera_link", (0.3, 0.0, 0.5))), at)
 
 
 def obstacle(stamp: float, frame: str = "camera_link") -> Message:
     """The obstacle, 0.2 s after it was seen."""
-    fields = {"header": header(stamp, frame), "point": xyz(SEEN)}
+    fields = {"header": inputs.header(stamp, frame), "point": inputs.xyz(SEEN)}
     return Message("/obstacle", POINT, fields, at=stamp + 0.2)
 
 
 def in_map(stamp: float) -> dict[str, Any]:
-    """Where the obstacle of a stamp is in the map, as fields of the message."""
+    """Return the obstacle of a stamp in the map, as fields of the message."""
     yaw, ahead, left = 0.5 * stamp, SEEN[0] + 0.3, SEEN[1]
     return {
         "header.frame_id": "map",
@@ -125,7 +130,7 @@ def at_most(count: int) -> Check:
 
 def stamp_of(stamp: float) -> dict[str, int]:
     """The stamp of an obstacle, as fields of the message."""
-    return {f"header.stamp.{name}": value for name, value in header(stamp, "")["stamp"].items()}
+    return {f"header.stamp.{name}": value for name, value in inputs.header(stamp, "")["stamp"].items()}
 
 
 AGAIN = expect_topic(OUT, POINT, at_least=3).titled("a point for each obstacle").worth(0)

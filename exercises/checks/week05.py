@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator
 
-from course_lib.grading.evidence import lightly
-from course_lib.grading.inputs import header, pose, scan, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
+    Task,
     expect_display,
     expect_displays_on,
     expect_drawn,
     expect_layout,
     expect_value,
+    inputs,
+    lightly,
+    my,
 )
 
 GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
@@ -47,11 +51,11 @@ Visualization Manager:
 def detections(at: float) -> Message:
     """One person."""
     marker = {
-        "header": header(at, "world"),
+        "header": inputs.header(at, "world"),
         "ns": "people",
         "type": 1,
-        "pose": {"position": xyz((3.0, 0.0, 0.9)), "orientation": {"w": 1.0}},
-        "scale": xyz((0.5, 0.5, 1.8)),
+        "pose": {"position": inputs.xyz((3.0, 0.0, 0.9)), "orientation": {"w": 1.0}},
+        "scale": inputs.xyz((0.5, 0.5, 1.8)),
         "color": {"g": 1.0, "a": 1.0},
     }
     return Message("/detections", "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
@@ -59,9 +63,9 @@ def detections(at: float) -> Message:
 
 def robot(at: float) -> Iterator[Message]:
     """The robot as it stands there: its frames, a half circle of 3 m, one person."""
-    base = pose("world", "base_link", (1.0, 0.0, 0.0))
-    yield transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
-    yield scan([3.0] * 31, at, first=-1.5, step=0.1)  # [m], [rad]
+    base = inputs.pose("world", "base_link", (1.0, 0.0, 0.0))
+    yield inputs.transforms((base, inputs.pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
+    yield inputs.scan([3.0] * 31, at, first=-1.5, step=0.1)  # [m], [rad]
     yield detections(at)
 
 

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterable
 
-from course_lib.grading import inputs
-from course_lib.grading.evidence import lightly
-from course_lib.grading.task import Call, Message, Row, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Row,
+    Scenario,
+    Task,
     expect_display,
     expect_drawn,
     expect_fact,
@@ -18,18 +20,20 @@ from course_lib.grading.vocabulary import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    inputs,
+    lightly,
+    my,
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
 
 
 def robot_messages(at: float) -> Iterable[Message]:
-    """What a robot publishes at a time, [s]."""
+    """Return the messages of a robot at a time, [s]."""
     place = (1.0, 0.0, 0.0)  # [m]
     links = (inputs.pose("base_link", name, (0.2, 0.0, 0.0)) for name in ("laser_link", "camera_link"))
-    ranges = inputs.scan([2.0] * 31, at, "laser_link", first=-1.5, step=0.1)
     yield inputs.transforms((inputs.pose("odom", "base_link", place), *links), at)
-    yield Message("/robot/scan", ranges.type_name, ranges.fields, at=at)
+    yield inputs.scan([2.0] * 31, at, "laser_link", first=-1.5, step=0.1, topic="/robot/scan")
     yield inputs.odometry("/robot/odom", at, place)
     yield inputs.path("/robot/plan", at, (place, (2.0, 0.0, 0.0)))
     yield inputs.marker_array("/robot/annotations", at, "camera_link", (2.0, 0.0, 0.0), (0.5, 0.5, 0.5))
@@ -235,7 +239,6 @@ INSPECTION_LAYOUT = Task(
     personal={"keep": (20, 30, 40, 50, 60, 80)},
 )
 
-
 FINDINGS = Task(
     "week06.findings",
     title="Findings",
@@ -256,7 +259,7 @@ FINDINGS = Task(
 
 ONE_OF_TWO = expect_value([0.05, 0.05, 0.5], call=0, name="one of two images")
 
-DETECTION_LATENCY = Task(
+LATENCY = Task(
     "week06.detection_latency",
     title="From image to detection",
     kind="function",
@@ -289,12 +292,4 @@ DETECTION_LATENCY = Task(
     ),
 )
 
-TASKS = (
-    ROBOT_FACTS,
-    CAMERA,
-    CAMERA_MONITOR,
-    PERFORMANCE_TABLE,
-    INSPECTION_LAYOUT,
-    FINDINGS,
-    DETECTION_LATENCY,
-)
+TASKS = (ROBOT_FACTS, CAMERA, CAMERA_MONITOR, PERFORMANCE_TABLE, INSPECTION_LAYOUT, FINDINGS, LATENCY)

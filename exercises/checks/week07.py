@@ -1,13 +1,14 @@
 """Week 7, the dashboard: tasks, hints and public checks."""
 
-from collections.abc import Iterable
-from math import cos, pi, sin
+from math import pi
 from typing import Any
 
-from course_lib.grading.evidence import Check, lightly
-from course_lib.grading.inputs import Found, corners, detections, pose, set_parameters, transforms
-from course_lib.grading.task import Call, Message, Row, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Row,
+    Scenario,
+    Task,
     expect_colors_apart,
     expect_display,
     expect_gone,
@@ -22,38 +23,30 @@ from course_lib.grading.vocabulary import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    inputs,
+    lightly,
+    my,
 )
 
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
 K = [277.0, 0.0, 159.5, 0.0, 277.0, 119.5, 0.0, 0.0, 1.0]  # [px]
 WIDE = [150.0, 0.0, 99.5, 0.0, 160.0, 74.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
 
-PERSON = Found(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
-CAR = Found(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
-BICYCLE = Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
-DOG = Found(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)  # just sure enough, and of no color
+PERSON = inputs.Found(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
+CAR = inputs.Found(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
+BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
+DOG = inputs.Found(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)  # just sure enough, and of no color
 OBJECTS = (CAR, DOG, PERSON, BICYCLE)
+SEEN = [inputs.detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(19)]  # up to 4 s
 
-
-def seen(until: float) -> Iterable[Message]:
-    """The same detections again and again, five times a second until a time [s]."""
-    return (detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(round(until * 5) - 1))
-
-
-def driven(begin: float, end: float, world: str = "world", base: str = "base_link") -> Iterable[Message]:
-    """The robot on a circle of 3 m, ahead, 20 times a second, between two times [s]."""
-    for step in range(round((end - begin) * 20)):
-        at = begin + step / 20  # [s]
-        yield transforms([pose(world, base, on_circle(at), at + pi / 2)], at)
-
-
-def on_circle(at: float) -> tuple[float, float, float]:
-    """Where it is, [m], `at` [s] after the start."""
-    return (3.0 * cos(at), 3.0 * sin(at), 0.0)
-
-
-AHEAD, ASIDE = corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5)), corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0))
-BEYOND, CLOSE = corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0)), corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
+AHEAD, ASIDE = (
+    inputs.corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5)),
+    inputs.corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0)),
+)
+BEYOND, CLOSE = (
+    inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0)),
+    inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0)),
+)
 PARTLY = "a box that is partly behind the camera"
 EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
 PX: dict[str, Any] = {"tolerance": 0.01, "unit": "px"}
@@ -100,9 +93,9 @@ def boxes(count: int) -> Check:
 
 def changed(*checks: Check, **parameter: Any) -> Scenario:
     """Return a scenario in which a parameter is set while the node runs."""
-    inputs = (*seen(4.0), set_parameters("/perception_node", 1.5, **parameter))
+    published = (*SEEN, inputs.set_parameters("/perception_node", 1.5, **parameter))
     name = f"{next(iter(parameter))}, set while it runs"
-    return Scenario(name, seconds=4.0, seed=3, inputs=inputs, checks=lightly(*checks))
+    return Scenario(name, seconds=4.0, seed=3, inputs=published, checks=lightly(*checks))
 
 
 MARKERS_TASK = Task(
@@ -119,7 +112,7 @@ MARKERS_TASK = Task(
         Scenario(
             "public",
             seconds=4.0,  # [s]
-            inputs=tuple(seen(4.0)),
+            inputs=tuple(SEEN),
             checks=lightly(
                 ALWAYS,
                 PERSON_BOX,
@@ -136,7 +129,7 @@ MARKERS_TASK = Task(
         Scenario(
             "the detector stops",
             seconds=4.5,  # [s]
-            inputs=tuple(seen(2.0)),
+            inputs=tuple(SEEN[:9]),
             checks=lightly(
                 PERSON_BEFORE.titled("a box while the detector runs"),
                 expect_gone(MARKERS).requiring(PERSON_BEFORE).titled("no box when the message is too old"),
@@ -146,12 +139,14 @@ MARKERS_TASK = Task(
     personal={"threshold": (0.72, 0.75, 0.78, 0.81, 0.84, 0.87)},
 )
 
-WHOLE, END = (on_circle(1.08), on_circle(4.98)), (on_circle(3.08), on_circle(4.98))  # [m]
+EARLY, LATER, LAST = (inputs.on_circle(at) for at in (1.08, 3.08, 4.98))  # [m]
 KEPT_UP = expect_throughout(TRAJECTORY).worth(0)
 WAY = expect_path(
-    TRAJECTORY, count=40, frame="world", ends=WHOLE, yaw=4.98 + pi / 2, tolerance=0.2
+    TRAJECTORY, count=40, frame="world", ends=(EARLY, LAST), yaw=4.98 + pi / 2, tolerance=0.2
 ).requiring(KEPT_UP)
-LAST_20 = expect_path(TRAJECTORY, count=20, frame="odom", ends=END, tolerance=0.2).requiring(KEPT_UP)
+LAST_20 = expect_path(TRAJECTORY, count=20, frame="odom", ends=(LATER, LAST), tolerance=0.2).requiring(
+    KEPT_UP
+)
 
 TRAJECTORY_TASK = Task(
     "week07.trajectory",
@@ -167,7 +162,7 @@ TRAJECTORY_TASK = Task(
         Scenario(
             "public",
             seconds=5.0,  # [s]
-            inputs=tuple(driven(1.03, 4.99)),
+            inputs=tuple(inputs.circling(1.03, 4.99)),
             checks=lightly(
                 KEPT_UP,
                 WAY.titled("the way from its beginning to now"),
@@ -180,9 +175,9 @@ TRAJECTORY_TASK = Task(
             "other frames and 20 points, set while it runs",
             seconds=5.0,  # [s]
             inputs=(
-                set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
-                set_parameters("/trajectory_node", 3.0, trajectory_max_points=20),
-                *driven(0.53, 4.99, "odom", "base"),
+                inputs.set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
+                inputs.set_parameters("/trajectory_node", 3.0, trajectory_max_points=20),
+                *inputs.circling(0.53, 4.99, "odom", "base"),
             ),
             checks=lightly(LAST_20.titled("the last 20 poses, in the frames that were set")),
         ),

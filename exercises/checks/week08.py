@@ -5,15 +5,20 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from course_lib.grading.evidence import Check, lightly
-from course_lib.grading.inputs import pose, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Message,
+    Scenario,
+    Task,
     expect_marker,
     expect_marker_count,
     expect_topic,
     expect_trajectory,
     expect_value,
+    inputs,
+    lightly,
+    my,
 )
 
 ARM = "/arm_controller/joint_trajectory"
@@ -27,15 +32,15 @@ SECOND = [(1.0, 0.6, z) for z in RISING[-2::-1] if z > 0.5]
 
 
 def standing(lift: Any) -> dict[str, Any]:
-    """Where a command leads to: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
+    """Return the goal of a command: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
     others = {f"ur10{name}_joint": 0.0 for name in OTHERS}
     return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
 
 
 def robot(at: float, base: tuple[float, float, float], height: float) -> Message:
     """The base in map and the wrist in the base, [m], `at` [s] after the start."""
-    wrist = pose("base_link", "ur10wrist_3_link", (1.0, 0.2, height))
-    return transforms((pose("map", "base_link", base), wrist), at)
+    wrist = inputs.pose("base_link", "ur10wrist_3_link", (1.0, 0.2, height))
+    return inputs.transforms((inputs.pose("map", "base_link", base), wrist), at)
 
 
 def motion() -> Iterable[Message]:
@@ -47,7 +52,7 @@ def motion() -> Iterable[Message]:
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
-    """Where the wrist is, seen from the side: ahead of the shoulder and above it, [m]."""
+    """Return the place of the wrist, seen from the side: ahead of the shoulder and above it, [m]."""
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 
@@ -142,11 +147,11 @@ def each_point(stripes: Sequence[Sequence[Any]]) -> Check:
 
 def rule(name: str, steps: Sequence[tuple[float, float, float]]) -> Scenario:
     """A scenario of a few steps, one per 0.1 s, that shows whether one rule is kept."""
-    inputs = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
+    moves = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
     each = each_point(painted(steps))
     stripes = [expect_marker(PAINT, points=stripe).requiring(each).titled(name) for stripe in painted(steps)]
     count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
-    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(inputs), checks=lightly(each, *stripes, count))
+    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(moves), checks=lightly(each, *stripes, count))
 
 
 POINTWISE = each_point((FIRST, SECOND))
@@ -192,9 +197,9 @@ PAINT_NODE = Task(
                 "id": number,
                 "type": 4,
                 "pose": {"orientation": {"w": 1.0}},
-                "scale": xyz((0.26, 0.0, 0.0)),  # [m] blue, and wider than the paint: seen beside it
+                "scale": inputs.xyz((0.26, 0.0, 0.0)),  # [m] blue, and wider than the paint: seen beside it
                 "color": {"r": 0.3, "g": 0.6, "b": 1.0, "a": 1.0},
-                "points": [xyz(point) for point in stripe],
+                "points": [inputs.xyz(point) for point in stripe],
             },
         )
         for number, stripe in enumerate((FIRST, SECOND))

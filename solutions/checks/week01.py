@@ -1,8 +1,8 @@
 """Week 1, the first marker: hidden scenarios and checks."""
 
-from course_lib.grading.evidence import Check, with_formal
-from course_lib.grading.task import Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Check,
+    Scenario,
     expect_circle,
     expect_frame,
     expect_marker,
@@ -11,6 +11,8 @@ from course_lib.grading.vocabulary import (
     expect_rate,
     expect_stamps,
     expect_throughout,
+    my,
+    with_formal,
 )
 
 TOPIC = "/visualization_marker"

@@ -2,10 +2,9 @@
 
 import math
 
-from course_lib.grading.evidence import with_formal
-from course_lib.grading.inputs import scan
-from course_lib.grading.task import Call, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Scenario,
     expect_frame,
     expect_joint_states,
     expect_joint_swing,
@@ -17,6 +16,9 @@ from course_lib.grading.vocabulary import (
     expect_throughout,
     expect_topic,
     expect_value,
+    inputs,
+    my,
+    with_formal,
 )
 
 STATES = "/joint_states"
@@ -43,7 +45,7 @@ SPHERE = expect_marker(
 
 
 def wrist() -> list[float]:
-    """Where the UR10's wrist is: the reach in the arm's plane, turned by pan."""
+    """Return the place of the UR10's wrist: the reach in the arm's plane, turned by pan."""
     reach = 0.612 * math.sin(LIFT) + 0.5723 * math.sin(LIFT + ELBOW)  # [m]
     height = 0.1273 + 0.612 * math.cos(LIFT) + 0.5723 * math.cos(LIFT + ELBOW)
     side = 0.220941 - 0.1719
@@ -118,9 +120,12 @@ HIDDEN = {
             seconds=8.0,  # [s]
             seed=13,
             inputs=(
-                *(scan((3.0,) * 9, at=0.1 + n / 4, frame="rear", first=-1.0, step=0.2) for n in range(30)),
-                scan((math.inf,) * 9, at=7.7, frame="rear", first=-1.0, step=0.2),  # nothing near
-                scan(LAST, at=7.8, frame="rear", first=-math.radians(120), step=SCAN_STEP),
+                *(
+                    inputs.scan((3.0,) * 9, at=0.1 + n / 4, frame="rear", first=-1.0, step=0.2)
+                    for n in range(30)
+                ),
+                inputs.scan((math.inf,) * 9, at=7.7, frame="rear", first=-1.0, step=0.2),  # nothing near
+                inputs.scan(LAST, at=7.8, frame="rear", first=-math.radians(120), step=SCAN_STEP),
             ),
             checks=with_formal(
                 (

@@ -2,31 +2,36 @@
 
 from dataclasses import replace
 
-from course_lib.grading.evidence import Check, with_formal
-from course_lib.grading.inputs import Found, detections
-from course_lib.grading.task import Call, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Scenario,
     expect_frame,
     expect_marker,
     expect_marker_count,
     expect_stamps,
     expect_topic,
     expect_value,
+    inputs,
+    my,
+    with_formal,
 )
 
 MARKERS, ARRAY = "/detections", "visualization_msgs/msg/MarkerArray"
-TRUCK = Found(7, "Truck", (-4.0, 1.5, 1.4), (6.0, 2.4, 2.8), 0.4, yaw=-1.1)
-DOG = Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
-CHILD = Found(12, "Child", (0.8, 2.0, 0.55), (0.4, 0.4, 1.1), 0.999)
+TRUCK = inputs.Found(7, "Truck", (-4.0, 1.5, 1.4), (6.0, 2.4, 2.8), 0.4, yaw=-1.1)
+DOG = inputs.Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
+CHILD = inputs.Found(12, "Child", (0.8, 2.0, 0.55), (0.4, 0.4, 1.1), 0.999)
 TRUCK_COLOR, CHILD_COLOR = (0.6, 0.4, 0.0, 0.5), (0.001, 0.999, 0.0, 0.5)
 
 # A truck, in another frame, at another rate, for longer.
 COUNT = 25  # messages
-OTHERS = tuple(detections((TRUCK, DOG, CHILD), at=0.1 + step / 5, frame="odom") for step in range(COUNT))
+OTHERS = tuple(
+    inputs.detections((TRUCK, DOG, CHILD), at=0.1 + step / 5, frame="odom") for step in range(COUNT)
+)
 SURE = replace(DOG, confidence=my("threshold"))  # just sure enough
 UNSURE = replace(TRUCK, confidence=my("threshold", times=0.99))
 CIRCLING = tuple(
-    detections(
+    inputs.detections(
         [
             replace(DOG, center=(1.0 - 0.2 * step, 0.1 * step, 0.3)),
             replace(CHILD, center=(0.8, 2.0 - 0.1 * step, 0.55)),
@@ -113,9 +118,9 @@ HIDDEN = {
             seconds=4.0,  # [s]
             seed=13,
             inputs=(
-                detections((SURE, UNSURE, CHILD), at=0.5, frame="odom"),
-                detections((SURE, UNSURE), at=2.0, frame="odom"),
-                detections((), at=3.5, frame="odom"),
+                inputs.detections((SURE, UNSURE, CHILD), at=0.5, frame="odom"),
+                inputs.detections((SURE, UNSURE), at=2.0, frame="odom"),
+                inputs.detections((), at=3.5, frame="odom"),
             ),
             checks=from_messages(
                 "boxes",

@@ -2,16 +2,24 @@
 
 import math
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, failed, passed, with_formal
-from course_lib.grading.inputs import header, pose, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Check,
+    Evidence,
+    Message,
+    Scenario,
+    Verdict,
     expect_circling_frame,
     expect_message,
     expect_rate,
     expect_topic,
     expect_transform,
     expect_value,
+    failed,
+    inputs,
+    my,
+    passed,
+    with_formal,
 )
 
 OUT, POINT = "/obstacle_in_map", "geometry_msgs/msg/PointStamped"
@@ -21,18 +29,18 @@ STAMP = 2.33  # [s] of the last obstacle
 
 def driving(at: float) -> Message:
     """A robot that drives along y without turning, looking to the left; its camera hangs elsewhere."""
-    base = pose("map", "base_link", (0.0, SPEED * at, 0.0), math.pi / 2)
-    return transforms((base, pose("base_link", "lens", (-0.2, 0.1, 1.5), math.pi)), at)
+    base = inputs.pose("map", "base_link", (0.0, SPEED * at, 0.0), math.pi / 2)
+    return inputs.transforms((base, inputs.pose("base_link", "lens", (-0.2, 0.1, 1.5), math.pi)), at)
 
 
 def obstacle(stamp: float, frame: str = "lens") -> Message:
     """An obstacle 2 m before the lens and 0.5 m to its right, 0.13 s after it was seen."""
-    fields = {"header": header(stamp, frame), "point": xyz((2.0, -0.5, 0.1))}
+    fields = {"header": inputs.header(stamp, frame), "point": inputs.xyz((2.0, -0.5, 0.1))}
     return Message("/obstacle", POINT, fields, at=stamp + 0.13)
 
 
 def turns_half_round(evidence: Evidence) -> Verdict:
-    """Where the shorter way goes through pi, the result may be given with or without a full turn."""
+    """Accept a result with or without a full turn if the shorter way goes through pi."""
     if not evidence.returns or not isinstance(evidence.returns[-1], list) or len(evidence.returns[-1]) != 3:
         return failed("no pose of three numbers came back", "a value is of the wrong kind")
     yaw = evidence.returns[-1][2]

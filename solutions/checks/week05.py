@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 
-from course_lib.grading.inputs import header, pose, scan, transforms, xyz
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
     expect_display,
     expect_displays_on,
     expect_drawn,
     expect_layout,
     expect_value,
+    inputs,
+    my,
 )
 
 GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
@@ -47,11 +50,11 @@ Visualization Manager:
 def detections(at: float) -> Message:
     """Somebody else."""
     marker = {
-        "header": header(at, "base_link"),
+        "header": inputs.header(at, "base_link"),
         "ns": "people",
         "type": 1,
-        "pose": {"position": xyz((1.0, 0.0, 0.9)), "orientation": {"w": 1.0}},
-        "scale": xyz((0.5, 0.5, 1.8)),
+        "pose": {"position": inputs.xyz((1.0, 0.0, 0.9)), "orientation": {"w": 1.0}},
+        "scale": inputs.xyz((0.5, 0.5, 1.8)),
         "color": {"g": 1.0, "a": 1.0},
     }
     return Message("/detections", "visualization_msgs/msg/MarkerArray", {"markers": [marker]}, at=at)
@@ -59,9 +62,9 @@ def detections(at: float) -> Message:
 
 def robot(at: float) -> Iterator[Message]:
     """The robot at another place: a quarter circle of 1 m, somebody else."""
-    base = pose("world", "base_link", (-2.0, 3.0, 0.0), 1.0)
-    yield transforms((base, pose("base_link", "laser", (0.2, 0.0, 0.5))), at)
-    yield scan([1.0] * 31, at, first=0.0, step=0.05)  # [m], [rad]
+    base = inputs.pose("world", "base_link", (-2.0, 3.0, 0.0), 1.0)
+    yield inputs.transforms((base, inputs.pose("base_link", "laser", (0.2, 0.0, 0.5))), at)
+    yield inputs.scan([1.0] * 31, at, first=0.0, step=0.05)  # [m], [rad]
     yield detections(at)
 
 

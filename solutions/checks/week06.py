@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
-from course_lib.grading import inputs
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
     expect_display,
     expect_drawn,
     expect_fact,
@@ -16,6 +17,8 @@ from course_lib.grading.vocabulary import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    inputs,
+    my,
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
@@ -26,9 +29,8 @@ def robot_messages(at: float) -> Iterator[Message]:
     """A robot at another place, that looks elsewhere."""
     place = (-3.0, 2.0, 0.0)  # [m]
     links = (inputs.pose("base_link", name, (0.1, 0.0, 0.4)) for name in ("laser_link", "camera_link"))
-    ranges = inputs.scan([1.0] * 21, at, "laser_link", first=0.0, step=0.05)
     yield inputs.transforms((inputs.pose("odom", "base_link", place, 1.5), *links), at)
-    yield Message("/robot/scan", ranges.type_name, ranges.fields, at=at)
+    yield inputs.scan([1.0] * 21, at, "laser_link", first=0.0, step=0.05, topic="/robot/scan")
     yield inputs.odometry("/robot/odom", at, place)
     yield inputs.path("/robot/plan", at, (place, (0.0, 0.0, 0.0)))
     yield inputs.marker_array(

@@ -3,9 +3,10 @@
 from collections.abc import Iterable
 from typing import Any
 
-from course_lib.grading.inputs import Found, corners, detections, pose, set_parameters, transforms
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
     expect_colors_apart,
     expect_display,
     expect_gone,
@@ -19,27 +20,29 @@ from course_lib.grading.vocabulary import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    inputs,
+    my,
 )
 
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
 K = [138.0, 0.0, 79.5, 0.0, 140.0, 59.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
 
-DOG = Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
-CAR = Found(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
-BICYCLE = Found(4, "Bicycle", (0.8, 2.0, 0.5), (1.7, 0.5, 1.0), 0.97)
-UNSURE = Found(6, "Car", (5.0, 5.0, 0.9), (4.0, 1.9, 1.8), 0.499)
+DOG = inputs.Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
+CAR = inputs.Found(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
+BICYCLE = inputs.Found(4, "Bicycle", (0.8, 2.0, 0.5), (1.7, 0.5, 1.0), 0.97)
+UNSURE = inputs.Found(6, "Car", (5.0, 5.0, 0.9), (4.0, 1.9, 1.8), 0.499)
 OBJECTS = (DOG, CAR, BICYCLE, UNSURE)
 
 
 def seen(last: float) -> Iterable[Message]:
     """Detections until a time [s], five a second."""
-    return (detections(OBJECTS, at=0.1 + step / 5, frame="odom") for step in range(round(last * 5)))
+    return (inputs.detections(OBJECTS, at=0.1 + step / 5, frame="odom") for step in range(round(last * 5)))
 
 
 def driven(frame: str, base: str, seconds: float) -> Iterable[Message]:
     """A straight way with 0.4 m/s along x, to the left, 20 times a second from 1 s on, for so long [s]."""
     for step in range(round(seconds * 20)):
-        yield transforms([pose(frame, base, (0.02 * step, 1.0, 0.2), 1.2)], 1.03 + step / 20)
+        yield inputs.transforms([inputs.pose(frame, base, (0.02 * step, 1.0, 0.2), 1.2)], 1.03 + step / 20)
 
 
 def rectangle(box: list[list[float]]) -> list[float]:
@@ -48,8 +51,11 @@ def rectangle(box: list[list[float]]) -> list[float]:
     return [min(columns), min(rows), max(columns), max(rows)]
 
 
-ASIDE, FAR = corners((-1.5, 0.4, 3.0), (1.0, 0.6, 2.0)), corners((2.0, -1.0, 9.0), (0.5, 1.8, 0.5))
-NEAR = corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m ahead
+ASIDE, FAR = (
+    inputs.corners((-1.5, 0.4, 3.0), (1.0, 0.6, 2.0)),
+    inputs.corners((2.0, -1.0, 9.0), (0.5, 1.8, 0.5)),
+)
+NEAR = inputs.corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m ahead
 JUST = [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]]
 ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01)
 
@@ -114,9 +120,9 @@ HIDDEN = {
             seed=7,
             inputs=(
                 *seen(4.0),
-                set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
-                set_parameters("/perception_node", 0.6, max_detections=2),
-                set_parameters("/perception_node", 0.7, confidence_threshold=0.1),
+                inputs.set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
+                inputs.set_parameters("/perception_node", 0.6, max_detections=2),
+                inputs.set_parameters("/perception_node", 0.7, confidence_threshold=0.1),
             ),
             checks=(
                 expect_marker_count(MARKERS, 2, type="CUBE").requiring(DOG_BOX),
@@ -130,8 +136,8 @@ HIDDEN = {
             seed=9,
             inputs=(
                 *seen(3.0),
-                set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
-                set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
+                inputs.set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
+                inputs.set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
             ),
             checks=(
                 expect_marker_count(MARKERS, 4, type="CUBE").requiring(DOG_BOX),
@@ -166,8 +172,8 @@ HIDDEN = {
             seconds=4.0,  # [s]
             seed=15,
             inputs=(
-                set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
-                set_parameters("/trajectory_node", 2.0, trajectory_max_points=8),
+                inputs.set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
+                inputs.set_parameters("/trajectory_node", 2.0, trajectory_max_points=8),
                 *driven("odom", "base", 2.9),
             ),
             checks=(LAST_8,),

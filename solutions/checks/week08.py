@@ -5,14 +5,17 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from course_lib.grading.inputs import pose, transforms
-from course_lib.grading.task import Call, Message, Scenario, my
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
+    Call,
+    Message,
+    Scenario,
     expect_marker,
     expect_marker_count,
     expect_topic,
     expect_trajectory,
     expect_value,
+    inputs,
+    my,
 )
 
 ARM = "/arm_controller/joint_trajectory"
@@ -55,18 +58,18 @@ def painted(steps: Sequence[Step] = STEPS) -> list[list[tuple[float, float, floa
 def motion(steps: Sequence[Step] = STEPS) -> Iterable[Message]:
     """The steps, one per 0.1 s, half way between two ticks of the painter."""
     for number, (x, z, height) in enumerate(steps):
-        wrist = pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
-        yield transforms((pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
+        wrist = inputs.pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
+        yield inputs.transforms((inputs.pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
 
 
 def standing(lift: Any) -> dict[str, Any]:
-    """Where a command leads to: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
+    """Return the goal of a command: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
     others = {f"ur10{name}_joint": 0.0 for name in OTHERS}
     return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
-    """Where the wrist is, seen from the side: ahead of the shoulder and above it, [m]."""
+    """Return the place of the wrist, seen from the side: ahead of the shoulder and above it, [m]."""
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 

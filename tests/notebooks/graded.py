@@ -48,7 +48,7 @@ def marked(cells: Sequence[str], week: str) -> ExerciseRun:
 
 @cache
 def run_of(path: Path) -> ExerciseRun:
-    """What came of a file: a solution, an exercise as it is handed out, or an answer."""
+    """Outcome of a file: a solution, an exercise as it is handed out, or an answer."""
     return marked(cells_of(path), path.name[:6])
 
 
@@ -63,7 +63,7 @@ def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
 
 
 def evidence_here(task: Task, scenario: Scenario, namespace: Mapping[str, Any]) -> Evidence:
-    """What a scenario brings out, run in this process."""
+    """Return the evidence of a scenario, run in this process."""
     subject, personal = namespace[task.name], personal_values(task, STUDENT)
     return run_here(task, scenario, subject, personal, wall_limit=A_WHILE)
 

@@ -10,7 +10,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import busy, driving, pace, virtual_time, wall
+from course_lib.ros import driving, interrupts, pace, virtual_time, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes, spin_for
@@ -74,11 +74,11 @@ def test_a_callback_that_sleeps_less_than_its_period_gets_no_hint(
 def test_the_line_that_keeps_a_cell_busy_is_named_and_so_is_the_one_that_was_interrupted(
     notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(busy, "PATIENCE", 0.0)
+    monkeypatch.setattr(interrupts, "PATIENCE", 0.0)
     node = Node("stuck")
 
     def tick() -> None:
-        callback = busy.watch.under_way
+        callback = interrupts.watch.under_way
         while callback is not None and not callback.named:
             pass
         while True:

@@ -114,6 +114,7 @@ def test_another_graph_can_be_used_for_a_while() -> None:
     before = current_graph()
     with use_graph(Graph()) as graph:
         assert current_graph() is graph
-        graph.state["x"] = 1
+        graph.part(list).append(1)
+        assert graph.part(list) == [1]
     assert current_graph() is before
-    assert "x" not in before.state
+    assert before.part(list) == []

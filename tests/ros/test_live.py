@@ -11,12 +11,11 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import busy, live_loop, pace, virtual_time, wall
+from course_lib.ros import interrupts, live, pace, virtual_time, wall
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.live import run_live, stop_all
-from course_lib.ros.live_run import LiveRun
+from course_lib.ros.live import LiveRun, run_live, stop_all
 
 Captured = pytest.CaptureFixture[str]
 A_MINUTE = 60.0  # [s]
@@ -118,7 +117,7 @@ def test_all_that_runs_can_be_stopped_at_once(notebook: Graph, monkeypatch: pyte
 
 
 def test_a_shutdown_ends_it_without_a_word(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live_loop, "show_error", lambda: pytest.fail("an error was shown"))
+    monkeypatch.setattr(live, "show_error", lambda: pytest.fail("an error was shown"))
     node = Node("talker")
     runs: list[LiveRun] = []
 
@@ -205,12 +204,12 @@ def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_it
     runs: list[LiveRun] = []
 
     def press() -> None:
-        while busy.watch.under_way is None:
+        while interrupts.watch.under_way is None:
             wall.sleep(0.01)
         if by_click:
             runs[0]._stop_clicked()
         else:
-            busy.interrupt_main_thread()
+            interrupts.interrupt_main_thread()
 
     def cell() -> None:
         runs.extend((run_live(stuck), run_live(other)))

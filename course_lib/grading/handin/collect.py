@@ -35,7 +35,7 @@ NO_TIMES = {
 
 @dataclass
 class Collection:
-    """What was collected, and what was refused or is to be looked at: a line each."""
+    """The result of collecting: what was kept, refused, or needs a look, a line each."""
 
     count: int = 0
     students: set[str] = field(default_factory=set)
@@ -58,7 +58,7 @@ class Collection:
 
 @dataclass(frozen=True)
 class Exports:
-    """What the platform's exports add to its download: IDs by its numbers, and times."""
+    """Additions of the platform's exports to its download: IDs by its numbers, and times."""
 
     ids: Mapping[str, str] = field(default_factory=dict)
     times: Sequence[Times] = ()

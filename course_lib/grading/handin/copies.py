@@ -43,7 +43,7 @@ class Work:
 
 @dataclass(frozen=True)
 class HandedOut:
-    """What all students were given: the runs of its tokens, and its lines word for word."""
+    """Code that all students were given: the runs of its tokens, and its lines word for word."""
 
     runs: frozenset[int]
     lines: frozenset[str]
@@ -132,7 +132,7 @@ def _lines(texts: Sequence[str], like: Mapping[int, int], given: HandedOut) -> I
 
 @dataclass(frozen=True)
 class Alike:
-    """What the index says of one submission: whose code is like it, and where both are side by side."""
+    """The index's entry of one submission: students with similar code, and a link to the comparison."""
 
     others: tuple[str, ...]
     link: str

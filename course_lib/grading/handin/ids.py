@@ -1,4 +1,4 @@
-"""Whose personal values count: the ID of who handed a file in, against the ID that the file names."""
+"""The student whose personal values count: the sender's ID against the ID that the file names."""
 
 import csv
 import re

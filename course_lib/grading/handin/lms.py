@@ -122,7 +122,7 @@ def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
 
 
 def _key(text: str) -> str:
-    """One spelling of an ID on both sides."""
+    """Return an ID in the spelling that both sides share."""
     try:
         return normalise(text)
     except CourseError:
@@ -130,7 +130,7 @@ def _key(text: str) -> str:
 
 
 def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) -> str:
-    """Why a row is left as it is, or ""."""
+    """Return why a row is left as it is, or ""."""
     if key and count > 1:
         return "more than one row has this ID, left as they are"
     if mark is None:

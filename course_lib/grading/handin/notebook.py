@@ -20,7 +20,7 @@ MAX_HEAD = 40  # characters of a cell's first line
 
 @dataclass(frozen=True)
 class Notebook:
-    """What grading needs of a notebook: its code cells, the exercise that it is, the ID that it claims.
+    """A handed-in notebook: its code cells, its exercise, the ID that it claims.
 
     `ran` has for each code cell whether the file says that it was run.
     """
@@ -63,13 +63,13 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
 
 
 def exercise_named(text: Any) -> str | None:
-    """The exercise that a name begins with, "week01_exercise"."""
+    """Return the exercise that a name begins with, "week01_exercise", or None."""
     named = re.match(r"week\d\d_exercise", text) if isinstance(text, str) else None
     return named and named[0]
 
 
 def claimed_id(claims: Any) -> str | None:
-    """The ID that a file claims, normalised, if it is one: it may become a folder's name."""
+    """Return the ID that a file claims, normalised, as it may become a folder's name, or None."""
     try:
         claim = _dict(claims).get("student")
         return normalise(claim) if isinstance(claim, str) else None
@@ -78,7 +78,7 @@ def claimed_id(claims: Any) -> str | None:
 
 
 def _source(cell: dict[str, Any]) -> str:
-    """A cell's text, which the format allows to be a text or a list of lines."""
+    """Return a cell's text, which the format allows to be a text or a list of lines."""
     source = cell.get("source", cell.get("input", ""))
     lines = source if isinstance(source, list) else [source]
     return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
@@ -98,13 +98,13 @@ class CodeCell:
 
     @property
     def name(self) -> str:
-        """How messages name it."""
+        """The cell's name in messages."""
         head = next((line.strip() for line in self.source.splitlines() if line.strip()), "")
         return f"code cell {self.number} ({head[:MAX_HEAD]}{'…' * (len(head) > MAX_HEAD)})"
 
     @property
     def digest(self) -> str:
-        """Of its source."""
+        """The digest of the source."""
         return cell_digest(self.source)
 
     @cached_property
@@ -132,7 +132,7 @@ class CodeCell:
 
     @cached_property
     def checks(self) -> Mapping[str, ast.expr]:
-        """What it gives to `check`, by task."""
+        """The second argument of each call of `check`, by task."""
         calls = (node for node in ast.walk(self.tree) if isinstance(node, ast.Call) and len(node.args) > 1)
         return {
             str(call.args[0].value): call.args[1]
@@ -142,7 +142,7 @@ class CodeCell:
 
     @cached_property
     def is_stub(self) -> bool:
-        """Whether it still raises NotImplementedError somewhere."""
+        """True if the cell raises NotImplementedError somewhere."""
         raised = (node.exc for node in ast.walk(self.tree) if isinstance(node, ast.Raise) and node.exc)
         return any(ast.unparse(one).startswith("NotImplementedError") for one in raised)
 

@@ -66,12 +66,12 @@ class LmsFile:
         return cls(bom, encoding, delimiter, *_split(text, delimiter))
 
     def encoded(self) -> bytes:
-        """The whole file again."""
+        """Return the bytes of the whole file."""
         lines = (self.delimiter.join(row) + end for row, end in zip(self.rows, self.ends, strict=True))
         return self.bom + "".join(lines).encode(self.encoding, "surrogatepass" if self.bom else "strict")
 
     def text(self, row: int, column: int) -> str:
-        """A cell without its quotes; "" where a row is too short."""
+        """Return a cell without its quotes; "" where a row is too short."""
         cells = self.rows[row]
         cell = cells[column].strip() if column < len(cells) else ""
         quoted = len(cell) > 1 and cell[0] == cell[-1] == '"'
@@ -88,7 +88,7 @@ class LmsFile:
         self.rows[row][column] = f"{quote}{number}{quote}"
 
     def column(self, name: str) -> int:
-        """The place of a column, by its heading or by what is before its number, `Week 1 (12345)`.
+        """Return the place of a column, by its heading or the part before its number, `Week 1 (12345)`.
 
         Raises:
             CourseError: There is none, or more than one.

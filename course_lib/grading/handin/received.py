@@ -1,4 +1,4 @@
-"""When a submission was received, and how that is known."""
+"""The time of receipt of a submission, and its source."""
 
 import re
 from collections.abc import Mapping
@@ -47,7 +47,7 @@ class Received:
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the time was written by the platform or the instructor."""
+        """True if the platform or the instructor wrote the time."""
         return self.time is not None and self.source != RECEIPT_TIME
 
     def days_late(self, deadline: datetime | None, policy: Late) -> int:

@@ -25,7 +25,7 @@ EXPORTS = (
 
 @dataclass(frozen=True)
 class Times:
-    """When students submitted, by what an export knows of them.
+    """Times of submission, by the keys of a platform's export.
 
     Args:
         source: The file and the column.

@@ -1,4 +1,4 @@
-"""Whose a file of a platform's download is, by the names that Moodle, Canvas and nbgrader give."""
+"""The sender of a file in a platform's download, by the names that Moodle, Canvas and nbgrader give."""
 
 import re
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ DEFAULT_IDS = {"moodle": "participant{}", "anonymous": "anon_{}", "canvas": "{}"
 
 @dataclass(frozen=True)
 class PlatformName:
-    """What a platform's name of a file says.
+    """The parts of a platform's name of a file.
 
     Args:
         platform: Which pattern it follows; "anonymous" is Canvas's with the students hidden.
@@ -48,7 +48,7 @@ class PlatformName:
 
 @dataclass(frozen=True)
 class Sender:
-    """Whose a file is, where it goes, and what the platform's name of it says, if a platform named it."""
+    """The student who sent a file, the path it goes to, and the platform's name of it, if it has one."""
 
     student: str
     path: Path

@@ -72,12 +72,12 @@ class Submission:
 
     @property
     def is_exercise(self) -> bool:
-        """Whether it is an exercise with something in it."""
+        """True if it is a readable exercise with a non-empty cell."""
         return not self.problem and self.notebook is not None and any(map(str.strip, self.notebook.cells))
 
     @property
     def notes(self) -> list[str]:
-        """What staff should know."""
+        """Notes for staff."""
         notes = [f"the same file as that of {', '.join(self.twins)}"] if self.twins else []
         if self.rivals:
             notes.append(f"this counts, of what says to be {self.student}'s in {', '.join(self.rivals)}")
@@ -87,7 +87,7 @@ class Submission:
         return [*notes, self.id_note] if self.id_note else notes
 
     def as_plain(self) -> dict[str, Any]:
-        """What a result file says of it."""
+        """Return the fields of a result file."""
         return {
             **{name: getattr(self, name) for name in PLAIN},
             "file": str(self.path),
@@ -96,7 +96,7 @@ class Submission:
 
     @classmethod
     def from_plain(cls, content: Mapping[str, Any]) -> "Submission":
-        """The one of a result file, without its notebook; its evidence is stored."""
+        """Build a submission from a result file, without its notebook; its evidence is stored."""
         same = {name: content[name] for name in PLAIN if name in content}
         when = Received.from_plain(content)
         return cls(path=Path(content["file"]), received=when, **{**same, "twins": tuple(content["twins"])})
@@ -208,13 +208,13 @@ def read_submission(path: Path, ledger: Ledger) -> Submission:
 
 
 def content_hash(data: bytes, files: Mapping[str, str]) -> str:
-    """The SHA-256 of a notebook, with its files if it has any."""
+    """Return the SHA-256 of a notebook, with its files if it has any."""
     more = json.dumps(sorted(files.items())).encode() if files else b""
     return hashlib.sha256(data + more).hexdigest()
 
 
 def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
-    """A notebook's bytes and the receipt that came with it, if one did.
+    """Return a notebook's bytes and the receipt that came with it, if one did.
 
     Raises:
         CourseError: The file is missing, a folder, or no file that `course submit` wrote.

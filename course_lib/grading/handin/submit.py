@@ -37,7 +37,7 @@ NO_ID = "It names no student: give your ID in week 0 (open week00_welcome.ipynb)
 
 @dataclass(frozen=True)
 class Standing:
-    """How a task stands: a word for lists, and what goes on behind its name in a warning."""
+    """The state of a task: an outcome for lists, and the rest of a warning behind its name."""
 
     outcome: str
     text: str = ""
@@ -66,7 +66,7 @@ class HandIn:
 
     @cached_property
     def tasks(self) -> dict[str, Standing]:
-        """How each task stands, by its short name."""
+        """The state of each task, by its short name."""
         return {task.id.split(".")[1]: self._stands(task) for task in self._tasks}
 
     def warnings(self) -> list[str]:
@@ -174,7 +174,7 @@ def report(warnings: Sequence[str], file: str) -> str:
 
 @dataclass(frozen=True)
 class Receipt:
-    """What was packed, where it is, and what to look at before it is handed in."""
+    """The packed file, the content of its receipt, and warnings before it is handed in."""
 
     file: Path
     content: Mapping[str, Any]

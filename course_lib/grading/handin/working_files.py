@@ -17,7 +17,7 @@ _QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
 
 
 def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
-    """The texts of a handed-in notebook's files, by their paths from the notebook's folder.
+    """Return the texts of the files with a handed-in notebook, by their paths from its folder.
 
     Raises:
         CourseError: They can't be read.
@@ -35,7 +35,7 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
 
 
 def _beside(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-    """What the cells name between quotes, if it lies in the folder."""
+    """Yield the files of the folder that the cells name between quotes."""
     home = folder.resolve()
     named = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
     for name in dict.fromkeys(islice(named, MAX_NAMES)):

@@ -1,1 +1,1 @@
-"""Where a student's code runs: the fewer rights, the better. One layer of the sandbox per file."""
+"""The sandbox of a student's code; one layer per file."""

@@ -84,7 +84,7 @@ class _PathBeneath(ctypes.Structure):
 
 
 def version() -> int:
-    """Which Landlock the kernel has; 0 if none."""
+    """Return the version of the kernel's Landlock; 0 if it has none."""
     try:
         return syscall(CREATE, None, ctypes.c_size_t(0), VERSION)
     except OSError:
@@ -92,7 +92,7 @@ def version() -> int:
 
 
 def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
-    """From now on only these files and folders can be opened; those that are missing are left out.
+    """Restrict this process and its children, for good, to opening these files; missing ones are skipped.
 
     Args:
         read: Files, and folders with all that is in them.
@@ -129,12 +129,12 @@ class _Program(ctypes.Structure):
 
 
 def is_known() -> bool:
-    """Whether the numbers of this machine's calls are in the tables."""
+    """Return whether the tables hold the numbers of this machine's calls."""
     return platform.machine() in MACHINES
 
 
 def refuse_calls() -> None:
-    """From now on the calls above fail in this process and its children.
+    """Load the filter, for good, into this process and its children.
 
     Raises:
         OSError: The kernel refuses.
@@ -147,7 +147,7 @@ def refuse_calls() -> None:
 
 
 def program(column: int, machine: int) -> bytes:
-    """The filter: pairs of a test and what follows from it, one after the other."""
+    """Return the filter's code: pairs of a test and its action."""
 
     def numbers(table: Mapping[str, tuple[int, int | None]]) -> list[int]:
         return [number for row in table.values() if (number := row[column]) is not None]

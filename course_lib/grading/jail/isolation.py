@@ -1,4 +1,4 @@
-"""How well submissions are kept apart from the machine they run on, in words."""
+"""The isolation of submissions from the machine they run on."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -17,19 +17,19 @@ class Isolation:
 
     @property
     def is_full(self) -> bool:
-        """Whether no layer is missing; bubblewrap only doubles what others do."""
+        """True if no layer is missing; bubblewrap only doubles others."""
         return set(LAYERS) - {"bubblewrap"} <= set(self.layers)
 
     @property
     def protects(self) -> bool:
-        """Whether code in it reaches neither files of the user who grades, nor the network."""
+        """True if the user's files and the network are out of reach."""
         closes_files = self.hides or "Landlock" in self.layers
         cuts_off = self.hides or "seccomp" in self.layers
         return closes_files and cuts_off and "limits" in self.layers
 
     @property
     def hides(self) -> bool:
-        """Whether code in it can't even find out which files there are."""
+        """True if even the names of files are out of reach."""
         return bool({"bubblewrap", "namespaces"} & set(self.layers))
 
     def __str__(self) -> str:

@@ -103,7 +103,7 @@ class TemplateProcess:
 
     @property
     def is_sound(self) -> bool:
-        """Whether nobody has killed it."""
+        """True unless somebody killed the template."""
         return self._process.poll() in (None, 0)
 
     def stop(self) -> Usage:

@@ -42,7 +42,7 @@ def apply(limits: Limits, *, counts_from_zero: bool) -> None:
 
 
 def _threads_of(user: int) -> int:
-    """How many threads a user has, which is what the kernel counts as processes."""
+    """Return the number of a user's threads, which the kernel counts as processes."""
     count = 0
     for tasks in Path("/proc").glob("[0-9]*/task"):
         with suppress(OSError):  # the process has just ended
@@ -51,7 +51,7 @@ def _threads_of(user: int) -> int:
 
 
 def stop_writing(folder: str, megabytes: float) -> Usage:
-    """Let no process below this one write to a file any more, if the folder holds far more than a limit.
+    """Refuse any further writing by descendants if the folder holds far more than a limit.
 
     Returns:
         What it holds.

@@ -80,7 +80,7 @@ def own_root(
 
 
 def own_files(scratch: str, megabytes: float) -> None:
-    """Make all files read-only, and the scratch folder an empty one in memory, of bounded size.
+    """Mount all files read-only, and a bounded folder in memory as the scratch folder.
 
     Raises:
         OSError: This system does not allow it.
@@ -101,7 +101,7 @@ def _with_own_users(kinds: int) -> None:
 
 
 def _show(path: str) -> None:
-    """Let a file or folder of the old root be in the new one."""
+    """Mount a file or folder of the old root in the new one."""
     if os.path.isdir(OLD + path):
         os.makedirs(path, exist_ok=True)
     else:

@@ -1,4 +1,4 @@
-"""Where submissions run: a root with the files that they may read, a user, and a folder to write in."""
+"""The place where submissions run: a root with readable files, a user, and a scratch folder."""
 
 import os
 from collections.abc import Callable, Collection, Sequence
@@ -24,7 +24,7 @@ FIRST_USER, USERS = 61184, 4336  # what systemd gives to services for a while: n
 
 @dataclass(frozen=True)
 class Place:
-    """Where submissions run.
+    """The root, the user and the folders of submissions.
 
     Args:
         root: A new one, that of bubblewrap, or that of the machine.
@@ -44,7 +44,7 @@ class Place:
 
     @property
     def owner(self) -> int:
-        """Whose files submissions write."""
+        """The owner of files that submissions write."""
         return self.number if self.user == "another" else os.geteuid()
 
 

@@ -43,12 +43,12 @@ def prctl(operation: int, *arguments: int) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up what root may do, or a namespace's own root; errors as in `function`."""
+    """Drop all capabilities, of root or of a namespace's own root; errors as in `function`."""
     _set_capabilities((ctypes.c_uint32 * 6)())
 
 
 def use_capabilities() -> None:
-    """Have all that is permitted in effect, as after a change of the user; errors as in `function`."""
+    """Put all permitted capabilities into effect after a change of the user; errors as in `function`."""
     sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable, and the same of higher numbers
     function("capget", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
     sets[0], sets[3] = sets[1], sets[4]

@@ -16,7 +16,7 @@ import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.ros.hints import hint
-from course_lib.ros.own_line import line_of_traceback, name_line
+from course_lib.ros.tracebacks import line_of_traceback, name_line
 
 MAX_ITEMS = 200_000
 MAX_DEPTH = 20

@@ -25,8 +25,8 @@ from course_lib.grading.task import Scenario, Task
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.own_line import line_of_thread, line_of_traceback
 from course_lib.ros.seeding import seeded
+from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
 
 WALL_LIMIT = 20.0  # [s] of the wall clock for a run in this process
 

@@ -33,7 +33,7 @@ TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
 def expect_joint_states(
     evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC, moving: bool = False
 ) -> Iterable[Problem]:
-    """Every message names exactly these joints, in any order, each with a finite position.
+    """Expect exactly these joints in every message, in any order, each with a finite position.
 
     With `moving`, some joint must move: positions that are forgotten are no motion.
     """
@@ -61,7 +61,7 @@ def expect_joint_swing(
     topic: str = TOPIC,
     tolerance: float = 0.02,
 ) -> Iterable[Problem]:
-    """The position of a joint is middle + amplitude * sin(2 pi hz t + phase), t from the first message.
+    """Expect the position middle + amplitude * sin(2 pi hz t + phase), t from the first message.
 
     Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still, None
     for a swing by whatever amplitude above the tolerance. It is published for half of the scenario at least.

@@ -11,7 +11,7 @@ from typing import Any
 from course_lib.displays.group import GROUP
 from course_lib.displays.layout import Config, Layout, layout_of, text_at
 from course_lib.displays.registry import full_name, short_name
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.personal import build
@@ -39,7 +39,7 @@ def expect_display(
     properties: Mapping[str, Any] | None = None,
     call: int = 0,
 ) -> Iterable[Problem]:
-    """An enabled display of a class, on a topic, with values by RViz's labels, like "Topic/Depth"."""
+    """Expect an enabled display of a class, on a topic, with values by RViz's labels, like "Topic/Depth"."""
     displays = _of_class(_layout(evidence, call), class_name)
     if topic is not None:
         on_topic = [config for config in displays if _topic_of(config) == topic]
@@ -120,7 +120,7 @@ def expect_drawn(
     best_effort: Sequence[str] = (),
     call: int = 0,
 ) -> Iterable[Problem]:
-    """A display of the layout draws these messages, and all its statuses are Ok.
+    """Expect that a display of the layout draws these messages, and that all its statuses are Ok.
 
     Args:
         evidence: With the layout.
@@ -136,7 +136,7 @@ def expect_drawn(
         return [Problem(message, "a description comes from a file")]
     # Only this display is made: a layout may ask for a grid of a billion lines.
     options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
-    session = Session(Scene())
+    session = RvizSession(Scene())
     session.apply(Layout(options=options, displays=(config,)))
     for sample in _samples(messages, best_effort, evidence.personal):
         session.receive(sample)
@@ -144,7 +144,7 @@ def expect_drawn(
     return list(_silent(session, class_name))
 
 
-def _silent(session: Session, class_name: str) -> Iterator[Problem]:
+def _silent(session: RvizSession, class_name: str) -> Iterator[Problem]:
     rows = [row for row in session.rows() if row.level != "ok"]
     for row in rows:
         said = f"{row.display}, {row.name}: {row.text}"
@@ -170,7 +170,7 @@ def _samples(
 
 
 def _layout(evidence: Evidence, call: int) -> Layout:
-    """The layout that was handed in; raises the problem if it is none."""
+    """Return the layout that was handed in; raise the problem if it is not a layout."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip():
         raise Problem("no text of a layout came back", "there is no layout")
@@ -194,7 +194,7 @@ def _parsed(text: str) -> Layout | str:
 
 
 def _of_class(layout: Layout, class_name: str) -> list[Config]:
-    """The enabled displays of a class; raises the problem if there is none."""
+    """Return the enabled displays of a class; raise the problem if there is none."""
     classes = [(_class_of(config), config) for config in _displays(layout.displays)]
     found = [config for name, config in classes if name == class_name]
     if not found:
@@ -205,7 +205,7 @@ def _of_class(layout: Layout, class_name: str) -> list[Config]:
 
 
 def _displays(configs: Iterable[Config]) -> Iterator[Config]:
-    """The enabled displays, those in enabled groups too."""
+    """Yield the enabled displays, also those in enabled groups."""
     for config in configs:
         if text_at(config, "Enabled").lower() == "false":
             continue
@@ -255,7 +255,7 @@ def _values(config: Config, properties: Mapping[str, Any], what: str) -> Iterato
 
 
 def _typed(value: Any, expected: Any) -> Any:
-    """A value of a layout, which is text, as a number or a truth value if one is expected."""
+    """Return a text of a layout as a number or a truth value if one is expected."""
     if isinstance(value, str) and isinstance(expected, bool):
         return {"true": True, "false": False}.get(value.lower(), value)
     if isinstance(value, str) and isinstance(expected, int | float):

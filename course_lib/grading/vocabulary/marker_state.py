@@ -1,4 +1,4 @@
-"""What a marker topic shows: Marker and MarkerArray alike."""
+"""The markers that a topic shows, of Marker and MarkerArray."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -24,12 +24,12 @@ INVISIBLE = "a marker is invisible"
 
 
 def type_of(marker: Any) -> str:
-    """The name of a marker's type, "CUBE"."""
+    """Return the name of a marker's type, "CUBE"."""
     return TYPES[marker.type] if 0 <= marker.type < len(TYPES) else f"unknown type {marker.type}"
 
 
 def fits(marker: Any, *wanted: Any) -> bool:
-    """Whether a marker has this type's name, namespace and id; None means any."""
+    """Return whether a marker has this type's name, namespace and id; None means any."""
     came = (type_of(marker), marker.ns, marker.id)
     return all(value in (None, own) for value, own in zip(wanted, came, strict=True))
 
@@ -43,7 +43,7 @@ def each(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
 
 
 def shown(evidence: Evidence, topic: str, at: float | None = None) -> list[Any]:
-    """The markers that are there `at` [s] or at the end, each as last added, unless its lifetime is over."""
+    """Return the markers shown `at` [s] or at the end, each as last added, unless its lifetime is over."""
     now = evidence.seconds if at is None else at  # [s]
     markers: dict[tuple[str, int], Any] = {}
     for seconds, marker in each(evidence, topic):
@@ -61,17 +61,17 @@ def shown(evidence: Evidence, topic: str, at: float | None = None) -> list[Any]:
 
 
 def lifetime(marker: Any) -> float:
-    """How long a marker stays after it has come, [s]; 0 is for ever."""
+    """Return a marker's lifetime, [s]; 0 is for ever."""
     return float(marker.lifetime.sec + marker.lifetime.nanosec / 1e9)
 
 
 def moment(at: float | None) -> str:
-    """`at` [s] in words, "after 1.00 s"; None is the end."""
+    """Return `at` [s] in words, "after 1.00 s"; None is the end."""
     return "at the end" if at is None else f"after {number(at, 's')}"
 
 
 def no_markers(evidence: Evidence, topic: str, at: float | None = None) -> Problem:
-    """Why a topic shows no marker at all `at` [s], or at the end."""
+    """Return the problem of a topic that shows no marker at all `at` [s], or at the end."""
     if topic not in evidence.topics:
         return nothing_on(evidence, topic)
     if evidence.topics[topic] not in MARKER_MESSAGES:

@@ -53,7 +53,7 @@ def expect_marker(
     at: float | None = None,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """`at` [s] or at the end, the topic (Marker or MarkerArray) shows such a marker, and it can be seen.
+    """Expect such a visible marker on the topic (Marker or MarkerArray), `at` [s] or at the end.
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale (None is any
     length), points (shape (N, 3), in any order, but for an arrow) and `tolerance` in [m]; yaw about z in
@@ -91,7 +91,7 @@ def expect_marker_count(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     at: float | None = None,
 ) -> Iterable[Problem]:
-    """`at` [s] or at the end, the topic shows exactly so many markers (of one type) that can be seen."""
+    """Expect exactly so many visible markers (of one type) on the topic, `at` [s] or at the end."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
     reasons = [unseen(marker) for marker in shown(evidence, topic, at) if fits(marker, type, None, None)]
@@ -195,7 +195,7 @@ def _loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
 
 
 def _same(points: Points, others: Points, tolerance: float) -> bool:
-    """Whether both are the same points in the same order."""
+    """Return whether both are the same points in the same order."""
     pairs = zip(points, others, strict=False)
     return len(points) == len(others) and all(close(math.dist(a, b), 0.0, tolerance) for a, b in pairs)
 

@@ -42,7 +42,7 @@ def expect_circle(
     ns: str | None = None,
     id: int | None = None,  # noqa: A002 - the field's name in ROS
 ) -> Iterable[Problem]:
-    """A marker that can be seen goes round a horizontal circle, for most of the scenario.
+    """Expect a visible marker that goes round a horizontal circle, for most of the scenario.
 
     Radius, center (x, y), height (default: the first marker's) and the tolerance of radius and height in [m],
     in the marker's frame; the period of one turn in [s]; counter-clockwise as seen from above.
@@ -73,7 +73,7 @@ def _place(marker: Any) -> tuple[float, float, float]:
 
 
 def too_short(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:
-    """What is wrong with a path that was published for less than half of a scenario of `seconds` [s]."""
+    """Return the problem of a path published for less than half of a scenario of `seconds` [s]."""
     seen = path[-1][0] - path[0][0]  # [s]
     message = f"{noun} was seen to move for {number(seen, 's')} of {seconds:g} s"
     return [Problem(message, NOT_MOVING)] if seen < seconds / 2 else []
@@ -87,7 +87,7 @@ def off_circle(
     tolerance: float,
     noun: str = "the marker",
 ) -> list[Problem]:
-    """Where a path first leaves a circle; lengths in [m]."""
+    """Return the problem where a path first leaves a circle; lengths in [m]."""
     for seconds, (x, y, z) in path:
         distance = math.dist((x, y), center)
         if not close(distance, radius, tolerance):
@@ -109,7 +109,7 @@ def turning(
     counter_clockwise: bool | None,
     noun: str = "the marker",
 ) -> list[Problem]:
-    """What is wrong with the sense or the period [s] of a path round a center."""
+    """Return the problem with the sense or the period [s] of a path round a center."""
     angles = [math.atan2(y - center[1], x - center[0]) for _, (x, y, _) in path]
     steps = [math.remainder(b - a, math.tau) for a, b in pairwise(angles)]
     turned, seconds = sum(steps), path[-1][0] - path[0][0]
@@ -144,7 +144,7 @@ def expect_transform(
     static: bool = False,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """tf2 knows the pose of frame `source` in frame `target`, `at` [s] after the start or at last.
+    """Expect the pose of frame `source` in frame `target` in tf2, `at` [s] after the start or at last.
 
     Translation and its tolerance in [m], yaw about z in [rad]. A static one comes on /tf_static and never on
     /tf.
@@ -173,7 +173,7 @@ def expect_circling_frame(
     start: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """A frame goes round the origin of another one, for most of the scenario.
+    """Expect a frame that goes round the origin of another one, for most of the scenario.
 
     Radius and height (None: those of the first pose) and tolerance in [m], the period of one turn in [s],
     counter-clockwise as seen from above; heading is the yaw less the direction from the origin, [rad]: 0
@@ -206,7 +206,7 @@ def _started(frame: str, place: Sequence[float], start: float | None) -> Iterato
 
 
 def tree(evidence: Evidence) -> BufferCore:
-    """tf2's buffer with all that was published, and nothing forgotten."""
+    """Return tf2's buffer with all published transforms; it forgets none."""
     buffer = BufferCore(FOR_EVER_NS)
     for topic in ("/tf", "/tf_static"):
         for _, transform in _published(evidence, topic):
@@ -249,7 +249,7 @@ def _headed(poses: Sequence[tuple[float, Transform]], heading: float | None) -> 
 
 
 def yaw_of(pose: Transform) -> float:
-    """The turn about z, [rad]."""
+    """Return the turn about z, [rad]."""
     x, y, z, w = pose.rotation
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
@@ -265,7 +265,7 @@ def expect_path(
     yaw: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """The last path has so many poses, in a frame, from one end to the other.
+    """Expect so many poses in the last path, in a frame, from one end to the other.
 
     Ends of shape (2, 3) and tolerance in [m]; yaw of the last pose about z in [rad].
     """

@@ -27,7 +27,7 @@ def expect_topic(
     at_least: int = 1,
     at_most: int | None = None,
 ) -> Iterable[Problem]:
-    """At least so many messages of this type were published on the topic, and no more than `at_most`."""
+    """Expect at least so many messages of this type on the topic, and no more than `at_most`."""
     came = heard(evidence, topic)
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
@@ -50,7 +50,7 @@ def expect_rate(
     begin: float = 0.0,
     end: float | None = None,
 ) -> Iterable[Problem]:
-    """The topic keeps a rate, [1/s] off by this fraction at most, from beginning to end, [s].
+    """Expect a rate, [1/s] off by this fraction at most, from beginning to end, [s].
 
     Messages of equal time count once.
     """
@@ -77,7 +77,7 @@ def expect_rate(
 
 @word("{topic} is published from beginning to end")
 def expect_throughout(evidence: Evidence, topic: str) -> Iterable[Problem]:
-    """The topic is published more than once, and never silent for more than half of the scenario."""
+    """Expect more than one message, and no silence longer than half of the scenario."""
     times = sorted({seconds for seconds, _ in heard(evidence, topic)})  # [s]
     gaps = [after - before for before, after in pairwise((0.0, *times, evidence.seconds))]  # [s]
     if len(times) > 1 and max(gaps) <= evidence.seconds / 2 + 1e-6:
@@ -104,7 +104,7 @@ def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
 
 @word("the frame of {topic}")
 def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem]:
-    """All messages on the topic, and all markers that are added in them, are in this frame."""
+    """Expect this frame in all messages on the topic, and in all markers that they add."""
     for _, message in _stamped(evidence, topic):
         if message.header.frame_id != frame:
             noun = type_name(message).split("/")[-1]
@@ -115,7 +115,7 @@ def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem
 
 @word("the stamps on {topic}")
 def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) -> Iterable[Problem]:
-    """The stamps in the headers are the robot time of publishing, within a tolerance in [s].
+    """Expect the robot time of publishing as the stamp of each header, within a tolerance in [s].
 
     Markers that delete need none.
     """
@@ -156,7 +156,7 @@ def _stamped(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
 def expect_message(
     evidence: Evidence, topic: str, fields: dict[str, Any], *, tolerance: float = 1e-3, unit: str = ""
 ) -> Iterator[Problem]:
-    """The last message on the topic has these fields, named with dots: `{"header.frame_id": "map"}`.
+    """Expect fields of the last message, named with dots: `{"header.frame_id": "map"}`.
 
     A number is a place in a list, counted from 0: `"status.0.name"`.
     """

@@ -26,7 +26,7 @@ def expect_value(
     unit: str = "",
     name: str = "the value",
 ) -> Iterable[Problem]:
-    """The value handed in, or returned by the `call`-th call, equals `expected`.
+    """Expect a value, handed in or returned by the `call`-th call.
 
     Numbers, texts, and lists or dicts of them; a tuple, list or array of equal values are the same.
     """
@@ -39,7 +39,7 @@ def expect_value(
 
 @word("{name} says it")
 def expect_text(evidence: Evidence, *any_of: str, name: str = "your answer") -> Iterable[Problem]:
-    """One of these phrases occurs in the text; case, spaces and punctuation do not matter."""
+    """Expect one of these phrases in the text; case, spaces and punctuation do not matter."""
     text = evidence.returns[0] if evidence.returns else None
     if not isinstance(text, str) or not text.strip():
         return [Problem(f"{name} is {_short(text)}, expected a text", "the answer is empty or no text")]
@@ -119,7 +119,7 @@ def _short(value: Any) -> str:
 def expect_parameters(
     evidence: Evidence, node: str, values: Mapping[str, Any], *, call: int = 0
 ) -> Iterable[Problem]:
-    """The returned text is a parameters file that gives a node these values, of these types."""
+    """Expect a parameters file that sets these values, of these types, for a node."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
         return [Problem("no text of a parameters file came back", "there is no parameters file")]

@@ -1,4 +1,4 @@
-"""How a word of the vocabulary is made, and how it compares and says it."""
+"""The decorator that defines a word of the vocabulary, with its comparisons and phrases."""
 
 import inspect
 import math
@@ -29,7 +29,7 @@ Find = Callable[Concatenate[Evidence, Given], Iterable[Problem]]
 
 
 def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
-    """Make a word for check files of a function that finds problems in evidence.
+    """Return a decorator that turns a function which finds problems into a word for check files.
 
     The word takes the function's arguments without the evidence, and gives a check that passes where no
     problem is listed or raised. `my(...)` among the arguments becomes the student's own value.
@@ -68,7 +68,7 @@ def _verdict(problems: Sequence[Problem]) -> Verdict:
 
 
 def close(value: float, expected: float, tolerance: float) -> bool:
-    """Whether two numbers agree; never for NaN."""
+    """Return whether two numbers agree; never for NaN."""
     return abs(value - expected) <= tolerance
 
 
@@ -81,12 +81,12 @@ def number(value: float, unit: str = "") -> str:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """A few numbers in brackets."""
+    """Return a few numbers in brackets."""
     return f"({', '.join(number(value) for value in values)})"
 
 
 def off_by(value: float, expected: float, more: str, less: str, unit: str = "m") -> str:
-    """The difference with its direction, "0.30 m too low"; also for what is no number."""
+    """Return the difference with its direction, "0.30 m too low"; also for NaN and infinity."""
     if not math.isfinite(value):
         return "not at a place" if math.isnan(value) else "infinitely far off"
     return f"{number(abs(value - expected), unit)} {more if value > expected else less}"
@@ -116,12 +116,12 @@ def heard(evidence: Evidence, topic: str, *types: str) -> list[tuple[float, Any]
 
 
 def nothing_on(evidence: Evidence, topic: str) -> Problem:
-    """Nothing came on a topic; names those on which something did."""
+    """Return the problem of a silent topic; it names those with messages."""
     others = f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
     message = f"nothing was published on {topic} in {evidence.seconds:g} s, {others}"
     return Problem(message, "nothing was published on an expected topic")
 
 
 def listed(items: Sequence[str]) -> str:
-    """A few words as English has them: "a, b and c"."""
+    """Return a few words as English has them: "a, b and c"."""
     return " and ".join(filter(None, [", ".join(items[:-1]), *items[-1:]]))

@@ -1,13 +1,16 @@
 """`%rqt …`: the table of its views, and perspectives, which store open views in a file."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros import pace
-from course_lib.ros.driving import SECONDS_WITHOUT_A_PAGE, running_nodes, say, wait_for
+from course_lib.ros.driving import running_nodes, wait_for
 from course_lib.ros.graph import current_graph
+from course_lib.ros.notices import say
+from course_lib.ros.pace import SECONDS_WITHOUT_A_PAGE
 from course_lib.tools.rqt.bag import BagView
 from course_lib.tools.rqt.graph import GraphView
 from course_lib.tools.rqt.monitors import ConsoleView, RobotMonitorView, TopicView
@@ -26,8 +29,14 @@ _CLASSES = (
     RobotMonitorView,
 )
 VIEWS: Mapping[str, type[View]] = {view.name: view for view in _CLASSES}
-_OPEN = "rqt.views"  # in the graph's state: by what they were called with
 _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt save FILE."
+
+
+@dataclass
+class OpenViews:
+    """The views of one run that are open."""
+
+    by_words: dict[tuple[str, ...], View] = field(default_factory=dict)
 
 
 def rqt(words: Sequence[str]) -> None:
@@ -60,7 +69,7 @@ def _show(views: Sequence[View]) -> None:
     """Show views that follow the run; without a page, their pictures after a while."""
     from IPython.display import HTML, display
 
-    opened: dict[tuple[str, ...], View] = current_graph().state.setdefault(_OPEN, {})
+    opened = current_graph().part(OpenViews).by_words
     for view in views:
         key = (view.name, *view.words)
         if key in opened:  # a cell that is run again
@@ -84,7 +93,7 @@ def _save(file: Path) -> None:
     """Write the open views with their words and the values of their controls."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    views: list[View] = [v for v in current_graph().state.get(_OPEN, {}).values() if not v.closed]
+    views: list[View] = [v for v in current_graph().part(OpenViews).by_words.values() if not v.closed]
     about = [
         {"view": view.name, "words": view.words, "controls": {name: view[name] for name in view.controls}}
         for view in views

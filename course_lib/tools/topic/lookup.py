@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
 from course_lib.tools.sources import Listening, Source, TimedSample

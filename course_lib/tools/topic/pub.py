@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, message_class
 from course_lib.tools.message_yaml import fill, kind_of
 from course_lib.tools.sources import NODE_NAME, Source, own_node
@@ -38,7 +38,7 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _publisher(node: "Node", kind: type[Message], arguments: Namespace) -> "Publisher[Any]":
     from rclpy.exceptions import InvalidTopicNameException
-    from rclpy.impl.qos_conversion import to_profile
+    from rclpy.impl.graph_queries import to_profile
 
     qos = asked_qos(arguments) or PRESETS[arguments.qos_profile]
     try:

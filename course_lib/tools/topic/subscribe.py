@@ -8,7 +8,7 @@ from statistics import pstdev
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import until_interrupted
+from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, message_class, type_name
 from course_lib.tools.message_yaml import Style, check_type, kind_of, to_csv, to_yaml
 from course_lib.tools.sources import Listening, Source

@@ -152,7 +152,7 @@ def test_a_process_that_dies_is_named_and_the_others_go_on(
         ("LogInfo(msg='x', condition=IfCondition('maybe'))", "given 'maybe', expected one of"),
         ("ExecuteProcess(cmd=['ls', '-l'])", "`ls -l` would run outside robot time"),
         ("DeclareLaunchArgument('a')", 'Required launch argument "a" was not provided.'),
-        ("IncludeLaunchDescription('other.launch.xml')", "no Python file"),
+        ("IncludeLaunchDescription('other.launch.xml')", "not a Python file"),
         ("LogInfo(msg=Command('xacro robot.urdf.xacro'))", "xacro is not available here"),
     ],
 )

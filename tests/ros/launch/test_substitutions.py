@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 from launch import LaunchContext
-from launch.substitution import SubstitutionFailure, text_of
+from launch.entities import SubstitutionFailure, text_of
 from launch.substitutions import (
     Command,
     EnvironmentVariable,

@@ -26,10 +26,10 @@ from rclpy.exceptions import (
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
-from rclpy.node import Node
+from rclpy.node import Node, OwnNodes
 from rclpy.parameter import Parameter
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph import Graph, current_graph
 
 OK = SetParametersResult(successful=True)
 
@@ -237,7 +237,7 @@ def asked(node: Node, kind: Any, name: str, **request: Any) -> Any:
     future = client.call_async(kind.Request(**request))
     executor = rclpy.get_global_executor()
     executor.add_node(node)
-    for one in rclpy.impl.run.current_run().nodes.values():
+    for one in current_graph().part(OwnNodes).by_id.values():
         executor.add_node(one)
     executor.spin_until_future_complete(future)
     return future.result()

@@ -1,6 +1,6 @@
 import pytest
 from rclpy.duration import Duration, Infinite
-from rclpy.impl.qos_conversion import to_profile, to_qos
+from rclpy.impl.graph_queries import to_profile, to_qos
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,

@@ -12,7 +12,7 @@ def spun(node: Node) -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     while executor.can_work() or node.handle.graph.advance():
-        executor.run_next()
+        executor.spin_once(timeout_sec=0)
 
 
 def test_one_or_several_transforms_are_sent(node: Node) -> None:

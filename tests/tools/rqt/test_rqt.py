@@ -10,7 +10,7 @@ from std_msgs.msg import Bool
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.rqt import VIEWS, rqt
+from course_lib.tools.rqt.rqt import VIEWS, OpenViews, rqt
 
 Show = Callable[..., str]
 
@@ -137,7 +137,7 @@ def test_in_a_page_every_control_has_a_name_and_close_ends_listening(
 
 def test_a_cell_that_is_run_again_closes_its_former_view(show: Show, graph: Graph, arm: Node) -> None:
     show("graph")
-    (former,) = graph.state["rqt.views"].values()
+    (former,) = graph.part(OpenViews).by_words.values()
     show("graph")
     assert former.closed
-    assert len(graph.state["rqt.views"]) == 1
+    assert len(graph.part(OpenViews).by_words) == 1

@@ -1,4 +1,4 @@
-"""Where packages are; a package's sources count as its share folder."""
+"""The folders of packages; a package's sources count as its share folder."""
 
 from pathlib import Path
 
@@ -26,11 +26,11 @@ def get_package_share_directory(package_name: str, print_warning: bool = True) -
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return what the package is installed under; the folder above its sources if it is not."""
+    """Return the folder that the package is installed under, or else the folder above its sources."""
     share = get_package_share_path(package_name)
     return str(share.parent.parent if share.parent.name == "share" else share.parent)
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
-    """Return all packages with what they are installed under."""
+    """Return all packages with the folders that they are installed under."""
     return {name: get_package_prefix(name) for name in packages.packages()}

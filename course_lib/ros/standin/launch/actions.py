@@ -1,19 +1,24 @@
-"""What a launch can do; every action takes a `condition`."""
+"""The actions of a launch; each takes a `condition`."""
 
 import os
 import shlex
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from launch.action import Action, Entities, LaunchDescriptionEntity, listed
-from launch.event_handlers import BaseEventHandler
-from launch.events import Event
+from launch.entities import (
+    Action,
+    BaseEventHandler,
+    Entities,
+    Event,
+    LaunchContext,
+    LaunchDescription,
+    LaunchDescriptionEntity,
+    listed,
+    text_of,
+)
+from launch.entities import SomeSubstitutionsType as Some
 from launch.events import Shutdown as ShutdownEvent
-from launch.launch_context import LaunchContext
-from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import LaunchDescriptionSource
-from launch.substitution import SomeSubstitutionsType as Some
-from launch.substitution import text_of
 
 _PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2"}  # of the programs that the kit provides
 
@@ -56,7 +61,7 @@ class DeclareLaunchArgument(Action):
 
 
 class SetLaunchConfiguration(Action):
-    """Gives an argument a value."""
+    """Sets the value of an argument."""
 
     def __init__(self, name: Some, value: Some, **options: Any) -> None:
         def do(context: LaunchContext) -> None:
@@ -66,7 +71,7 @@ class SetLaunchConfiguration(Action):
 
 
 class SetEnvironmentVariable(Action):
-    """Gives a variable of the environment a value."""
+    """Sets a variable of the environment."""
 
     def __init__(self, name: Some, value: Some, **options: Any) -> None:
         def do(context: LaunchContext) -> None:
@@ -76,7 +81,7 @@ class SetEnvironmentVariable(Action):
 
 
 class OpaqueFunction(Action):
-    """Calls a function with the context; what it returns is done next."""
+    """Calls a function with the context; the entities that it returns are visited next."""
 
     def __init__(
         self,
@@ -168,21 +173,21 @@ class LogInfo(Action):
 
 
 class RegisterEventHandler(Action):
-    """Has a handler take events from now on; as in ROS the newest handler comes first."""
+    """Registers a handler of events; as in ROS the newest handler comes first."""
 
     def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
         super().__init__(lambda context: context.handlers.insert(0, event_handler), **options)
 
 
 class EmitEvent(Action):
-    """Lets something happen."""
+    """Emits an event."""
 
     def __init__(self, *, event: Event, **options: Any) -> None:
         super().__init__(lambda context: context.runner.emit(event), **options)
 
 
 class Shutdown(EmitEvent):
-    """Ends everything; Node takes one as `on_exit`."""
+    """Ends the launch; Node takes one as `on_exit`."""
 
     def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
         super().__init__(event=ShutdownEvent(reason=reason), **options)

@@ -1,26 +1,12 @@
-"""What decides whether an action is done."""
+"""Conditions of actions."""
 
-from collections.abc import Callable
-
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, text_of
+from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, text_of
 
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class InvalidConditionExpressionError(Exception):
     """A condition is neither true nor false."""
-
-
-class Condition:
-    """A question that is answered when the action is visited."""
-
-    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
-        self._predicate = predicate
-
-    def evaluate(self, context: LaunchContext) -> bool:
-        """Answer it."""
-        return self._predicate(context)
 
 
 class IfCondition(Condition):
@@ -38,7 +24,7 @@ class UnlessCondition(Condition):
 
 
 def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
-    """Read a text as true or false, with launch's complaint about any other."""
+    """Parse a text as true or false; any other raises an error with launch's text."""
     text = text_of(context, expression).strip().lower()
     if text not in _WORDS:
         raise InvalidConditionExpressionError(

@@ -1,36 +1,19 @@
-"""What is done when something happens."""
+"""Handlers of the events of a launch."""
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from launch.action import Action, Entities, LaunchDescriptionEntity, listed
-from launch.events import Event, ProcessExited, ProcessStarted, Shutdown
-from launch.launch_context import LaunchContext
+from launch.entities import Action, BaseEventHandler, Event, Reaction
+from launch.events import ProcessExited, ProcessStarted, Shutdown
 
-Reaction: TypeAlias = Entities | Callable[[Any, LaunchContext], Entities | None] | None
 Target: TypeAlias = Action | Callable[[Action], bool] | None
-
-
-class BaseEventHandler:
-    """Does `entities` at the events that `matcher` chooses; they may be a function of event and context."""
-
-    def __init__(
-        self, *, matcher: Callable[[Event], bool], entities: Reaction = None, handle_once: bool = False
-    ) -> None:
-        self.matches = matcher
-        self.handle_once = handle_once
-        self._entities = entities
-
-    def handle(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """Give what is to be done now."""
-        return listed(self._entities(event, context) if callable(self._entities) else self._entities)
 
 
 EventHandler = BaseEventHandler
 
 
 class OnProcessStart(BaseEventHandler):
-    """At the start of an action's process, or of any."""
+    """A reaction to the start of an action's process, or of any."""
 
     kind: type[ProcessStarted] = ProcessStarted
 
@@ -48,7 +31,7 @@ class OnProcessStart(BaseEventHandler):
 
 
 class OnProcessExit(OnProcessStart):
-    """At the end of an action's process, or of any."""
+    """A reaction to the end of an action's process, or of any."""
 
     kind = ProcessExited
 
@@ -57,7 +40,7 @@ class OnProcessExit(OnProcessStart):
 
 
 class OnShutdown(BaseEventHandler):
-    """When everything is about to end."""
+    """A reaction to the end of the launch."""
 
     def __init__(self, *, on_shutdown: Reaction) -> None:
         super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown)

@@ -1,19 +1,13 @@
-"""What happens in a launch."""
+"""The events of a launch."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from launch.action import Action
-
-
-class Event:
-    """Something that happened, or is to happen."""
+from launch.entities import Action, Event
 
 
 @dataclass
 class Shutdown(Event):
-    """Everything is to end."""
+    """The end of the launch, with all its processes."""
 
     reason: str = "reason not given"
     due_to_sigint: bool = False
@@ -21,14 +15,14 @@ class Shutdown(Event):
 
 @dataclass
 class ProcessStarted(Event):
-    """A process has started; `action` is what started it."""
+    """The start of a process; `action` has started it."""
 
-    action: "Action"
+    action: Action
     process_name: str = ""
 
 
 @dataclass
 class ProcessExited(ProcessStarted):
-    """A process has ended."""
+    """The end of a process."""
 
     returncode: int = 0

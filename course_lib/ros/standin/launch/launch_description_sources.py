@@ -1,15 +1,13 @@
-"""Where descriptions come from: Python files."""
+"""Sources of descriptions: Python files."""
 
 from pathlib import Path
 from typing import Any
 
-from launch.launch_context import LaunchContext
-from launch.launch_description import LaunchDescription
-from launch.substitution import SomeSubstitutionsType, text_of
+from launch.entities import LaunchContext, LaunchDescription, SomeSubstitutionsType, text_of
 
 
 class InvalidPythonLaunchFileError(Exception):
-    """A file describes no launch."""
+    """A file does not describe a launch."""
 
 
 class LaunchDescriptionSource:
@@ -19,15 +17,15 @@ class LaunchDescriptionSource:
         self._path = launch_file_path
 
     def location(self, context: LaunchContext) -> Path:
-        """Give the file."""
+        """Return the path of the file."""
         return Path(text_of(context, self._path)).absolute()
 
     def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
-        """Run the file and ask it for its description."""
+        """Run the file and return its description."""
         file = self.location(context)
         if file.suffix != ".py":
             raise InvalidPythonLaunchFileError(
-                f"{file} is no Python file; other launch files do not run here."
+                f"{file} is not a Python file; other launch files do not run here."
             )
         names: dict[str, Any] = {"__name__": file.stem, "__file__": str(file)}
         exec(compile(file.read_bytes(), str(file), "exec"), names)

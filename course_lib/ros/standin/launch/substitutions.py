@@ -1,4 +1,4 @@
-"""Texts that are made when the launch runs."""
+"""Substitutions: texts that are made when the launch runs."""
 
 import math
 import os
@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType as Some
-from launch.substitution import Substitution, text_of
-from launch.substitution import SubstitutionFailure as SubstitutionFailure
+from launch.entities import LaunchContext, Substitution, text_of
+from launch.entities import SomeSubstitutionsType as Some
+from launch.entities import SubstitutionFailure as SubstitutionFailure
 
 _PROVIDED = ("ros2", "rviz2", "xacro")  # by the kit, though not on the PATH; of xacro Command says more
 
@@ -46,7 +45,7 @@ class PathJoinSubstitution(Substitution):
 
 
 class PythonExpression(Substitution):
-    """What a Python expression gives; it may use `math`, with or without that name."""
+    """The value of a Python expression, which may use `math`, with or without that name."""
 
     def __init__(self, expression: Some, python_modules: Sequence[str] = ("math",)) -> None:
         names = vars(math) | {name: __import__(name) for name in python_modules}
@@ -81,7 +80,7 @@ class FindExecutable(Substitution):
 
 
 class Command(Substitution):
-    """What a program prints; without xacro a URDF that needs none is given as it is."""
+    """The output of a program; without xacro a URDF that does not need it is returned as it is."""
 
     def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
         def make(context: LaunchContext) -> str:
@@ -115,7 +114,7 @@ class ThisLaunchFileDir(Substitution):
 
 
 def _without_xacro(words: Sequence[str]) -> str:
-    """Give a plain URDF as xacro would; raises SubstitutionFailure for anything else."""
+    """Return a plain URDF as xacro would; raises SubstitutionFailure for anything else."""
     if words[0] != "xacro":
         raise SubstitutionFailure(f"file not found: {words[0]}")
     if len(words) == 2 and Path(words[1]).is_file():

@@ -1,1 +1,1 @@
-"""What launch files say about nodes; the kit's stand-in."""
+"""Nodes in launch files; the kit's stand-in."""

@@ -1,13 +1,11 @@
-"""What a launch can do with nodes; every action takes a `condition`."""
+"""The actions of a launch with nodes; each takes a `condition`."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from launch.action import Action
-from launch.event_handlers import OnProcessExit, Reaction
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType as Some
-from launch.substitution import text_of
+from launch.entities import Action, LaunchContext, Reaction, text_of
+from launch.entities import SomeSubstitutionsType as Some
+from launch.event_handlers import OnProcessExit
 
 from launch_ros.parameter_descriptions import words_for
 
@@ -20,17 +18,17 @@ _NO_DIFFERENCE = {
 
 
 class Node(Action):
-    """Starts an executable of a package, with what its nodes are to know.
+    """Starts an executable of a package, with names and parameters for its nodes.
 
     Args:
         package: The executable's package.
         executable: Its name, as in setup.py's console_scripts.
-        name: Takes the place of its nodes' own name.
+        name: Replaces the name of its nodes.
         namespace: Of its nodes, inside the namespaces of PushRosNamespace.
         parameters: Dictionaries, and YAML files; later ones count more.
         remappings: Pairs of names (from, to).
         arguments: Words for the program itself; `ros_arguments` stand behind --ros-args.
-        on_exit: What is done when it has ended.
+        on_exit: A reaction to its end.
         options: `condition`; `output` and others of ExecuteProcess make no difference here.
     """
 
@@ -94,7 +92,7 @@ PushROSNamespace = PushRosNamespace
 
 
 class _ForAll(Action):
-    """Something that all nodes that follow in the group get."""
+    """A setting for all nodes that follow in the group."""
 
     def __init__(self, setting: str, entry: Any, **options: Any) -> None:
         def do(context: LaunchContext) -> None:
@@ -119,7 +117,7 @@ class SetRemap(_ForAll):
 
 
 def _joined(outer: str, inner: str) -> str:
-    """Give a namespace inside another one, absolute; an absolute one stands for itself."""
+    """Join a namespace to an outer one, absolute; an absolute one stands for itself."""
     whole = inner if inner.startswith("/") or not outer else f"{outer.rstrip('/')}/{inner}"
     whole = whole.rstrip("/")
     return f"/{whole}" if whole and not whole.startswith("/") else whole

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml  # type: ignore[import-untyped]  # it ships no types
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, Substitution, text_of
+from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of
 
 
 class ParameterValue:
@@ -17,7 +16,7 @@ class ParameterValue:
         self._value, self._type = value, value_type
 
     def evaluate(self, context: LaunchContext) -> Any:
-        """Give the value."""
+        """Return the value."""
         is_number = isinstance(self._value, int | float)
         if self._type is str and not is_number:
             return text_of(context, self._value)
@@ -32,7 +31,7 @@ class ParameterFile:
         self._file = param_file
 
     def evaluate(self, context: LaunchContext) -> Path:
-        """Give its path; `$(…)` in files is not replaced here."""
+        """Return its path; `$(…)` in files is not replaced here."""
         file = Path(text_of(context, self._file))
         if file.is_file() and "$(" in file.read_text(encoding="utf-8"):
             raise RuntimeError(
@@ -45,7 +44,7 @@ Parameter = ParameterValue
 
 
 def evaluated(context: LaunchContext, value: Any) -> Any:
-    """Give a parameter's value: text with substitutions is read as YAML, as in ROS; other text stays."""
+    """Return a parameter's value: text with substitutions is read as YAML, as in ROS; other text stays."""
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
     several = value if isinstance(value, list | tuple) else [value]
@@ -57,7 +56,7 @@ def evaluated(context: LaunchContext, value: Any) -> Any:
 
 
 def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
-    """Give one entry of a node's `parameters` as words behind --ros-args."""
+    """Yield one entry of a node's `parameters` as words behind --ros-args."""
     if isinstance(parameters, Mapping):
         for name, value in _flat(context, parameters, ""):
             yield from ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")

@@ -1,12 +1,10 @@
-"""What Nav2's launch files rewrite files with."""
+"""The substitution with which Nav2's launch files rewrite files."""
 
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from launch.conditions import Condition
-from launch.launch_context import LaunchContext
-from launch.substitution import SomeSubstitutionsType, Substitution, text_of
+from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, Substitution, text_of
 
 
 class ReplaceString(Substitution):

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, Unpack
 
-from course_lib.ros import driving
+from course_lib.ros.notices import say
 from rclpy.context import Context as Context
-from rclpy.impl.run import current_run
+from rclpy.executors import Executor
+from rclpy.executors import get_global_executor as get_global_executor
 from rclpy.parameter import Parameter as Parameter
 from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions
 from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
@@ -15,12 +16,11 @@ from rclpy.utilities import get_default_context as get_default_context
 from rclpy.utilities import ok as ok
 
 if TYPE_CHECKING:
-    from rclpy.executors import Executor
     from rclpy.node import Node, NodeOptions
 
 
 class InitContextManager(ExitStack):
-    """What `init` returns: in a `with` statement it shuts down at the end; otherwise it may be ignored."""
+    """The result of `init`: in a `with` statement it shuts down at the end; otherwise it may be ignored."""
 
     def __init__(self, context: Context) -> None:
         super().__init__()
@@ -38,19 +38,19 @@ def init(
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
 ) -> InitContextManager:
-    """Begin; nodes can be made from now on.
+    """Initialise a context; nodes can be made from now on.
 
     Args:
         args: The command line; default: `sys.argv`.
-        context: What is to begin; default: the default context.
+        context: The context; default: the default context.
         domain_id: Nodes of different domains do not hear each other in ROS; here they share one graph.
-        signal_handler_options: Which signals shut down; default: all of them for the default context.
+        signal_handler_options: The signals that shut down; default: all of them for the default context.
 
     A second time raises a RuntimeError; in a notebook, where cells are run again, that is only noted.
     """
     chosen = context or get_default_context()
     if context is None and chosen.graph.notebook and chosen.is_valid:
-        driving.say("rclpy.init() was called before, and what it began goes on.")
+        say("rclpy.init() was called before, and what it began goes on.")
         return InitContextManager(chosen)
     chosen.init(args, domain_id=domain_id)
     if signal_handler_options is None:
@@ -61,58 +61,47 @@ def init(
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End; raises if it was not begun or has ended already (`try_shutdown` does not)."""
+    """Shut a context down; raises before `init` and after an earlier shutdown (`try_shutdown` does not)."""
     (context or get_default_context(shutting_down=True)).shutdown()
     _uninstall(context, uninstall_handlers)
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End, if that is to be done."""
+    """Shut a context down if it is valid."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
     _uninstall(context, uninstall_handlers)
 
 
 def create_node(node_name: str, **options: "Unpack[NodeOptions]") -> "Node":
-    """Make a node; the arguments are those of `Node`."""
+    """Create a node; the arguments are those of `Node`."""
     from rclpy.node import Node
 
     return Node(node_name, **options)
 
 
-def get_global_executor() -> "Executor":
-    """Return the executor that spins where none is given."""
-    from rclpy.executors import SingleThreadedExecutor
-
-    run = current_run()
-    if run.global_executor is None or not run.global_executor.context.is_valid:
-        run.global_executor = SingleThreadedExecutor()
-        run.global_executor.context.on_shutdown(_drop_global_executor)
-    return run.global_executor
-
-
-def spin(node: "Node", executor: "Executor | None" = None) -> None:
+def spin(node: "Node", executor: Executor | None = None) -> None:
     """Run the node's callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
     with _with_node(executor, node) as chosen:
         chosen.spin()
 
 
-def spin_once(node: "Node", *, executor: "Executor | None" = None, timeout_sec: float | None = None) -> None:
+def spin_once(node: "Node", *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
     """Run one callback; wait for it at most `timeout_sec` [s], without limit if that is None."""
-    with _with_node(executor, node) as chosen, driving.beside_live(chosen):
+    with _with_node(executor, node) as chosen, chosen.beside_live():
         chosen.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
-    node: "Node", future: Future[Any], executor: "Executor | None" = None, timeout_sec: float | None = None
+    node: "Node", future: Future[Any], executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
     """Run the node's callbacks until a future is done, or `timeout_sec` [s] are over."""
-    with _with_node(executor, node, keep=True) as chosen, driving.beside_live(chosen):
+    with _with_node(executor, node, keep=True) as chosen, chosen.beside_live():
         chosen.spin_until_future_complete(future, timeout_sec)
 
 
 @contextmanager
-def _with_node(executor: "Executor | None", node: "Node", *, keep: bool = False) -> "Iterator[Executor]":
-    """Let a node be in an executor for a while; `keep` it there if it was before."""
+def _with_node(executor: Executor | None, node: "Node", *, keep: bool = False) -> Iterator[Executor]:
+    """Add a node to an executor for a while; `keep` it there if it was before."""
     chosen = executor or get_global_executor()
     added = chosen.add_node(node)
     try:
@@ -126,10 +115,3 @@ def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None
     is_default = context is None or context is get_default_context()
     if uninstall_handlers or (uninstall_handlers is None and is_default):
         uninstall_signal_handlers()
-
-
-def _drop_global_executor() -> None:
-    run = current_run()
-    if run.global_executor is not None:
-        run.global_executor.shutdown()
-        run.global_executor = None

@@ -1,16 +1,16 @@
-"""Clients: they ask services."""
+"""Clients, which call services."""
 
-import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from course_lib.ros import driving
 from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.hints import Mistake, marked
 from course_lib.ros.messages import deserialize
 from rclpy.constants import S_TO_NS
+from rclpy.executors import wait_until
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.impl.service_end import ServiceEnd
+from rclpy.service import ServiceEnd
 from rclpy.task import Future
 
 POLL_NS = 250_000_000  # [ns] between two looks at whether a service is there, as in rclpy
@@ -18,7 +18,7 @@ _SPINNER = "another thread that spins the client's node"
 
 
 class Client(ServiceEnd):
-    """Asks a service; made by `Node.create_client`."""
+    """A client of a service; made by `Node.create_client`."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args, asks=True)
@@ -29,11 +29,11 @@ class Client(ServiceEnd):
     def call_async(self, request: Any) -> Future[Any]:
         """Send a request; the future is done when the executor has taken the response.
 
-        Without a service that is never, as in ROS: call `wait_for_service` first. What is no request of this
-        service raises a TypeError without a word, as in rclpy.
+        Without a service that is never, as in ROS: call `wait_for_service` first. An object that is not a
+        request of this service raises a TypeError without a text, as in rclpy.
         """
         if not isinstance(request, self.srv_type.Request):
-            raise TypeError
+            raise marked(TypeError(), Mistake.REQUEST)
         self._requests += 1
         self.send(self.id, self._requests, request)
         future: Future[Any] = Future()
@@ -63,11 +63,11 @@ class Client(ServiceEnd):
         return future.result()
 
     def remove_pending_request(self, future: Future[Any]) -> None:
-        """Wait for a response no more: the future stays undone."""
+        """Stop waiting for a response: the future stays undone."""
         self._pending = {number: f for number, f in self._pending.items() if f is not future}
 
     def service_is_ready(self) -> bool:
-        """Say whether the service is there."""
+        """Return whether the service is there."""
         return self.partner_count() > 0
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
@@ -76,11 +76,11 @@ class Client(ServiceEnd):
         return wait_for_partner(self.node_handle, self.service_is_ready, timeout_sec, what)
 
     def is_for_me(self, client: int) -> bool:
-        """Say whether a response is to one of its own requests."""
+        """Return whether a response is to one of its own requests."""
         return client == self.id
 
     def take(self) -> Callable[[], object] | None:
-        """Take the oldest response."""
+        """Remove the oldest response; returns the call that completes its future."""
         if not self._queue:
             return None
         _, number, cdr = self._queue.popleft()
@@ -99,7 +99,7 @@ class Client(ServiceEnd):
 def wait_for_partner(
     node: NodeHandle, is_ready: Callable[[], bool], timeout_sec: float | None, what: str
 ) -> bool:
-    """Look again and again whether a partner is there, [s]; None: without limit; returns whether it is."""
+    """Poll until a partner is there, at most so long [s]; None: without limit. Returns whether it is."""
     graph = node.graph
     end_ns = None if timeout_sec is None else graph.now_ns + round(timeout_sec * S_TO_NS)
     with baton.known():
@@ -108,13 +108,3 @@ def wait_for_partner(
                 break
             baton.sleep_until(graph.now_ns + POLL_NS, what)
     return is_ready()
-
-
-def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, what: str) -> None:
-    """Let time pass until it is ready, at most so long, [s]; in a notebook live nodes run meanwhile."""
-    if driving.running_nodes() and threading.current_thread() is threading.main_thread():
-        driving.wait_for(ready, seconds=timeout_sec)
-        return
-    until_ns = None if timeout_sec is None else node.graph.now_ns + round(timeout_sec * S_TO_NS)
-    with baton.known():
-        baton.wait(ready, until_ns=until_ns, what=what)

@@ -3,16 +3,17 @@
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
 
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from rclpy.exceptions import RCLError
 from rclpy.impl.arguments import Arguments, parse
-from rclpy.impl.run import current_run
+from rclpy.impl.logging_severity import LogLevels
 
 
 class Context(AbstractContextManager["Context"]):
-    """What `init` begins and `shutdown` ends; once, then it is spent."""
+    """The span from `init` to `shutdown`; it cannot be initialised a second time."""
 
     def __init__(self) -> None:
         self.graph = current_graph()
@@ -24,15 +25,15 @@ class Context(AbstractContextManager["Context"]):
     def init(
         self, args: list[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
-        """Begin; `args` are the command line's, by default `sys.argv`."""
+        """Initialise the context; `args` are the command line's, by default `sys.argv`."""
         if domain_id is not None and domain_id < 0:
             raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
         if self._initialized:
             raise RuntimeError("Context.init() must only be called once")
         self.arguments = parse(sys.argv if args is None else args)
-        current_run().log_levels |= self.arguments.log_levels
+        current_graph().part(LogLevels).by_logger |= self.arguments.log_levels
         self._initialized = True
-        current_run().contexts.append(self)
+        current_graph().part(Contexts).initialized.append(self)
 
     @property
     def is_valid(self) -> bool:
@@ -40,12 +41,12 @@ class Context(AbstractContextManager["Context"]):
         return self._initialized and not self._shut_down
 
     def ok(self) -> bool:
-        """Say whether the program may go on: neither shut down nor at the end of the run."""
+        """Return whether the program may go on: neither shut down nor at the end of the run."""
         baton.poll()
         return self.is_valid and not self.graph.ended
 
     def shutdown(self) -> None:
-        """End; raises a RuntimeError if it has not begun, an RCLError if it has ended already."""
+        """Shut down; raises a RuntimeError before `init`, an RCLError after an earlier shutdown."""
         if not self._initialized:
             raise RuntimeError("Context must be initialized before it can be shutdown")
         if self._shut_down:
@@ -53,7 +54,7 @@ class Context(AbstractContextManager["Context"]):
         self.try_shutdown()
 
     def try_shutdown(self) -> None:
-        """End, if it has begun and not ended yet."""
+        """Shut down if the context is valid."""
         if self.is_valid:
             self.invalidate()
             callbacks, self._callbacks = self._callbacks, []
@@ -61,11 +62,11 @@ class Context(AbstractContextManager["Context"]):
                 callback()
 
     def invalidate(self) -> None:
-        """End without a word to those who wait for it: all that a signal handler may do."""
+        """Shut down without calling the callbacks: all that a signal handler may do."""
         self._shut_down = True
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Have `callback()` called at the shutdown; at once if that has been."""
+        """Call `callback()` at the shutdown, or now if that has been."""
         if self._shut_down:
             callback()
         else:
@@ -77,3 +78,19 @@ class Context(AbstractContextManager["Context"]):
 
     def __exit__(self, *_: object) -> None:
         self.try_shutdown()
+
+
+@dataclass
+class Contexts:
+    """The contexts of one program in a run."""
+
+    default: Context | None = None  # of `rclpy.init()` without a context
+    initialized: list[Context] = field(default_factory=list)
+
+
+def get_default_context(*, shutting_down: bool = False) -> Context:
+    """Return the context that holds where none is passed; after `shutting_down` the next call makes one."""
+    contexts = current_graph().part(Contexts)
+    context = contexts.default or Context()
+    contexts.default = None if shutting_down else context
+    return context

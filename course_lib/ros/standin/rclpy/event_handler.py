@@ -1,23 +1,21 @@
-"""What a program can be told about the partners of its publishers and subscriptions, and about deadlines."""
+"""Events of publishers and subscriptions: partners that come and go or do not fit, and missed deadlines."""
 
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from course_lib.ros.clock import Alarm
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
 
-if TYPE_CHECKING:
-    from course_lib.ros.clock import Alarm
-
 
 @dataclass
 class QoSRequestedDeadlineMissedInfo:
-    """How often something has happened: in all, and since it was last told."""
+    """A count of events: in all, and since the last call."""
 
     total_count: int
     total_count_change: int
@@ -25,14 +23,14 @@ class QoSRequestedDeadlineMissedInfo:
 
 @dataclass
 class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
-    """How many partners did not fit, and which policy was the reason for the last one."""
+    """A count of partners that did not fit, and the policy that was the reason for the last one."""
 
     last_policy_kind: QoSPolicyKind
 
 
 @dataclass
 class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
-    """How many partners there have been, and how many there are."""
+    """The number of partners that there have been, and that there are."""
 
     current_count: int
     current_count_change: int
@@ -47,20 +45,20 @@ Tell = Callable[[Any], object]
 
 
 class Events:
-    """What one publisher or subscription is told; `tell` gives who is, by the event's name."""
+    """The counts of one publisher or subscription, and the receivers of its events, by the event's name."""
 
     def __init__(self, tell: Mapping[str, Tell]) -> None:
         self.tell = tell
         self._counts: Counter[str] = Counter()
 
     def count(self, event: str, **more: Any) -> None:
-        """Tell that something has happened once more."""
+        """Count an event and report it."""
         self._counts[event] += 1
         kind = QoSRequestedIncompatibleQoSInfo if more else QoSRequestedDeadlineMissedInfo
         self._say(event, kind(self._counts[event], 1, **more))
 
     def matched(self, change: int) -> None:
-        """Tell that a partner has come (1) or gone (-1)."""
+        """Report that a partner has come (1) or gone (-1)."""
         self._counts["partners"] += max(change, 0)
         self._counts["matched"] += change
         total, now = self._counts["partners"], self._counts["matched"]
@@ -74,7 +72,7 @@ class Events:
 class EventCallbacks:
     """The callbacks for one side, by event; where none is given, a warning may be logged instead.
 
-    Nobody watches leases here: who gives a callback for `liveliness` is told that it is never called.
+    Leases are not watched here: with a callback for `liveliness` a warning is logged that it is never called.
     """
 
     _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
@@ -87,7 +85,7 @@ class EventCallbacks:
         self.callbacks = {name: callback for name, callback in callbacks.items() if callback is not None}
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
-        """Give what tells the callbacks, in an executor, and logs the warnings, at once."""
+        """Return the receivers: callbacks run in an executor, warnings are logged immediately."""
         tell: dict[str, Tell] = {}
         if self.use_default_callbacks:
             warn = get_logger(node.logger_name).warning
@@ -105,7 +103,7 @@ class EventCallbacks:
 
 
 class SubscriptionEventCallbacks(EventCallbacks):
-    """What a subscription wants to be told; messages are never lost here."""
+    """The callbacks of a subscription; messages are never lost here."""
 
     _events = (*EventCallbacks._events, "message_lost")
     _warning = (
@@ -115,7 +113,7 @@ class SubscriptionEventCallbacks(EventCallbacks):
 
 
 class PublisherEventCallbacks(EventCallbacks):
-    """What a publisher wants to be told."""
+    """The callbacks of a publisher."""
 
     _warning = (
         "New subscription discovered on topic '{}', requesting incompatible QoS. "
@@ -124,7 +122,7 @@ class PublisherEventCallbacks(EventCallbacks):
 
 
 class EventHandler(Entity):
-    """Has an executor call back when an event has happened."""
+    """A callback that an executor runs when an event has happened."""
 
     def __init__(self, node: NodeHandle, callback_group: CallbackGroup, callback: Tell) -> None:
         super().__init__(node, callback_group)
@@ -137,30 +135,30 @@ class EventHandler(Entity):
         self.node_handle.mark_ready(self)
 
     def take(self) -> Callable[[], object]:
-        """Take the oldest event that was not told yet."""
+        """Remove the oldest event; returns the call that reports it."""
         return partial(self._callback, self._infos.popleft())
 
 
-class Watchdog:
-    """Barks whenever it was not fed for a while, [ns], after its first meal."""
+class Deadline:
+    """A deadline, [ns]: calls back whenever no message has been noted for that long, after the first one."""
 
-    def __init__(self, node: NodeHandle, limit_ns: int, bark: Callable[[], object]) -> None:
-        self._node, self._limit_ns, self._bark = node, limit_ns, bark
+    def __init__(self, node: NodeHandle, limit_ns: int, missed: Callable[[], object]) -> None:
+        self._node, self._limit_ns, self._missed = node, limit_ns, missed
         self._entity = node.next_entity()
         self._alarm: Alarm | None = None
 
-    def feed(self) -> None:
-        """Begin the time anew."""
+    def note(self) -> None:
+        """Note a message: the time begins again."""
         self.stop()
         graph = self._node.graph
         due_ns = graph.now_ns + self._limit_ns
         self._alarm = graph.call_at(due_ns, self._ring, node=self._node.id, entity=self._entity)
 
     def stop(self) -> None:
-        """Bark no more until it is fed."""
+        """Stop until the next message."""
         if self._alarm is not None:
             self._alarm.cancel()
 
     def _ring(self) -> None:
-        self.feed()
-        self._bark()
+        self.note()
+        self._missed()

@@ -1,15 +1,20 @@
-"""Executors: they run the callbacks of their nodes."""
+"""Executors, which run the callbacks of their nodes."""
 
 import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 
+from course_lib.ros import pace
 from course_lib.ros.baton import baton
+from course_lib.ros.graph import current_graph
 from rclpy.context import Context
 from rclpy.impl.executor import Executor as Executor
 from rclpy.impl.executor import ExternalShutdownException as ExternalShutdownException
+from rclpy.impl.executor import RunningNodes
 from rclpy.impl.executor import await_or_execute as await_or_execute
+from rclpy.impl.node_handle import NodeHandle
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
 
@@ -31,7 +36,7 @@ class MultiThreadedExecutor(Executor):
         self._failed: list[BaseException] = []
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """Begin nothing any more; True when the callbacks under way have ended within the time [s]."""
+        """Begin no callback any more; returns whether those under way have ended within the time [s]."""
         super().shutdown(timeout_sec)
         limit_ns = timeout_sec_to_nsec(timeout_sec)
         until_ns = None if limit_ns < 0 else self.context.graph.now_ns + limit_ns
@@ -43,7 +48,7 @@ class MultiThreadedExecutor(Executor):
             super()._spin_once(limit_ns, condition)
 
     def can_work(self) -> bool:
-        """Say whether a callback is ready to be run and a thread is free for it."""
+        """Return whether a callback is ready to be run and a thread is free for it."""
         return bool(self._failed) or (self._running < self._num_threads and super().can_work())
 
     def _next_task(self) -> Task | None:
@@ -59,7 +64,50 @@ class MultiThreadedExecutor(Executor):
         with baton.known():
             try:
                 super()._execute(task)
-            except Exception as error:  # it belongs to the thread that spins
+            except Exception as error:  # the thread that spins raises it
                 self._failed.append(error)
             finally:
                 self._running -= 1
+
+
+@dataclass
+class _Global:
+    """The executor that spins where none is passed."""
+
+    executor: Executor | None = None
+
+
+def get_global_executor() -> Executor:
+    """Return the executor that spins where none is passed."""
+    kept = current_graph().part(_Global)
+    if kept.executor is None or not kept.executor.context.is_valid:
+        kept.executor = SingleThreadedExecutor()
+        kept.executor.context.on_shutdown(_drop_global_executor)
+    return kept.executor
+
+
+def _drop_global_executor() -> None:
+    kept = current_graph().part(_Global)
+    if kept.executor is not None:
+        kept.executor.shutdown()
+        kept.executor = None
+
+
+def wait_driving_live_nodes(ready: Callable[[], bool], *, seconds: float | None) -> bool:
+    """Run the notebook's live nodes until `ready()`, at most so much robot time [s]; returns `ready()`."""
+    graph = current_graph()
+    until_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
+    executor = get_global_executor()
+    with executor.joined_by(graph.part(RunningNodes).nodes), pace.kept(graph):
+        executor.spin_until(until_ns, ready)
+    return ready()
+
+
+def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, what: str) -> None:
+    """Wait until `ready()`, at most `timeout_sec` [s]; in a notebook live nodes run meanwhile."""
+    if current_graph().part(RunningNodes).nodes and threading.current_thread() is threading.main_thread():
+        wait_driving_live_nodes(ready, seconds=timeout_sec)
+        return
+    until_ns = None if timeout_sec is None else node.graph.now_ns + round(timeout_sec * 1e9)
+    with baton.known():
+        baton.wait(ready, until_ns=until_ns, what=what)

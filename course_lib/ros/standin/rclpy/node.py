@@ -1,30 +1,25 @@
-"""Nodes: what a ROS program is made of."""
+"""Nodes, which ROS programs are made of."""
 
-from inspect import isfunction
+from dataclasses import dataclass, field
 from typing import TypedDict
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 
-from course_lib.ros.driving import say
+from course_lib.ros.graph import current_graph
+from course_lib.ros.notices import say
 from rclpy.clock import Clock
-from rclpy.context import Context
+from rclpy.context import Context, get_default_context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
-from rclpy.impl import names
+from rclpy.impl import names, node_parameters
 from rclpy.impl.arguments import Arguments, joined, parse
-from rclpy.impl.node_entities import NodeEntities
-from rclpy.impl.node_graph import NodeGraph
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.impl.node_parameters import NodeParameters
-from rclpy.impl.parameter_setting import ParameterSetting
-from rclpy.impl.rcutils_logger import RcutilsLogger
-from rclpy.impl.run import current_run
+from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
-from rclpy.utilities import get_default_context
 
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
@@ -51,7 +46,7 @@ class NodeOptions(TypedDict, total=False):
     enable_logger_service: bool
 
 
-class Node(NodeEntities, NodeParameters):
+class Node(node_parameters.Node):
     """A node, with its publishers, subscriptions, timers and parameters.
 
     Args:
@@ -98,11 +93,11 @@ class Node(NodeEntities, NodeParameters):
         context.on_shutdown(self._leave_graph)
         self._rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
         if self._rosout is not None:
-            current_run().rosout.setdefault(self.handle.logger_name, self._rosout)
+            current_graph().part(Rosout).publish.setdefault(self.handle.logger_name, self._publish_log)
         events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         overrides = arguments.parameters(self.handle.full_name)
         overrides |= {parameter.name: parameter for parameter in parameter_overrides or []}
-        self._keep_parameters(overrides, allow_undeclared_parameters, events, self._clock)
+        self._keep_parameters(overrides, allow_undeclared_parameters, events)
         if automatically_declare_parameters_from_overrides:
             given = [(name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()]
             self.declare_parameters("", given, ignore_override=True)
@@ -120,18 +115,17 @@ class Node(NodeEntities, NodeParameters):
     @property
     def executor(self) -> Executor | None:
         """The executor that it was added to last."""
-        return self.handle.executor
+        executor = self.handle.executor
+        return executor if isinstance(executor, Executor) else None
 
     @executor.setter
     def executor(self, new_executor: Executor | None) -> None:
         former = self.executor
-        if former is new_executor:
-            return
-        if former is not None:
-            former.remove_node(self)
-        self.handle.executor = new_executor
-        if new_executor is not None:
+        if new_executor is not None and new_executor is not former:
             new_executor.add_node(self)
+        elif former is not None and new_executor is None:
+            former.remove_node(self)
+            self.handle.executor = None
 
     def get_name(self) -> str:
         """Return its name."""
@@ -154,15 +148,15 @@ class Node(NodeEntities, NodeParameters):
         return self._logger
 
     def destroy_node(self) -> None:
-        """End the node with everything in it; ending it again changes nothing."""
-        self.handle.graph.wake(self.handle.id)  # its partners are told that it goes
+        """Destroy the node with everything in it; doing so again changes nothing."""
+        self.handle.graph.wake(self.handle.id)  # so that its partners count down
         while self._created:
             self._created.pop().destroy()
         self._leave_graph()
 
     def _settle_same_names(self) -> None:
-        """Note the node; in a notebook it replaces one of the same name, elsewhere ROS warns of that."""
-        nodes, name = current_run().nodes, self.get_fully_qualified_name()
+        """Register the node; in a notebook it replaces one of the same name, elsewhere ROS warns of that."""
+        nodes, name = current_graph().part(OwnNodes).by_id, self.get_fully_qualified_name()
         namesakes = [other for other in nodes.values() if other.get_fully_qualified_name() == name]
         nodes[self.handle.id] = self
         if namesakes and not self.handle.graph.notebook:
@@ -173,16 +167,22 @@ class Node(NodeEntities, NodeParameters):
                 other.destroy_node()
 
     def _leave_graph(self) -> None:
-        run = current_run()
-        run.nodes.pop(self.handle.id, None)
-        if run.rosout.get(self.handle.logger_name, self) is self._rosout:
-            del run.rosout[self.handle.logger_name]
+        current_graph().part(OwnNodes).by_id.pop(self.handle.id, None)
+        rosout = current_graph().part(Rosout).publish
+        if rosout.get(self.handle.logger_name) == self._publish_log:
+            del rosout[self.handle.logger_name]
         self.handle.leave()
 
+    def _publish_log(self, message: Log) -> None:
+        if self._rosout is not None and self.context.is_valid:
+            self._rosout.publish(message)
 
-for _part in (NodeGraph, NodeEntities, ParameterSetting, NodeParameters):
-    for _function in filter(isfunction, vars(_part).values()):  # errors name them as if they were here
-        _function.__qualname__ = f"Node.{_function.__name__}"
+
+@dataclass
+class OwnNodes:
+    """The nodes that one program has made in a run and not destroyed."""
+
+    by_id: dict[int, Node] = field(default_factory=dict)  # in the graph
 
 
 def _enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:

@@ -1,16 +1,14 @@
 """The services with which other nodes see and change a node's parameters."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rcl_interfaces import srv
 from rcl_interfaces.msg import SetParametersResult
 
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
+from rclpy.impl.node_parameters import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameters
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 SERVICES: dict[str, Any] = {
     "describe_parameters": srv.DescribeParameters,
@@ -23,16 +21,16 @@ SERVICES: dict[str, Any] = {
 
 
 class ParameterService:
-    """Offers a node's parameters to others; a node makes one unless it is told not to."""
+    """The services of a node's parameters; a node makes one by default."""
 
-    def __init__(self, node: "Node") -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
         for name, kind in SERVICES.items():
             answer = getattr(self, f"_{name}")
             node.create_service(kind, f"~/{name}", answer, qos_profile=qos_profile_parameters)
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
-        """Describe all that are asked for, or none if one of them is not there, as in ROS."""
+        """Describe all requested parameters, or none if one of them is not there, as in ROS."""
         if all(map(self._node.has_parameter, request.names)) or self._node._allow_undeclared_parameters:
             response.descriptors = self._node.describe_parameters(request.names)
         return response

@@ -6,7 +6,7 @@ from rclpy.impl.endpoint import MsgT, TopicEnd
 
 
 class Publisher(TopicEnd[MsgT]):
-    """Publishes messages on a topic; made by `Node.create_publisher`."""
+    """A publisher on a topic; made by `Node.create_publisher`."""
 
     def publish(self, msg: MsgT | bytes) -> None:
         """Publish a message, or the bytes of one, as it is now.
@@ -20,11 +20,11 @@ class Publisher(TopicEnd[MsgT]):
             raise RCLError("Failed to publish: publisher's context is invalid")
         handle.node.graph.publish(handle.id, msg if isinstance(msg, bytes) else serialize(msg))
         if self.deadline is not None:
-            self.deadline.feed()
+            self.deadline.note()
 
     def get_subscription_count(self) -> int:
         """Count the subscriptions that it reaches."""
         return self.partner_count()
 
     def assert_liveliness(self) -> None:
-        """Say that it is alive, to subscriptions that nobody watches a lease for here."""
+        """Do nothing: leases are not watched here."""

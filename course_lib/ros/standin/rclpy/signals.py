@@ -2,16 +2,16 @@
 
 import signal
 import threading
-from collections.abc import Callable
 from enum import IntFlag
 from types import FrameType
 from typing import Any
 
-from rclpy.impl.run import current_run
+from course_lib.ros.graph import current_graph
+from rclpy.context import Contexts
 
 
 class SignalHandlerOptions(IntFlag):
-    """Which signals are to be handled."""
+    """The signals that are to be handled."""
 
     NO = 0
     SIGINT = 1
@@ -19,7 +19,7 @@ class SignalHandlerOptions(IntFlag):
     ALL = 3
 
 
-_before: dict[int, Any] = {}  # the handlers that ours stand in front of; a process has one set of them
+_former: dict[int, Any] = {}  # the handlers that ours stand in front of; a process has one set of them
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
@@ -28,20 +28,21 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
         return
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
         number = signal.Signals[option.name or ""]
-        if option in options and number not in _before:
-            _before[number] = signal.signal(number, _handle)
+        if option in options and signal.getsignal(number) is not _handle:
+            _former[number] = signal.signal(number, _handle)
 
 
 def uninstall_signal_handlers() -> None:
-    """Put the former handlers back."""
+    """Put the former handlers back, where nobody has replaced ours."""
     if threading.current_thread() is threading.main_thread():
-        while _before:
-            signal.signal(*_before.popitem())
+        for number, former in _former.items():
+            if signal.getsignal(number) is _handle:
+                signal.signal(number, former)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
-    for context in current_run().contexts:
+    for context in current_graph().part(Contexts).initialized:
         context.invalidate()
-    former: Callable[[int, FrameType | None], Any] | Any = _before.get(number)
+    former = _former.get(number)
     if callable(former):
         former(number, frame)

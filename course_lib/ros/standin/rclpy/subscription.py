@@ -10,13 +10,13 @@ from typing import Any, TypedDict
 from course_lib.ros.messages import deserialize, type_name
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.endpoint import Endpoint, MsgT, TopicEnd
+from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
-from rclpy.impl.qos_conversion import to_qos
 from rclpy.qos import QoSProfile
 
 
 class MessageInfo(TypedDict):
-    """When a message was published and when it was received, [ns]; the middleware counts nothing."""
+    """The times of publication and reception of a message, [ns]; the middleware counts nothing."""
 
     source_timestamp: int
     received_timestamp: int
@@ -25,7 +25,7 @@ class MessageInfo(TypedDict):
 
 
 class Subscription(Entity, TopicEnd[MsgT]):
-    """Receives the messages of a topic; made by `Node.create_subscription`."""
+    """A subscription to a topic; made by `Node.create_subscription`."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
         TopicEnd.__init__(self, Endpoint(node, added, full_topic), msg_type, topic, qos_profile)
 
     def take(self) -> Callable[[], object] | None:
-        """Take the oldest message; each receiver makes its own copy from the bytes."""
+        """Remove the oldest message; returns the call with a copy of its own, made from the bytes."""
         if not self._queue:
             return None
         cdr, source_ns, received_ns = self._queue.popleft()
@@ -66,11 +66,6 @@ class Subscription(Entity, TopicEnd[MsgT]):
         )
         return partial(self.callback, message, info)
 
-    @property
-    def has_message(self) -> bool:
-        """Whether a message waits to be taken."""
-        return bool(self._queue)
-
     def get_publisher_count(self) -> int:
         """Count the publishers that it hears."""
         return self.partner_count()
@@ -83,7 +78,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
     def _receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:
         """Queue a message; a full queue loses its oldest one, whose turn the next one takes."""
         if self.deadline is not None:
-            self.deadline.feed()
+            self.deadline.note()
         full = len(self._queue) == self._capacity
         if full:
             self._queue.popleft()
@@ -93,7 +88,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
 
 
 def _takes_info(callback: Callable[..., object]) -> bool:
-    """Say whether a callback wants the MessageInfo, too."""
+    """Return whether a callback takes a MessageInfo as well."""
     for count in (1, 2):
         with suppress(TypeError):
             inspect.signature(callback).bind(*[None] * count)

@@ -1,27 +1,30 @@
-"""Results that come later, and the work that brings them."""
+"""Futures, and the tasks of executors."""
 
 import inspect
 import warnings
 import weakref
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
-
-if TYPE_CHECKING:
-    from rclpy.executors import Executor
-    from rclpy.impl.node_handle import Entity
+from typing import Any, Generic, Protocol, TypeVar
 
 T = TypeVar("T")
+
+
+class TaskRunner(Protocol):
+    """An executor, as a future knows it."""
+
+    def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> "Task":
+        """Run a function or a coroutine soon."""
 
 
 class Future(Generic[T]):
     """A result that comes later; a callback that is a coroutine can await it.
 
     Args:
-        executor: Runs the done-callbacks; without one they are called by whoever brings the result.
+        executor: Runs the done-callbacks; without one they are called where the result is set.
     """
 
-    def __init__(self, *, executor: "Executor | None" = None) -> None:
+    def __init__(self, *, executor: TaskRunner | None = None) -> None:
         self._done = False
         self._cancelled = False
         self._result: T | None = None
@@ -35,7 +38,7 @@ class Future(Generic[T]):
         return self.result()
 
     def done(self) -> bool:
-        """Say whether the result, or an exception instead of it, is there."""
+        """Return whether the result, or an exception instead of it, is there."""
         return self._done
 
     def result(self) -> T | None:
@@ -49,32 +52,32 @@ class Future(Generic[T]):
         return self._exception
 
     def cancelled(self) -> bool:
-        """Say whether the future was cancelled before its result came."""
+        """Return whether the future was cancelled before its result came."""
         return self._cancelled
 
     def cancel(self) -> None:
-        """Ask for no result any more; a cancelled future is not done."""
+        """Cancel the future, which is not done by that."""
         if not self._done:
             self._cancelled = True
         self._call_back()
 
     def set_result(self, result: T) -> None:
-        """Bring the result."""
+        """Set the result and call the done-callbacks."""
         self._result = result
         self._finish()
 
     def set_exception(self, exception: BaseException) -> None:
-        """Bring an exception instead of the result."""
+        """Set an exception instead of the result and call the done-callbacks."""
         self._exception = exception
         self._finish()
 
     def add_done_callback(self, callback: "Callable[[Future[T]], object]") -> None:
-        """Have `callback(future)` called when the future is done; at once if it is."""
+        """Call `callback(future)` when the future is done, or now if it is."""
         self._callbacks.append(callback)
         if self._done:
             self._call_back()
 
-    def _set_executor(self, executor: "Executor | None") -> None:
+    def _set_executor(self, executor: TaskRunner | None) -> None:
         self._executor = None if executor is None else weakref.ref(executor)
 
     def _finish(self) -> None:
@@ -103,14 +106,13 @@ class Task(Future[Any]):
         handler: Callable[..., Any],
         args: tuple[Any, ...] = (),
         kwargs: dict[str, Any] | None = None,
-        executor: "Executor | None" = None,
+        executor: TaskRunner | None = None,
     ) -> None:
         super().__init__(executor=executor)
         self._call: Callable[[], Any] = partial(handler, *args, **(kwargs or {}))
         self._coroutine: Any = self._call() if inspect.iscoroutinefunction(handler) else None
         self._awaited: Future[Any] | None = None
         self._executing = False
-        self.entity: Entity | None = None  # whose callback it is
 
     def __call__(self) -> None:
         """Run the function, or the coroutine until it has to wait."""
@@ -125,15 +127,15 @@ class Task(Future[Any]):
                 self._awaited = awaited if isinstance(awaited, Future) else None
         except StopIteration as end:
             self.set_result(end.value)
-        except Exception as error:  # it belongs to whoever asks for the result
+        except Exception as error:  # `result` raises it
             self.set_exception(error)
         finally:
             self._executing = False
 
     def executing(self) -> bool:
-        """Say whether it is running right now."""
+        """Return whether it is running right now."""
         return self._executing
 
     def can_go_on(self) -> bool:
-        """Say whether there is something to run: it has not begun, or what it awaited is there."""
+        """Return whether it can be run: it has not begun, or the future that it awaits is done."""
         return not self._done and not self._executing and (self._awaited is None or self._awaited.done())

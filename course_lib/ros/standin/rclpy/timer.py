@@ -1,27 +1,27 @@
 """Timers, and the rates that are made of them."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
-from course_lib.ros import driving
 from course_lib.ros.baton import DeadlockError, baton
+from course_lib.ros.clock import Alarm
+from course_lib.ros.hints import Mistake, marked
+from course_lib.ros.notices import say
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle, RCLError, ROSInterruptException
 from rclpy.impl.node_handle import Entity, NodeHandle
 
-if TYPE_CHECKING:
-    from course_lib.ros.clock import Alarm
-
 SHORTEST_NS = 1_000_000  # [ns] a period of 0 means "as fast as possible"; callbacks take no robot time
 
 
 class Timer(Entity):
-    """Calls back once per period, first after one full period; made by `Node.create_timer`.
+    """A callback once per period, first after one full period; made by `Node.create_timer`.
 
     Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c).
     """
+
+    mistake = Mistake.TIMER_CALLBACK
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Timer(Entity):
             self._arm()
 
     def take(self) -> Callable[[], object] | None:
-        """Take the call that is due and set the next one, in phase."""
+        """Return the callback if its time has come, and schedule the next call, in phase."""
         if not self._due:
             return None
         self._due = False
@@ -63,7 +63,7 @@ class Timer(Entity):
             self._next_ns = self._next_ns + missed * self.timer_period_ns if missed else now_ns
         self._arm()
         if self.callback is None:
-            raise TypeError("'NoneType' object is not callable")
+            raise marked(TypeError("'NoneType' object is not callable"), Mistake.NO_CALLBACK)
         return self.callback
 
     def note_time_taken(self, span_ns: int) -> None:
@@ -73,13 +73,13 @@ class Timer(Entity):
         self._hinted = True
         took, period = f"{span_ns * 1e-9:g} s", f"{self.timer_period_ns * 1e-9:g} s"
         name = f"{getattr(self.callback, '__name__', 'the callback')} of {self.node_handle.full_name}"
-        driving.say(
+        say(
             f"hint: {name} took {took}, and its timer's period is {period}: the node is always late, and its "
             "other callbacks wait. Return at once, without time.sleep; the timer calls again."
         )
 
     def cancel(self) -> None:
-        """Call back no more, until `reset`."""
+        """Stop calling back, until `reset`."""
         self._require()
         self._canceled = True
         self._disarm()
@@ -93,11 +93,11 @@ class Timer(Entity):
         self._arm()
 
     def is_canceled(self) -> bool:
-        """Say whether it was cancelled."""
+        """Return whether it was cancelled."""
         return self._require()._canceled
 
     def is_ready(self) -> bool:
-        """Say whether a call is due."""
+        """Return whether a call is due."""
         remaining_ns = self.time_until_next_call()
         return remaining_ns is not None and remaining_ns <= 0
 
@@ -111,7 +111,7 @@ class Timer(Entity):
         return None if self._canceled else self._next_ns - self._graph.now_ns
 
     def destroy(self) -> None:
-        """End for good; call `Node.destroy_timer` instead."""
+        """Stop for good; call `Node.destroy_timer` instead."""
         self.is_destroyed = True
         self._disarm()
 
@@ -135,7 +135,7 @@ class Timer(Entity):
 
 
 class Rate:
-    """Sleeps so that a loop keeps a frequency; made by `Node.create_rate`.
+    """A sleep with which a loop keeps a frequency; made by `Node.create_rate`.
 
     Another thread must spin the node: the rate's timer is a callback like any other.
     """
@@ -172,7 +172,7 @@ class Rate:
             raise ROSInterruptException
 
     def destroy(self) -> None:
-        """End it; who sleeps in it wakes up."""
+        """Wake the thread that sleeps in it, and refuse further sleeps."""
         self._destroyed = True
 
     def _tick(self) -> None:

@@ -1,23 +1,15 @@
-"""The default context, and what the command line holds for ROS."""
+"""The default context, and the part of the command line that is not for ROS."""
 
 import sys
 from collections.abc import Sequence
 
 from rclpy.constants import S_TO_NS
 from rclpy.context import Context
-from rclpy.impl.run import current_run
-
-
-def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that is meant when none is given; `shutting_down` leaves room for a new one."""
-    run = current_run()
-    context = run.default_context or Context()
-    run.default_context = None if shutting_down else context
-    return context
+from rclpy.context import get_default_context as get_default_context
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """Say whether the context is initialised and not shut down, and the run goes on."""
+    """Return whether the context is initialised and not shut down, and the run goes on."""
     return (context or get_default_context()).ok()
 
 

@@ -6,6 +6,7 @@ from typing import Any, TypeAlias, TypeVar
 import builtin_interfaces.msg
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from rclpy.duration import Duration
+from rclpy.executors import wait_driving_live_nodes
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 from rclpy.task import Future
@@ -15,7 +16,6 @@ from tf2_msgs.srv import FrameGraph
 
 from course_lib.ros import tf2_core, tf2_frames, tf2_transform
 from course_lib.ros.baton import baton
-from course_lib.ros.driving import wait_for
 from course_lib.ros.graph import current_graph
 from tf2_ros.buffer_interface import TransformRegistration
 
@@ -157,7 +157,7 @@ class Buffer:
         if timeout.nanoseconds > 0 and ask() is not None:
             graph = current_graph()
             if graph.notebook and not baton.governs():
-                wait_for(lambda: ask() is None, seconds=timeout.nanoseconds * 1e-9)
+                wait_driving_live_nodes(lambda: ask() is None, seconds=timeout.nanoseconds * 1e-9)
             else:
                 until_ns = graph.now_ns + timeout.nanoseconds
                 with baton.known():

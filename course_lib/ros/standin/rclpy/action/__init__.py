@@ -1,7 +1,7 @@
 """Actions: goals that take a while, report on the way, and can be cancelled."""
 
 from rclpy.action.client import ActionClient as ActionClient
-from rclpy.action.graph import get_action_names_and_types as get_action_names_and_types
+from rclpy.action.client import get_action_names_and_types as get_action_names_and_types
 from rclpy.action.server import ActionServer as ActionServer
 from rclpy.action.server import CancelResponse as CancelResponse
 from rclpy.action.server import GoalResponse as GoalResponse

@@ -11,10 +11,12 @@ from action_msgs.srv import CancelGoal
 from builtin_interfaces.msg import Time
 from unique_identifier_msgs.msg import UUID
 
+from course_lib.ros.hints import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import wait_for_partner
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.executor import await_or_execute
+from rclpy.impl.graph_queries import NamesAndTypes, actions
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from rclpy.task import Future
 
@@ -25,7 +27,7 @@ OnFeedback = Callable[[Any], object]
 
 
 class ClientGoalHandle:
-    """A goal as its client sees it; what the future of `send_goal_async` brings.
+    """A goal as its client sees it: the result of the future of `send_goal_async`.
 
     `accepted` and `stamp` say whether and when the server took it; `status`, a constant of
     action_msgs/msg/GoalStatus, is what the server published of it last.
@@ -48,12 +50,12 @@ class ClientGoalHandle:
         return f"ClientGoalHandle <id={self.goal_id.uuid}, {state}>"
 
     def cancel_goal(self) -> CancelGoal.Response:
-        """Ask the server to end it, and wait for the answer, which another thread has to take."""
+        """Request the cancellation and wait for the answer, which another thread has to take."""
         response: CancelGoal.Response = self._action_client._cancels.call(self._cancel_request())
         return response
 
     def cancel_goal_async(self) -> Future[CancelGoal.Response]:
-        """Ask the server to end it."""
+        """Request the cancellation."""
         return self._action_client._cancels.call_async(self._cancel_request())
 
     def get_result(self) -> Any:
@@ -61,7 +63,7 @@ class ClientGoalHandle:
         return self._action_client._results.call(self._action_client._result_request(self))
 
     def get_result_async(self) -> Future[Any]:
-        """Ask for its end; what comes holds `status` and `result`."""
+        """Request its end; the answer holds `status` and `result`."""
         client = self._action_client
         future = client._results.call_async(client._result_request(self))
         future.add_done_callback(lambda _: client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None))
@@ -72,10 +74,10 @@ class ClientGoalHandle:
 
 
 class ActionClient:
-    """Sends goals to an action server.
+    """A client of an action server.
 
-    `action_type` is like `example_interfaces.action.Fibonacci`; `callback_group` says what may run beside
-    its callbacks. The five profiles are those of the services and the topics that it uses.
+    `action_type` is like `example_interfaces.action.Fibonacci`; `callback_group` is the group of its
+    callbacks. The five profiles are those of the services and the topics that it uses.
     """
 
     def __init__(
@@ -125,8 +127,8 @@ class ActionClient:
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
         """Send a goal and wait for its end, which another thread has to take.
 
-        Returns what holds its `status` and its `result`. Not for callbacks, which it would block: there it is
-        a DeadlockError, where ROS hangs.
+        Returns an answer that holds `status` and `result`. Not for callbacks, which it would block: there it
+        is a DeadlockError, where ROS hangs.
         """
         request = self._request(goal, **kwargs)
         return self._accept(request, self._sends.call(request)).get_result()
@@ -136,7 +138,7 @@ class ActionClient:
     ) -> Future[ClientGoalHandle]:
         """Send a goal; the future brings its handle when the server has accepted or rejected it.
 
-        What is no goal of this action raises a TypeError without a word, as in rclpy.
+        An object that is not a goal of this action raises a TypeError without a text, as in rclpy.
         """
         request = self._request(goal, feedback_callback, goal_uuid)
         future: Future[ClientGoalHandle] = Future()
@@ -149,7 +151,7 @@ class ActionClient:
         return future
 
     def server_is_ready(self) -> bool:
-        """Say whether a server is there."""
+        """Return whether a server is there."""
         return all(end.partner_count() for end in self._ends)
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
@@ -166,7 +168,7 @@ class ActionClient:
         self, goal: Any, feedback_callback: OnFeedback | None = None, goal_uuid: UUID | None = None
     ) -> Any:
         if not isinstance(goal, self._action_type.Goal):
-            raise TypeError
+            raise marked(TypeError(), Mistake.GOAL)
         goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
         if feedback_callback is not None:
             self._feedback_callbacks[bytes(goal_id.uuid)] = feedback_callback
@@ -200,3 +202,8 @@ class ActionClient:
             f"Ignoring unexpected {word} response. There may be more than one action server for the action "
             f"'{self._action_name}'"
         )
+
+
+def get_action_names_and_types(node: "Node") -> NamesAndTypes:
+    """List all actions with their types."""
+    return actions(node.handle.graph.endpoints())

@@ -27,14 +27,14 @@ Respond = Callable[[Any], object]
 
 
 class GoalResponse(Enum):
-    """What a goal callback returns."""
+    """The answer of a goal callback."""
 
     REJECT = 1
     ACCEPT = 2
 
 
 class CancelResponse(Enum):
-    """What a cancel callback returns."""
+    """The answer of a cancel callback."""
 
     REJECT = 1
     ACCEPT = 2
@@ -63,10 +63,10 @@ class ActionServer:
         action_type: The action, like `example_interfaces.action.Fibonacci`.
         action_name: Its name; the topics and services that it uses are below `<name>/_action`.
         execute_callback: Called with a ServerGoalHandle, may be a coroutine; returns the action's Result.
-        callback_group: Says what may run beside the goal, accepted and cancel callbacks.
-        goal_callback: Called with the Goal; says whether it is accepted.
+        callback_group: The group of the goal, accepted and cancel callbacks.
+        goal_callback: Called with the Goal; returns whether it is accepted.
         handle_accepted_callback: Called with the ServerGoalHandle; by default it is executed at once.
-        cancel_callback: Called with a ServerGoalHandle; says whether it may be cancelled, by default not.
+        cancel_callback: Called with a ServerGoalHandle; returns whether it may be cancelled, by default not.
         result_timeout: How long the result of a goal is kept after its end, [s]; negative: for ever.
 
     The five profiles are those of the services and the topics that it uses.
@@ -128,7 +128,7 @@ class ActionServer:
             self._node.destroy_publisher(end)
 
     def publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
-        """Publish what a goal's `publish_feedback` was given, if the goal is still known."""
+        """Publish feedback of a goal that is still known."""
         if not isinstance(feedback, self.action_type.Feedback):
             raise TypeError
         if goal.status != GoalStatus.STATUS_UNKNOWN:
@@ -146,7 +146,7 @@ class ActionServer:
     def notify_execute(
         self, goal: ServerGoalHandle, execute_callback: Callable[[ServerGoalHandle], Any] | None
     ) -> None:
-        """Have the executor execute a goal."""
+        """Execute a goal in the executor."""
         executor = self._node.executor
         if executor is not None:
             executor.create_task(self._execute, execute_callback or self._execute_callback, goal)

@@ -1,8 +1,8 @@
-"""A goal as its server sees it: its state, and what may happen to it (rcl_action/goal_state_machine.c)."""
+"""The goals of an action server: their states and transitions (rcl_action/goal_state_machine.c)."""
 
 from collections.abc import Callable
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
@@ -10,12 +10,9 @@ from unique_identifier_msgs.msg import UUID
 from rclpy.exceptions import RCLError
 from rclpy.time import Time
 
-if TYPE_CHECKING:
-    from rclpy.action.server import ActionServer
-
 
 class GoalEvent(Enum):
-    """What can happen to a goal."""
+    """The events in the life of a goal."""
 
     EXECUTE = 0
     CANCEL_GOAL = 1
@@ -34,13 +31,28 @@ _TRANSITIONS = {
 }
 
 
+class GoalKeeper(Protocol):
+    """An action server, as its goals know it."""
+
+    def publish_feedback(self, goal: "ServerGoalHandle", feedback: Any) -> None:
+        """Publish feedback of a goal."""
+
+    def notify_state(self, goal: "ServerGoalHandle") -> None:
+        """Publish the states of all goals."""
+
+    def notify_execute(
+        self, goal: "ServerGoalHandle", execute_callback: "Callable[[ServerGoalHandle], Any] | None"
+    ) -> None:
+        """Run the execute callback of a goal in an executor."""
+
+
 class ServerGoalHandle:
-    """An accepted goal; what callbacks of an action server are given.
+    """An accepted goal, which the callbacks of an action server receive.
 
     `request` is the goal as the client sent it, `status` a constant of action_msgs/msg/GoalStatus.
     """
 
-    def __init__(self, action_server: "ActionServer", goal_info: GoalInfo, goal_request: Any) -> None:
+    def __init__(self, action_server: GoalKeeper, goal_info: GoalInfo, goal_request: Any) -> None:
         self._action_server = action_server
         self._goal_info = goal_info
         self.goal_id: UUID = goal_info.goal_id
@@ -69,13 +81,13 @@ class ServerGoalHandle:
         return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[["ServerGoalHandle"], Any] | None = None) -> None:
-        """Have the executor call the server's execute callback, or another one, with this goal."""
+        """Call the server's execute callback, or another one, with this goal in the executor."""
         if not self.is_cancel_requested:  # else the callback sees that, and ends the goal
             self._update_state(GoalEvent.EXECUTE)
         self._action_server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell the client how far it is; another type raises a TypeError without a word, as in rclpy."""
+        """Publish feedback for the client; another type raises a TypeError without a text, as in rclpy."""
         self._action_server.publish_feedback(self, feedback)
 
     def succeed(self) -> None:
@@ -91,11 +103,11 @@ class ServerGoalHandle:
         self._update_state(GoalEvent.CANCELED)
 
     def destroy(self) -> None:
-        """Forget it: its state is unknown from now on, and nothing changes it."""
+        """Invalidate the goal: its state is unknown from now on, and nothing changes it."""
         self.status = GoalStatus.STATUS_UNKNOWN
 
     def to_message(self) -> GoalStatus:
-        """Give its state as it is published."""
+        """Return its state as it is published."""
         return GoalStatus(goal_info=self._goal_info, status=self.status)
 
     def _update_state(self, event: GoalEvent) -> None:

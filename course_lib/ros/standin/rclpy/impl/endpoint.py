@@ -1,27 +1,25 @@
-"""A publisher or a subscription as the graph knows it."""
+"""Publishers and subscriptions as the graph knows them, and their matching."""
 
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import Message
 from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
+from rclpy.event_handler import Deadline, Events
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.qos import QoSPolicyKind, QoSProfile
 
-if TYPE_CHECKING:
-    from rclpy.event_handler import Events, Watchdog
-
 MsgT = TypeVar("MsgT", bound=Message)
 
-# Who is told of partners, by endpoint; of all programs that share a graph.
-_told: WeakKeyDictionary[Graph, dict[int, "Events"]] = WeakKeyDictionary()
+# The events by endpoint; of all programs that share a graph.
+_told: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
 
 
 class Endpoint:
-    """What a publisher or a subscription is in the graph: its node, its id there and its full topic."""
+    """A publisher or a subscription in the graph: its node, its id there and its full topic."""
 
     def __init__(self, node: NodeHandle, endpoint: int, topic_name: str) -> None:
         self.node = node
@@ -54,8 +52,8 @@ class Endpoint:
         """List (publisher, subscription) for each endpoint that it exchanges messages with."""
         return [pair for pair in self._pairs() if matches(*pair)]
 
-    def watch(self, events: "Events") -> None:
-        """Tell `events` of everybody on the other side of the topic, and them of it."""
+    def watch(self, events: Events) -> None:
+        """Report all endpoints on the other side of the topic to `events`, and this one to theirs."""
         _told.setdefault(self.node.graph, {})[self.id] = events
         for publisher, subscription in self._pairs():
             policy = incompatible(publisher.qos, subscription.qos)
@@ -77,21 +75,21 @@ class Endpoint:
         return [(me, other) if me.kind == "pub" else (other, me) for other in others]
 
 
-def _sides(graph: Graph, *infos: EndpointInfo) -> "list[Events]":
-    """Give who is told for endpoints; one of another process is told there."""
+def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
+    """Return the events of endpoints; those of another process are reported there."""
     told = _told.get(graph, {})
     return [told[info.id] for info in infos if info.id in told]
 
 
 class TopicEnd(Generic[MsgT]):
-    """What a publisher and a subscription share: its messages, its topic as given, its place in the graph."""
+    """The common part of publishers and subscriptions: message type, topic as given, place in the graph."""
 
     def __init__(self, handle: Endpoint, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile) -> None:
         self.handle = handle
         self.msg_type = msg_type
         self.topic = topic
         self.qos_profile = qos_profile
-        self.deadline: Watchdog | None = None
+        self.deadline: Deadline | None = None
 
     @property
     def topic_name(self) -> str:
@@ -110,7 +108,7 @@ class TopicEnd(Generic[MsgT]):
 
 
 def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:
-    """Raise what rclpy raises for a class that is no type of this kind."""
+    """Raise the error of rclpy for a class that is not a type of this kind."""
     if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
         raise AttributeError(
             f"type object '{type(given).__name__}' has no attribute '_TYPE_SUPPORT'"

@@ -1,25 +1,28 @@
-"""What all executors share: taking callbacks in their order, waiting, spinning."""
+"""The base of executors: the order of callbacks, waiting, and spinning, also in a notebook's cell."""
 
 # ruff: noqa: N818 - the names are ROS's
 
 import inspect
 import threading
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
 
-from course_lib.ros import driving
+from course_lib.ros import pace
 from course_lib.ros.baton import baton
-from course_lib.ros.busy import watch
-from rclpy.context import Context
+from course_lib.ros.graph import current_graph
+from course_lib.ros.hints import mark
+from course_lib.ros.interrupts import until_interrupted, watch
+from course_lib.ros.notices import say
+from rclpy.context import Context, get_default_context
 from rclpy.exceptions import NotInitializedException
-from rclpy.impl.node_handle import Entity, Turn
+from rclpy.impl.node_handle import Entity, HandledNode, Turn
 from rclpy.task import Future, Task
-from rclpy.utilities import get_default_context, timeout_sec_to_nsec
+from rclpy.utilities import timeout_sec_to_nsec
 
-if TYPE_CHECKING:
-    from rclpy.node import Node
+FOR_EVER_NS = 2**62  # [ns]
 
 
 class ExternalShutdownException(Exception):
@@ -32,6 +35,21 @@ async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
     return await result if inspect.iscoroutine(result) else result
 
 
+@dataclass
+class RunningNodes:
+    """The nodes that run in every call of a notebook that waits: live ones and the kit's own."""
+
+    nodes: list[HandledNode] = field(default_factory=list)
+
+
+class _Callback(Task):
+    """A task that runs the callback of an entity."""
+
+    def __init__(self, entity: Entity, run: Callable[[], Any], executor: "Executor") -> None:
+        super().__init__(run, executor=executor)
+        self.entity = entity
+
+
 class Executor(AbstractContextManager["Executor"]):
     """The base of executors: takes its nodes' callbacks in the order in which they became ready."""
 
@@ -39,7 +57,7 @@ class Executor(AbstractContextManager["Executor"]):
         self.context = context or get_default_context()  # whose shutdown ends it
         if not self.context.is_valid:
             raise NotInitializedException("cannot create executor")
-        self._nodes: dict[Node, None] = {}  # a set that keeps its order
+        self._nodes: dict[HandledNode, None] = {}  # a set that keeps its order
         self._tasks: list[Task] = []
         self._under_way: dict[int, Task] = {}  # by thread identifier
         self._num_threads = 1
@@ -51,33 +69,35 @@ class Executor(AbstractContextManager["Executor"]):
         return self.context.is_valid and not self._is_shutdown
 
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task:
-        """Have a function or a coroutine run by the executor; returns its future."""
+        """Run a function or a coroutine soon; returns its future."""
         task = Task(callback, args, kwargs, executor=self)
         self._tasks.append(task)
         return task
 
-    def add_node(self, node: "Node") -> bool:
+    def add_node(self, node: HandledNode) -> bool:
         """Run a node's callbacks from now on; False if it does already."""
         if node in self._nodes:
             return False
         self._nodes[node] = None
         node.handle.graph.wake(node.handle.id)
-        node.executor = self
+        former, node.handle.executor = node.handle.executor, self
+        if former is not None and former is not self:
+            former.remove_node(node)
         return True
 
-    def remove_node(self, node: "Node") -> None:
-        """Run a node's callbacks no more; what is ready waits for another executor."""
+    def remove_node(self, node: HandledNode) -> None:
+        """Stop running a node's callbacks; entities that are ready wait for another executor."""
         self._nodes.pop(node, None)
 
-    def get_nodes(self) -> "list[Node]":
+    def get_nodes(self) -> list[HandledNode]:
         """List the nodes."""
         return list(self._nodes)
 
     def wake(self) -> None:
-        """Look at everything anew; it is what each wait does whenever something has happened."""
+        """Do nothing: each wait looks at everything again whenever something has happened."""
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """Run nothing any more; True when all callbacks have come to their ends within the time."""
+        """Stop running callbacks; returns whether all of them have ended within the time."""
         self._is_shutdown = True
         self._nodes.clear()
         return True
@@ -90,21 +110,60 @@ class Executor(AbstractContextManager["Executor"]):
         if self._num_threads == 1 and threading.get_ident() in self._under_way:
             raise ValueError("generator already executing")
         if self.context.graph.notebook and threading.current_thread() is threading.main_thread():
-            driving.spin_cell(self)
+            self._spin_cell()
             return
         with baton.known():
             while self.is_running and self.context.ok():
                 self.spin_once()
+
+    def _spin_cell(self) -> None:
+        """Run until ■; without a page stop after a while and print that."""
+        graph, limit_ns = current_graph(), FOR_EVER_NS
+        if pace.wanted() == "fast":
+            limit_ns = graph.now_ns + round(pace.SECONDS_WITHOUT_A_PAGE * 1e9)
+        with until_interrupted(), self.beside_live():
+            self.spin_until(limit_ns, lambda: not self.is_running)
+        if graph.now_ns == limit_ns:
+            say(f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+
+    def spin_until(self, until_ns: int | None, ready: Callable[[], bool] = lambda: False) -> None:
+        """Run callbacks until `ready()` or robot time `until_ns`, events due then included.
+
+        Callbacks that take robot time may end later; then none is begun any more.
+        """
+        graph = current_graph()
+
+        def something_to_do() -> bool:
+            return self.can_work() or ready()
+
+        while not ready() and (until_ns is None or graph.now_ns <= until_ns):
+            if not baton.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+                return
+            self._spin_once(0, lambda: False)
+
+    @contextmanager
+    def joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
+        """Run the callbacks of further nodes for a while, in a thread that belongs to the program."""
+        with baton.known():
+            added = [node for node in nodes if self.add_node(node)]
+            try:
+                yield
+            finally:
+                for node in added:
+                    self.remove_node(node)
+
+    @contextmanager
+    def beside_live(self) -> Iterator[None]:
+        """Run the live nodes, too, at the pace that is wanted, in a call that waits."""
+        running = current_graph().part(RunningNodes).nodes
+        with self.joined_by(running), pace.kept(self.context.graph):
+            yield
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Run one callback; wait for it at most so long [s], without limit if that is None or negative."""
         if timeout_sec == 0:
             baton.poll()
         self._spin_once(timeout_sec_to_nsec(timeout_sec), lambda: False)
-
-    def run_next(self) -> None:
-        """Run the callback that is next, if one is ready."""
-        self._spin_once(0, lambda: False)
 
     def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done, or the time [s] is over."""
@@ -135,7 +194,7 @@ class Executor(AbstractContextManager["Executor"]):
             task = self._next_task()
             if task is not None or limit_ns == 0:
                 return task
-            names = ", ".join(node.get_fully_qualified_name() for node in self._nodes)
+            names = ", ".join(node.handle.full_name for node in self._nodes)
             what = f"a callback of {names or 'no node'}"
             if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=what):
                 return None
@@ -144,22 +203,21 @@ class Executor(AbstractContextManager["Executor"]):
         return None
 
     def can_work(self) -> bool:
-        """Say whether a callback is ready to be run."""
+        """Return whether a callback is ready to be run."""
         going_on = any(task.can_go_on() for task in self._tasks)
         return going_on or any(node.handle.first_ready() for node in self._nodes)
 
     def is_held_up(self, entity: Entity) -> bool:
-        """Say whether an entity's callback cannot run before the callback that asks has ended."""
+        """Return whether an entity's callback cannot run before the calling one has ended."""
         task = self._under_way.get(threading.get_ident())
         if task is None or self._num_threads == 1:
             return task is not None
         group = entity.callback_group
-        return (
-            task.entity is not None and task.entity.callback_group is group and not group.can_execute(entity)
-        )
+        same_group = isinstance(task, _Callback) and task.entity.callback_group is group
+        return same_group and not group.can_execute(entity)
 
     def _next_task(self) -> Task | None:
-        """Take what is next: a task that can go on, else the callback that became ready first."""
+        """Remove and return the next task: one that can go on, else the callback that became ready first."""
         for task in self._tasks:
             if task.can_go_on():
                 self._tasks.remove(task)
@@ -183,6 +241,10 @@ class Executor(AbstractContextManager["Executor"]):
             start = time.thread_time() if graph.callback_listeners else 0.0  # it takes a microsecond
             try:
                 await await_or_execute(call)
+            except TypeError as error:
+                if entity.mistake is not None:
+                    mark(error, entity.mistake, depth=2)
+                raise
             finally:
                 group.ending_execution(entity)
                 if graph.now_ns > start_ns and graph.notebook:
@@ -190,17 +252,15 @@ class Executor(AbstractContextManager["Executor"]):
                 for listener in graph.callback_listeners:
                     listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
 
-        task = Task(run, executor=self)
-        task.entity = entity
-        return task
+        return _Callback(entity, run, self)
 
     def _execute(self, task: Task) -> None:
-        """Run a task; what it raises is raised, what it has to wait for is kept."""
+        """Run a task; its error is raised, and a task that waits is kept."""
         ident = threading.get_ident()
         outer = self._under_way.get(ident)
         self._under_way[ident] = task
         outer_callback = watch.under_way
-        if self.context.graph.notebook and task.entity is not None:
+        if self.context.graph.notebook and isinstance(task, _Callback):
             watch.begin(task.entity.node_handle.full_name)
         try:
             task()

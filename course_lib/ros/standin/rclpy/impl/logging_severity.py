@@ -1,5 +1,6 @@
-"""How bad a message is."""
+"""Severities of log messages, and the levels that a program has set."""
 
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 
@@ -12,3 +13,10 @@ class LoggingSeverity(IntEnum):
     WARN = 30
     ERROR = 40
     FATAL = 50
+
+
+@dataclass
+class LogLevels:
+    """The levels that one program has set in a run."""
+
+    by_logger: dict[str, int] = field(default_factory=dict)

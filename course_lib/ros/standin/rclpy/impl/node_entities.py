@@ -1,25 +1,28 @@
-"""What a node creates and destroys."""
+"""The part of Node that creates publishers, subscriptions, timers and so on, and queries the graph."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
+from course_lib.ros.graph import EndpointInfo
+from course_lib.ros.hints import Mistake, mark
 from course_lib.ros.messages import Message, type_name
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
-from rclpy.event_handler import (
-    EventCallbacks,
-    PublisherEventCallbacks,
-    SubscriptionEventCallbacks,
-    Watchdog,
-)
-from rclpy.guard_condition import GuardCondition
+from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl import names
 from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
-from rclpy.impl.node_graph import NodeGraph
-from rclpy.impl.node_handle import NodeHandle
-from rclpy.impl.qos_conversion import to_qos
+from rclpy.impl.graph_queries import (
+    NamesAndTypes,
+    TopicEndpointInfo,
+    describe,
+    services,
+    sorted_types,
+    to_qos,
+)
+from rclpy.impl.node_handle import GuardCondition, NodeHandle
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
 from rclpy.service import Service
@@ -30,15 +33,20 @@ MsgT = TypeVar("MsgT", bound=Message)
 OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
 
 
-class NodeEntities(NodeGraph):
-    """The part of Node that makes publishers, subscriptions, timers and rates."""
+class Node:
+    """The part of Node that creates entities; it has the name Node for the sake of Python's errors."""
 
     def __init__(self, handle: NodeHandle) -> None:
-        super().__init__(handle)
+        self.__handle = handle
         self._clock = ROSClock()
         self._created: list[Any] = []
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
+
+    @property
+    def handle(self) -> NodeHandle:
+        """The node as the graph knows it."""
+        return self.__handle
 
     @property
     def default_callback_group(self) -> CallbackGroup:
@@ -61,14 +69,14 @@ class NodeEntities(NodeGraph):
         callback_group: CallbackGroup | None = None,
         event_callbacks: PublisherEventCallbacks | None = None,
     ) -> Publisher[MsgT]:
-        """Make a publisher.
+        """Create a publisher.
 
         Args:
             msg_type: The class of its messages.
             topic: Its topic: `x` is in the node's namespace, `~/x` under the node's name, `/x` is absolute.
             qos_profile: Its quality of service, or only how many messages are kept.
             callback_group: The group of `event_callbacks`.
-            event_callbacks: What it wants to be told about subscriptions.
+            event_callbacks: Its events, like subscriptions that come and go.
         """
         profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
         node, full_topic = self.handle, self.resolve_topic_name(topic)
@@ -96,8 +104,8 @@ class NodeEntities(NodeGraph):
             topic: Its topic: `x` is in the node's namespace, `~/x` under the node's name, `/x` is absolute.
             callback: Called with each message, or with each message and its MessageInfo; may be a coroutine.
             qos_profile: Its quality of service, or only how many messages wait at most.
-            callback_group: Says which callbacks may run at the same time.
-            event_callbacks: What it wants to be told about publishers.
+            callback_group: The group, which decides which callbacks may run at the same time.
+            event_callbacks: Its events, like publishers that come and go.
             raw: Whether the callback gets the serialised bytes.
         """
         profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
@@ -115,7 +123,7 @@ class NodeEntities(NodeGraph):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Client:
-        """Make a client that asks the service `srv_name`; the group says when its responses are taken."""
+        """Create a client of the service `srv_name`; its responses are taken by the rules of the group."""
         full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
         client = Client(self.handle, group, srv_type, srv_name, full_name, qos_profile)
         self._created.append(client)
@@ -130,7 +138,7 @@ class NodeEntities(NodeGraph):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Service:
-        """Make a service; `callback(request, response)`, or a coroutine, returns the filled response."""
+        """Create a service; `callback(request, response)`, or a coroutine, returns the filled response."""
         full_name, group = self._service(srv_type, srv_name), callback_group or self.default_callback_group
         service = Service(callback, self.handle, group, srv_type, srv_name, full_name, qos_profile)
         self._created.append(service)
@@ -145,7 +153,11 @@ class NodeEntities(NodeGraph):
         autostart: bool = True,
     ) -> Timer:
         """Create a timer that calls back every `timer_period_sec` [s], first after one period."""
-        period_ns = int(float(timer_period_sec) * S_TO_NS)
+        try:
+            period_ns = int(float(timer_period_sec) * S_TO_NS)
+        except ValueError as error:
+            mark(error, Mistake.PERIOD)
+            raise
         group = callback_group or self.default_callback_group
         timer = Timer(self.handle, callback, group, period_ns, clock or self._clock, autostart=autostart)
         self._created.append(timer)
@@ -154,13 +166,13 @@ class NodeEntities(NodeGraph):
     def create_guard_condition(
         self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
     ) -> GuardCondition:
-        """Make what has its callback called after each `trigger()`."""
+        """Create a guard condition, whose callback runs after each `trigger()`."""
         guard = GuardCondition(self.handle, callback, callback_group or self.default_callback_group)
         self._created.append(guard)
         return guard
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Create what keeps a loop at a frequency [Hz]; another thread must spin the node meanwhile."""
+        """Create a rate for loops at a frequency [Hz]; another thread must spin the node meanwhile."""
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         return Rate(
@@ -168,11 +180,11 @@ class NodeEntities(NodeGraph):
         )
 
     def add_waitable(self, waitable: Any) -> None:
-        """Keep what has been made in the node; it is destroyed with it."""
+        """Add an entity made elsewhere; it is destroyed with the node."""
         self._created.append(waitable)
 
     def destroy_publisher(self, created: Any) -> bool:
-        """End what the node has created; False if it has not, or it has ended already."""
+        """Destroy an entity; False if the node has not created it, or it is destroyed already."""
         if created not in self._created:
             return False
         self._created.remove(created)
@@ -183,16 +195,70 @@ class NodeEntities(NodeGraph):
     destroy_guard_condition = destroy_publisher
 
     def destroy_rate(self, rate: Rate) -> bool:
-        """End a rate; who sleeps in it wakes up."""
+        """Destroy a rate; the thread that sleeps in it wakes up."""
         rate.destroy()
         return self.destroy_timer(rate.timer)
+
+    def get_node_names(self) -> list[str]:
+        """List the names of all nodes."""
+        return [name for name, _ in self.get_node_names_and_namespaces()]
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """List (name, namespace) of all nodes."""
+        return [(node.name, node.namespace) for node in self.handle.graph.nodes()]
+
+    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
+        """List all topics with their types."""
+        infos = self.handle.graph.endpoints()
+        return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
+
+    def get_service_names_and_types(self) -> NamesAndTypes:
+        """List all services with their types; as in ROS also those that have only clients."""
+        return services(self.handle.graph.endpoints())
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Count the publishers on a topic."""
+        return len(self._on_topic(topic_name, "pub"))
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Count the subscriptions on a topic."""
+        return len(self._on_topic(topic_name, "sub"))
+
+    def get_publishers_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the publishers on a topic, with their quality of service."""
+        return [describe(info, self.handle.graph.nodes()) for info in self._on_topic(topic_name, "pub")]
+
+    def get_subscriptions_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the subscriptions on a topic, with their quality of service."""
+        return [describe(info, self.handle.graph.nodes()) for info in self._on_topic(topic_name, "sub")]
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return the full name that a topic has for this node."""
+        return self._resolve(topic, "topic", only_expand)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return the full name that a service has for this node."""
+        return self._resolve(service, "service", only_expand)
+
+    def _resolve(self, name: str, kind: names.Kind, only_expand: bool) -> str:
+        node = self.handle
+        full = names.expand_name(name, node.name, node.namespace, kind)
+        return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
+
+    def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+        topic = self.resolve_topic_name(topic_name)
+        return [info for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind]
 
     def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
         self._created.append(end)
         told = events.bind(self.handle, end.topic, group)
         limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
         if limit_ns is not None and "deadline" in told.tell:
-            end.deadline = Watchdog(self.handle, limit_ns, partial(told.count, "deadline"))
+            end.deadline = Deadline(self.handle, limit_ns, partial(told.count, "deadline"))
         end.handle.watch(told)
 
     def _all(self, kind: type) -> Iterator[Any]:

@@ -1,9 +1,14 @@
-"""The parameters of a node."""
+"""The part of Node that declares, reads and sets parameters."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    ParameterDescriptor,
+    ParameterEvent,
+    SetParametersResult,
+)
 
 from rclpy.exceptions import (
     InvalidParameterTypeException,
@@ -13,13 +18,87 @@ from rclpy.exceptions import (
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
-from rclpy.impl.parameter_descriptor import declaration
-from rclpy.impl.parameter_setting import ParameterSetting
+from rclpy.impl import node_entities
+from rclpy.impl.parameter_descriptor import declaration, refusal
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+
+Pre = Callable[[list[Parameter]], list[Parameter]]
+On = Callable[[list[Parameter]], SetParametersResult]
+Post = Callable[[list[Parameter]], object]
+_EMPTIED = (
+    "parameter list cannot be empty, this might be due to "
+    "pre_set_parameters_callback modifying the original parameters list."
+)
 
 
-class NodeParameters(ParameterSetting):
-    """The part of Node that declares parameters and tells of them."""
+class Node(node_entities.Node):
+    """The part of Node that holds parameters; it has the name Node for the sake of Python's errors."""
+
+    def _keep_parameters(
+        self,
+        overrides: dict[str, Parameter],
+        allow_undeclared: bool,
+        events: Publisher[ParameterEvent],
+    ) -> None:
+        """Start without parameters; the overrides are values from outside the program."""
+        self._parameters: dict[str, Parameter] = {}
+        self._descriptors: dict[str, ParameterDescriptor] = {}
+        self._parameter_overrides = overrides
+        self._allow_undeclared_parameters = allow_undeclared
+        self._parameter_events = events
+        self._pre_set: list[Pre] = []  # the newest first, as in the other two
+        self._on_set: list[On] = []
+        self._post_set: list[Post] = []
+
+    def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
+        """Return a parameter, or the alternative if it is not declared or has no value."""
+        parameter = self._parameters.get(name)
+        if parameter is not None and parameter.type_ is not Parameter.Type.NOT_SET:
+            return parameter
+        return alternative_value or Parameter(name, Parameter.Type.NOT_SET)
+
+    def set_parameters(self, parameter_list: list[Parameter]) -> list[SetParametersResult]:
+        """Set parameters one after the other, with a result for each; raises at one that is not declared."""
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set all parameters, or none of them; raises as `set_parameters` does."""
+        if self._pre_set:
+            parameter_list = [parameter for call in self._pre_set for parameter in call(parameter_list)]
+            if not parameter_list:
+                return SetParametersResult(successful=False, reason=_EMPTIED)
+        if not all(isinstance(parameter, Parameter) for parameter in parameter_list):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
+        undeclared = [p.name for p in parameter_list if p.name not in self._parameters]
+        if undeclared and not self._allow_undeclared_parameters:
+            # rclpy means to name them all, but its generator is used up by then and it prints a shorter list
+            raise ParameterNotDeclaredException(undeclared[1:])
+        return self._set(parameter_list, {})
+
+    def add_pre_set_parameters_callback(self, callback: Pre) -> None:
+        """Call `callback(parameters)` before all else; it returns the list that is to be set."""
+        self._pre_set.insert(0, callback)
+
+    def add_on_set_parameters_callback(self, callback: On) -> None:
+        """Call `callback(parameters)`, whose SetParametersResult allows or refuses the values."""
+        self._on_set.insert(0, callback)
+
+    def add_post_set_parameters_callback(self, callback: Post) -> None:
+        """Call `callback(parameters)` after they have been set."""
+        self._post_set.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: Pre) -> None:
+        """Remove the callback; raises ValueError if it was not added."""
+        self._pre_set.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: On) -> None:
+        """Remove the callback; raises ValueError if it was not added."""
+        self._on_set.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: Post) -> None:
+        """Remove the callback; raises ValueError if it was not added."""
+        self._post_set.remove(callback)
 
     def declare_parameter(
         self,
@@ -33,7 +112,7 @@ class NodeParameters(ParameterSetting):
         Args:
             name: Its name.
             value: Its default value, or its `Parameter.Type` if it has none.
-            descriptor: What else is known about it; `dynamic_typing` allows values of any type.
+            descriptor: Its description and limits; `dynamic_typing` allows values of any type.
             ignore_override: Whether values from outside the program do not count.
         """
         more = () if value is None and descriptor is None else (value, descriptor or ParameterDescriptor())
@@ -59,7 +138,7 @@ class NodeParameters(ParameterSetting):
         return [self._parameters[parameter.name] for parameter in declared]
 
     def undeclare_parameter(self, name: str) -> None:
-        """Forget a parameter; raises if it is not declared or is read-only."""
+        """Remove a parameter; raises if it is not declared or is read-only."""
         if name not in self._parameters:
             raise ParameterNotDeclaredException(name)
         if self._descriptors[name].read_only:
@@ -67,7 +146,7 @@ class NodeParameters(ParameterSetting):
         del self._parameters[name], self._descriptors[name]
 
     def has_parameter(self, name: str) -> bool:
-        """Say whether a parameter is declared."""
+        """Return whether a parameter is declared."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
@@ -91,7 +170,7 @@ class NodeParameters(ParameterSetting):
         return {n[len(start) :]: value for n, value in self._parameters.items() if n.startswith(start)}
 
     def get_parameter_type(self, name: str) -> int:
-        """Return the number of a parameter's type; as in rclpy no `Parameter.Type`."""
+        """Return the number of a parameter's type; as in rclpy not a `Parameter.Type`."""
         if name in self._parameters or not self._allow_undeclared_parameters:
             self.describe_parameter(name)
             return int(self._parameters[name].type_.value)
@@ -102,13 +181,13 @@ class NodeParameters(ParameterSetting):
         return [self.get_parameter_type(name) for name in names]
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
-        """Return what is known about a parameter; raises ParameterNotDeclaredException."""
+        """Return the descriptor of a parameter; raises ParameterNotDeclaredException."""
         if name not in self._descriptors and not self._allow_undeclared_parameters:
             raise ParameterNotDeclaredException(name)
         return self._descriptors.get(name) or ParameterDescriptor()
 
     def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
-        """Return what is known about several parameters."""
+        """Return the descriptors of several parameters."""
         return [self.describe_parameter(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
@@ -129,3 +208,41 @@ class NodeParameters(ParameterSetting):
         if result.reason.startswith("Wrong parameter type"):
             raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
         raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
+
+    def _set(
+        self, parameters: list[Parameter], new: Mapping[str, ParameterDescriptor]
+    ) -> SetParametersResult:
+        """Set parameters, which may be new with their descriptors."""
+        for parameter in parameters:
+            name = parameter.name
+            descriptor = new.get(name) or self._descriptors.get(name)
+            if descriptor is not None:
+                declared = name in self._parameters
+                reason = refusal(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
+                if reason:
+                    return SetParametersResult(successful=False, reason=reason)
+        for allows in self._on_set:
+            result = allows(parameters)
+            if not result.successful:
+                return result
+        self._parameter_events.publish(self._store(parameters, new))
+        for call in self._post_set:
+            call(parameters)
+        return SetParametersResult(successful=True)
+
+    def _store(self, parameters: list[Parameter], new: Mapping[str, ParameterDescriptor]) -> ParameterEvent:
+        """Store values that were allowed; returns the event that reports them."""
+        event = ParameterEvent(node=self.handle.full_name, stamp=self._clock.now().to_msg())
+        for parameter in parameters:
+            name, message = parameter.name, parameter.to_parameter_msg()
+            if parameter.type_ is Parameter.Type.NOT_SET and not new:
+                event.deleted_parameters.append(message)
+                self._parameters.pop(name, None)
+                self._descriptors.pop(name, None)
+                continue
+            had_value = self.get_parameter_or(name).type_ is not Parameter.Type.NOT_SET
+            (event.changed_parameters if had_value else event.new_parameters).append(message)
+            if name in new or name not in self._descriptors:
+                self._descriptors[name] = new.get(name) or ParameterDescriptor(dynamic_typing=True)
+            self._parameters[name] = parameter
+        return event

@@ -1,1 +1,0 @@
-"""Helpers that launch files import."""

@@ -1,0 +1,63 @@
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.node import Node
+
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.notices import repeated_lines
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    with use_graph(Graph(notebook=True)):
+        rclpy.init()
+        yield Node("robot")
+        rclpy.try_shutdown()
+        repeated_lines.end()
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    return [line.rpartition("] ")[2] for line in capsys.readouterr().err.splitlines()]
+
+
+def test_equal_lines_of_a_notebook_s_log_are_counted(node: Node, capsys: pytest.CaptureFixture[str]) -> None:
+    for _ in range(1003):
+        node.get_logger().warning("no transform")
+    node.get_logger().warning("found it")
+    assert said(capsys) == [
+        *5 * ["[robot]: no transform"],
+        "… repeated 5 times",
+        "… repeated 95 times",
+        "… repeated 995 times",
+        "… repeated 998 times",
+        "[robot]: found it",
+    ]
+
+
+def test_lines_that_differ_and_those_of_other_severity_are_all_shown(
+    node: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in range(20):
+        node.get_logger().info(f"step {number % 2}")
+        node.get_logger().error(f"step {number % 2}")
+    assert len(said(capsys)) == 40
+
+
+def test_a_cell_s_end_tells_how_many_there_were(node: Node, capsys: pytest.CaptureFixture[str]) -> None:
+    for _ in range(8):
+        node.get_logger().info("on")
+    repeated_lines.end()
+    repeated_lines.end()
+    assert said(capsys)[5:] == ["… repeated 3 times"]
+    node.get_logger().info("on")
+    assert said(capsys) == ["[robot]: on"]
+
+
+def test_a_program_s_log_keeps_every_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with use_graph(Graph()):
+        rclpy.init()
+        for _ in range(20):
+            Node.get_logger(Node("robot")).info("on")
+        rclpy.try_shutdown()
+    assert said(capsys).count("[robot]: on") == 20
