@@ -9,12 +9,11 @@ from functools import partial
 from math import asin, atan2, degrees, pi
 
 from course_lib.errors import CourseError
-from course_lib.ros import tf2_frames
+from course_lib.ros import tf2_core
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.verb import Verb, Write, value
 
@@ -185,7 +184,7 @@ def _monitor(source: Source, arguments: Namespace, write: Write) -> None:
             if start and not chain:
                 if not stream.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
                     continue
-                chain = tf2_frames.chain(stream.buffer, start, end)
+                chain = tf2_core.chain(stream.buffer, start, end)
             if looks == 0 and what:
                 write(f"Gathering data on {what} for 10 seconds...\n")
                 what = ""

@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from course_lib.ros import tf2_frames
+from course_lib.ros import tf2_core
 from course_lib.ros.graph import current_graph
 from course_lib.tools.sources import Source
 from course_lib.tools.tf2 import TransformStream, log_line
@@ -31,7 +31,7 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
     write(log_line("view_frames", now_ns, f"Listening to tf data for {arguments.wait_time} seconds..."))
     now_ns = max(stream.ticks(0.1, arguments.wait_time), default=now_ns)
     write(log_line("view_frames", now_ns, "Generating graph..."))
-    text = tf2_frames.as_yaml(stream.buffer)
+    text = tf2_core.as_yaml(stream.buffer)
     result = f"tf2_msgs.srv.FrameGraph_Response(frame_yaml={text!r})"
     write(log_line("view_frames", now_ns, f"Result:{result}"))
     frames: dict[str, Any] = yaml.safe_load(text) or {}

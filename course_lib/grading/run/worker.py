@@ -25,9 +25,9 @@ from course_lib.ros.baton import baton
 from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from course_lib.ros.process import make_shell
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
-from course_lib.ros.shell import make_shell
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from course_lib.ros.hints import Mistake, marked
 from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition
 from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
 from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.mistakes import Mistake, marked
 
 
 class Message:

@@ -11,7 +11,7 @@ from action_msgs.srv import CancelGoal
 from builtin_interfaces.msg import Time
 from unique_identifier_msgs.msg import UUID
 
-from course_lib.ros.hints import Mistake, marked
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import wait_for_partner
 from rclpy.impl.endpoint import require_type

@@ -13,8 +13,8 @@ from typing import Any
 from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
-from course_lib.ros.hints import mark
 from course_lib.ros.interrupts import until_interrupted, watch
+from course_lib.ros.mistakes import mark
 from course_lib.ros.notices import say
 from rclpy.context import Context, get_default_context
 from rclpy.exceptions import NotInitializedException
