@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.displays.layout import read_layout
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusRow
 from course_lib.displays.writer import save_rviz
 from course_lib.displays.yaml_file import parse_yaml
@@ -23,13 +23,13 @@ LAYOUTS = [path for folder in (OWN, FOLDER) if folder for path in sorted(Path(fo
 DOCUMENTS = sorted(Path(os.environ["COURSE_SEEDS"]).glob("*.txt")) if "COURSE_SEEDS" in os.environ else []
 
 
-def opened(path: Path) -> Session:
-    session = Session(Scene())
+def opened(path: Path) -> RvizSession:
+    session = RvizSession(Scene())
     session.apply(read_layout(path))
     return session
 
 
-def lasting(session: Session) -> list[StatusRow]:
+def lasting(session: RvizSession) -> list[StatusRow]:
     """Return the statuses, but for hints at what was wrong in the file and is saved right."""
     return [row for row in session.rows() if row.name not in ("Layout", "View", "Properties")]
 

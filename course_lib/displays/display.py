@@ -14,7 +14,7 @@ from course_lib.viewer.scene import Scene
 
 
 @dataclass(frozen=True)
-class Subscription:
+class Interest:
     """What a display wants to hear."""
 
     topic: str  # fully resolved name
@@ -31,8 +31,8 @@ class Context:
     scene: Scene  # what they draw into
     frames: Frames  # where frames are
     now_ns: int = 0  # robot time, [ns]
-    # called with new subscriptions, to get what publishers hold for latecomers
-    joined: Callable[[Iterable[Subscription]], None] = lambda subscriptions: None
+    # called with new interests, to get what publishers hold for latecomers
+    joined: Callable[[Iterable[Interest]], None] = lambda interests: None
     # called when somebody has changed a property, to show it at once
     touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
@@ -65,7 +65,7 @@ class Display(PropertyHolder):
         self.name = name
         self.path = path
         self.statuses = Statuses()
-        self.subscriptions: tuple[Subscription, ...] = ()
+        self.interests: tuple[Interest, ...] = ()
         self.started = False
         self._grouped = True  # whether the groups it is in are ticked
 
@@ -105,7 +105,7 @@ class Display(PropertyHolder):
                 self.start()
 
     def start(self) -> None:
-        """Start anew, with the subscriptions that the properties ask for."""
+        """Start anew, with the interests that the properties ask for."""
         self.started = True
         self.reset()
 

@@ -1,5 +1,6 @@
 """RViz's view controllers that look around from a point."""
 
+from dataclasses import replace
 from math import asin, atan2, pi
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.properties import Property, flag, number, vector, words
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, View, direction, point
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Hands, ViewController, direction, point
 from course_lib.viewer.camera import Camera
 
 _AXES = {
@@ -16,7 +17,7 @@ _AXES = {
 }  # fmt: skip
 
 
-class FPS(View):
+class FPS(ViewController):
     """Looks around from a point."""
 
     class_name = "rviz_default_plugins/FPS"
@@ -73,9 +74,9 @@ class FrameAligned(FPS):
         super().take(camera)
         self._name_axis()
 
-    def hands(self) -> dict[str, Any]:
-        """Return how the page lets hands turn the view."""
-        return super().hands() | {"aligned": True, "locked": self["Lock Camera"]}
+    def hands(self) -> Hands:
+        """Return the rules by which a page turns the view."""
+        return replace(super().hands(), aligned=True, locked=self["Lock Camera"])
 
     def _name_axis(self) -> None:
         ahead = direction(self["Yaw"], -self["Pitch"])

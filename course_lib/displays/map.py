@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.arrays import Bytes
-from course_lib.displays.display import Subscription
+from course_lib.displays.display import Interest
 from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import nanoseconds, placed
 from course_lib.displays.poses.arrow import numbers_of
@@ -93,11 +93,11 @@ class MapDisplay(DrawnDisplay):
         self._values |= _MEASURED
         self.statuses.set("warn", "Message", "No map received")
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Listen to maps and to updates."""
         self.statuses.set("ok", _UPDATES, "OK")
         qos = qos_of(self, _UPDATES)
-        return (*super().wanted(), self.subscription(self[_UPDATES], _UPDATE, self._take_update, qos))
+        return (*super().wanted(), self.interest(self[_UPDATES], _UPDATE, self._take_update, qos))
 
     def process(self, message: Any) -> None:
         """Show a map; one that RViz refuses leaves the last one."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer
 
 if TYPE_CHECKING:
-    from course_lib.displays.session import Session
+    from course_lib.displays.session import RvizSession
 
 
 class Options(PropertyHolder):
@@ -17,7 +17,7 @@ class Options(PropertyHolder):
         Property("Frame Rate", 30, integer(1)),  # [Hz]
     )
 
-    def __init__(self, session: "Session") -> None:
+    def __init__(self, session: "RvizSession") -> None:
         super().__init__()
         values = (session.fixed_frame, session.context.scene.background, session.frame_rate)
         self._values = dict(zip(self._values, values, strict=True))

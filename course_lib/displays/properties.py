@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from course_lib.arrays import Vector
 from course_lib.errors import CourseError
@@ -40,7 +40,7 @@ class Limited:
     """A conversion that tells its limits, for who makes a control of it."""
 
     convert: Convert
-    editor: str  # "number", "integer" or "enum"
+    editor: Literal["number", "integer", "enum"]
     low: float = -math.inf
     high: float = math.inf
     options: tuple[str, ...] = ()

@@ -10,8 +10,8 @@ from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
 from course_lib.displays.marker.store import ADD
-from course_lib.displays.playback import Playback
-from course_lib.displays.session import TF, Session
+from course_lib.displays.panel.time_panel import Playback
+from course_lib.displays.session import TF, RvizSession
 from course_lib.recording import Recording, read_bag
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
@@ -32,7 +32,9 @@ def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: floa
     return replayed(recording, rviz_path, at).context.scene
 
 
-def replayed(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Session:
+def replayed(
+    recording: Recording, rviz_path: str | Path | None = None, at: float | None = None
+) -> RvizSession:
     """Let a session hear a recording up to a time; its statuses say what RViz would, see `scene_of`."""
     session = session_for(recording, rviz_path)
     Playback(session, recording).go_to(_end_ns(recording, at))
@@ -44,7 +46,7 @@ def film_of(
     rviz_path: str | Path | None = None,
     at: float | None = None,
     frame_rate: int | None = None,
-) -> tuple[Film, Session]:
+) -> tuple[Film, RvizSession]:
     """Film a recording from its beginning to a time, in frames a second as RViz shows it; see `scene_of`."""
     session = session_for(recording, rviz_path)
     thinned = {"interval": 1 / frame_rate} if frame_rate else {}
@@ -58,9 +60,9 @@ def film_of(
     return film, session
 
 
-def session_for(recording: Recording, rviz_path: str | Path | None = None) -> Session:
+def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
     """Return a session with a layout, or one that fits a recording, which has heard nothing yet."""
-    session = Session(Scene(), start_ns=recording.start_ns, match_qos=False)
+    session = RvizSession(Scene(), start_ns=recording.start_ns, match_qos=False)
     if rviz_path is None:
         _show_all(session, recording)
     else:
@@ -101,7 +103,7 @@ def _end_ns(recording: Recording, at: float | None) -> int:
     return recording.end_ns if at is None else recording.start_ns + round(at * NS)
 
 
-def _show_all(session: Session, recording: Recording) -> None:
+def _show_all(session: RvizSession, recording: Recording) -> None:
     """Show a grid and all topics of markers, without any the frames, in a frame that fits them."""
     session.add("rviz_default_plugins/Grid", "Grid", {})
     topics = {topic.name: topic.type_name for topic in recording.topics() if topic.type_name in _DISPLAYS}

@@ -5,15 +5,15 @@ from itertools import chain
 from typing import Any
 
 from course_lib.displays.delivery import hint_at_held, reaches, silence
-from course_lib.displays.display import Context, Display, Subscription, node_name
+from course_lib.displays.display import Context, Display, Interest, node_name
 from course_lib.displays.frames import NS, Frames
 from course_lib.displays.group import GROUP, Group
 from course_lib.displays.layout import Layout, text_at
 from course_lib.displays.options import Options
+from course_lib.displays.panel.tools import all_tools, load_tools
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
-from course_lib.displays.tools import all_tools, load_tools
-from course_lib.displays.views import Orbit, View, view_of
+from course_lib.displays.views import Orbit, ViewController, view_of
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos
 from course_lib.viewer.camera import Camera
@@ -24,7 +24,7 @@ TF = "tf2_msgs/msg/TFMessage"
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 
 
-class Session:
+class RvizSession:
     """Takes messages and keeps a scene of them, frame by frame as RViz does.
 
     What has come waits for the next frame; then it is placed, expired things go, what follows a frame of the
@@ -44,8 +44,8 @@ class Session:
         self.context = Context(scene, Frames(fixed_frame), start_ns, self.catch_up, self.refresh)
         self.tree = Group()  # of the displays
         self.layout = Layout()  # that was taken over last
-        self.saved_views: list[View] = []
-        self._view: View = Orbit()
+        self.saved_views: list[ViewController] = []
+        self._view: ViewController = Orbit()
         self._view.touched = self.refresh
         self._camera: Camera | None = None  # where the view put it
         self.statuses = Statuses()  # Global Status
@@ -58,7 +58,7 @@ class Session:
         self._last_ns = start_ns  # of the last message
         self._frame_ns = start_ns  # of the last frame
         self.transforms = [
-            Subscription(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
+            Interest(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
             for topic, qos in _TF_TOPICS.items()
         ]
 
@@ -87,12 +87,12 @@ class Session:
         return Options(self)
 
     @property
-    def view(self) -> View:
+    def view(self) -> ViewController:
         """Where the scene is looked at from."""
         return self._view
 
     @view.setter
-    def view(self, view: View) -> None:
+    def view(self, view: ViewController) -> None:
         self._view = view
         view.touched = self.refresh
         self.refresh()
@@ -189,7 +189,7 @@ class Session:
             self.update(self._due_ns)
         self.context.now_ns = self._last_ns = sample.stamp_ns
         self.types[sample.topic] = sample.type_name
-        self._deliver(sample, chain(self.transforms, *(display.subscriptions for display in self.displays)))
+        self._deliver(sample, chain(self.transforms, *(display.interests for display in self.displays)))
 
     def tick(self, now_ns: int) -> None:
         """Make a frame if one is due at a robot time, [ns]; things expire without a message."""
@@ -234,13 +234,13 @@ class Session:
         head = f"Fixed frame {self.fixed_frame}. Displays: {', '.join(names) or 'none'}. Positions in metres."
         return "\n".join([head, *summary(self.context.scene), str(StatusTable(self.rows()))])
 
-    def catch_up(self, subscriptions: Iterable[Subscription]) -> None:
+    def catch_up(self, interests: Iterable[Interest]) -> None:
         """Take what publishers hold for latecomers that ask for it, and tell those that do not of it."""
         held = list(self.latched())
-        wanting = [s for s in subscriptions if s.qos.durability == "transient_local"]
+        wanting = [s for s in interests if s.qos.durability == "transient_local"]
         for sample in held:
             self._deliver(sample, wanting)
-        for missing in (s for s in subscriptions if s not in wanting):
+        for missing in (s for s in interests if s not in wanting):
             if any(sample.topic == missing.topic for sample in held):
                 hint_at_held(missing)
 
@@ -248,15 +248,15 @@ class Session:
         for listener in tuple(self.after_frame):
             listener()
 
-    def _deliver(self, sample: Sample, subscriptions: Iterable[Subscription]) -> None:
+    def _deliver(self, sample: Sample, interests: Iterable[Interest]) -> None:
         """Deserialise a message once, for all that want it and can have it."""
-        listening = [s for s in subscriptions if s.topic == sample.topic]
+        listening = [s for s in interests if s.topic == sample.topic]
         reached = [s for s in listening if reaches(sample, s, self._match_qos)]
         if not reached:
             return
         message = sample.message()
-        for subscription in reached:
-            subscription.take(message)
+        for interest in reached:
+            interest.take(message)
         if self._due_ns is None:
             self._due_ns = self.context.now_ns + NS // self.frame_rate
 

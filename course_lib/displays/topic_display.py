@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from course_lib.arrays import Matrix
-from course_lib.displays.display import Display, Subscription
+from course_lib.displays.display import Display, Interest
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
 from course_lib.errors import counted
@@ -80,23 +80,23 @@ class TopicDisplay(Display):
         """Listen to the topic, if the display is ticked and has one."""
         super().start()
         self._since_ns = self.context.now_ns
-        self.subscriptions = ()
+        self.interests = ()
         if not self.enabled:
             return
         if not self[self.topic_label]:
             self.statuses.set("error", self.status_label, "Error subscribing: Empty topic name")
             return
         self.statuses.set("ok", self.status_label, "OK")
-        self.subscriptions = self.wanted()
-        self.context.joined(self.subscriptions)
+        self.interests = self.wanted()
+        self.context.joined(self.interests)
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Return what the display listens to."""
-        return (self.subscription(self[self.topic_label], self.type_name, self.take),)
+        return (self.interest(self[self.topic_label], self.type_name, self.take),)
 
-    def subscription(self, topic: str, type_name: str, take: Any, qos: Qos | None = None) -> Subscription:
-        """Return a subscription, with the display's quality of service if there is no other."""
-        return Subscription("/" + topic.removeprefix("/"), type_name, qos or self.qos(), take, self.statuses)
+    def interest(self, topic: str, type_name: str, take: Any, qos: Qos | None = None) -> Interest:
+        """Return an interest, with the display's quality of service if there is no other."""
+        return Interest("/" + topic.removeprefix("/"), type_name, qos or self.qos(), take, self.statuses)
 
     def reset(self) -> None:
         """Forget all messages."""

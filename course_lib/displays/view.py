@@ -5,10 +5,9 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from course_lib.displays.desk import Desk
-from course_lib.displays.playback import Playback
+from course_lib.displays.panel.desk import Desk
+from course_lib.displays.panel.time_panel import Playback, TimePanel
 from course_lib.displays.render import session_for
-from course_lib.displays.time_panel import TimePanel
 from course_lib.recording import Recording, read_bag
 from course_lib.ros import wall
 from course_lib.viewer.page_server import PageServer

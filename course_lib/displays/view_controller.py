@@ -1,6 +1,7 @@
 """What all of RViz's view controllers share: from their properties to a camera."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import Any, ClassVar
 
@@ -21,7 +22,18 @@ COMMON = (
 )
 
 
-class View(PropertyHolder):
+@dataclass(frozen=True)
+class Hands:
+    """The rules by which a page turns a view by hand."""
+
+    in_place: bool  # around the eye
+    aligned: bool  # up is that of the target frame
+    locked: bool
+    lift: float  # see `ViewController.lift`
+    ground: float  # [m] height of the target frame
+
+
+class ViewController(PropertyHolder):
     """Base of all view controllers; what cannot be found in the scene is looked at from the fixed frame.
 
     Args:
@@ -73,15 +85,9 @@ class View(PropertyHolder):
         self.config, self._followed = config, ""
         return super().load(config)
 
-    def hands(self) -> dict[str, Any]:
-        """Return how the page lets hands turn the view."""
-        return {
-            "inPlace": "Position" in self._values,  # turns around the eye
-            "aligned": False,  # up is that of the target frame
-            "locked": False,
-            "lift": self.lift,
-            "ground": float(self._target[2, 3]),  # [m]
-        }
+    def hands(self) -> Hands:
+        """Return the rules by which a page turns the view."""
+        return Hands("Position" in self._values, False, False, self.lift, float(self._target[2, 3]))
 
     def return_home(self) -> None:
         """Look from where a new view of this type does, as RViz's key Z has it."""
@@ -94,7 +100,7 @@ class View(PropertyHolder):
         taken = self._taken(camera, np.subtract(camera.target, camera.eye), self._target)
         self._values |= {label: self._property(label).convert(value) for label, value in taken.items()}
 
-    def mimic(self, other: "View", frames: Frames) -> None:
+    def mimic(self, other: "ViewController", frames: Frames) -> None:
         """Look from where another view does, as well as this one can."""
         self._values["Target Frame"] = other["Target Frame"]
         self.camera(frames)  # finds the target frame

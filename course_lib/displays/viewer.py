@@ -15,12 +15,12 @@ from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.options import Options
-from course_lib.displays.panel import Panel
+from course_lib.displays.panel.cell import Panel
+from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
-from course_lib.displays.tools import Tool
-from course_lib.displays.views import View
+from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
@@ -48,7 +48,7 @@ class Viewer:
     def __init__(self, fixed_frame: str = "map") -> None:
         self._graph = graph = current_graph()
         self.scene = Scene()
-        self.session = Session(self.scene, fixed_frame, graph.now_ns)
+        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
         self._panel = Panel(self.session, graph)
@@ -152,13 +152,13 @@ class Viewer:
         return tools[label]
 
     @property
-    def view(self) -> View:
+    def view(self) -> ViewController:
         """The view controller: ``viewer.view = Orbit(distance=6.0)``, ``viewer.view["Yaw"] = 0.8``."""
         return self.session.view
 
     @view.setter
-    def view(self, view: View) -> None:
-        if not isinstance(view, View):
+    def view(self, view: ViewController) -> None:
+        if not isinstance(view, ViewController):
             raise CourseError(f"{view!r} is no view; write one like viewer.view = Orbit().")
         self.session.view = view
 

@@ -11,15 +11,15 @@ from course_lib.displays.first_person import FPS, FrameAligned
 from course_lib.displays.frames import Frames
 from course_lib.displays.layout import text_at
 from course_lib.displays.properties import Property, number, vector
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, View, direction, point
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, ViewController, direction, point
 from course_lib.viewer.camera import Camera
 
-__all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "View", "XYOrbit"]
+__all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "ViewController", "XYOrbit"]
 
 _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
 
 
-class Orbit(View):
+class Orbit(ViewController):
     """Turns around a focal point, and goes along with the target frame's position."""
 
     class_name = "rviz_default_plugins/Orbit"
@@ -70,7 +70,7 @@ class XYOrbit(Orbit):
     class_name = "rviz_default_plugins/XYOrbit"
     lift = 0.2
 
-    def mimic(self, other: View, frames: Frames) -> None:
+    def mimic(self, other: ViewController, frames: Frames) -> None:
         """Look from where another view does, if the ground is ahead of that and below it; else start anew."""
         super().mimic(other, frames)
         camera = other.camera(frames)
@@ -93,7 +93,7 @@ class ThirdPersonFollower(XYOrbit):
     turns = True
 
 
-class TopDownOrtho(View):
+class TopDownOrtho(ViewController):
     """Looks straight down, without perspective."""
 
     class_name = "rviz_default_plugins/TopDownOrtho"
@@ -130,13 +130,13 @@ class FailedView(Orbit):
     """Stands for a view controller that cannot be made; its configuration is kept as it came."""
 
 
-VIEWS: dict[str, type[View]] = {
+VIEWS: dict[str, type[ViewController]] = {
     view.class_name.rpartition("/")[2]: view
     for view in (Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned)
 }
 
 
-def view_of(config: Mapping[str, Any]) -> "tuple[View, *tuple[str, ...]]":
+def view_of(config: Mapping[str, Any]) -> "tuple[ViewController, *tuple[str, ...]]":
     """Return the view that a layout describes, and what was wrong with it."""
     wanted = text_at(config, "Class") or Orbit.class_name
     package, _, short = wanted.rpartition("/")

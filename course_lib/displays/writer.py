@@ -10,19 +10,19 @@ from course_lib.displays.display import Display
 from course_lib.displays.group import GROUP, Group
 from course_lib.displays.layout import text_at
 from course_lib.displays.options import Options
+from course_lib.displays.panel.tools import Tool
 from course_lib.displays.properties import booleans, color, vector
 from course_lib.displays.registry import FailedDisplay
-from course_lib.displays.session import Session
-from course_lib.displays.tools import Tool
-from course_lib.displays.views import FailedView, View
+from course_lib.displays.session import RvizSession
+from course_lib.displays.views import FailedView, ViewController
 from course_lib.displays.yaml_file import yaml_text
 from course_lib.errors import CourseError
 
-_Configured = Display | View | Tool | Options
+_Configured = Display | ViewController | Tool | Options
 _PANELS = ("Displays", "Selection", "Tool Properties", "Views", "Time")
 
 
-def save_rviz(session: Session, path: str | Path) -> None:
+def save_rviz(session: RvizSession, path: str | Path) -> None:
     """Write what a session shows as an .rviz file; what came from another file and is not known is kept.
 
     Raises:
@@ -34,7 +34,7 @@ def save_rviz(session: Session, path: str | Path) -> None:
         raise CourseError(f"Cannot write the layout {path}: {error.strerror}.") from None
 
 
-def document(session: Session) -> dict[str, Any]:
+def document(session: RvizSession) -> dict[str, Any]:
     """Return the whole layout as maps, lists and values; keys in the order in which RViz writes them."""
     before = session.layout.document
     manager = _map(before, "Visualization Manager")
@@ -77,14 +77,14 @@ def member_config(member: Display | Group) -> dict[str, Any]:
     return _with_properties(member, {"Class": member.class_name, **known})
 
 
-def _tools(session: Session) -> list[Mapping[str, Any]]:
+def _tools(session: RvizSession) -> list[Mapping[str, Any]]:
     """Return the tools of the former layout, ours as they are now; all of ours if there were none."""
     ours = {tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools}
     kept = [ours.pop(text_at(config, "Class"), config) for config in session.layout.tools]
     return [*kept, *(() if kept else ours.values())]
 
 
-def view_config(view: View) -> dict[str, Any]:
+def view_config(view: ViewController) -> dict[str, Any]:
     """Return a view's part of a layout."""
     if isinstance(view, FailedView):
         return {**view.config, "Name": view.name}

@@ -10,6 +10,7 @@ from course_lib.arrays import Vector
 from course_lib.viewer.flow import running_loop
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.stream import Content, Send, Stream
+from course_lib.viewer.wire import MessageError, from_json
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,8 +75,8 @@ class PageLink:
             if kind == "views":
                 self._count(page, int(content["count"]))
             elif kind == "click":
-                content = {"click": _click(content)}
-        except (KeyError, TypeError, ValueError) as error:
+                content = {"click": from_json(Click, content)}
+        except (KeyError, TypeError, ValueError, MessageError) as error:
             self._stream.say(f"A message of the page was passed over: {error!r}")
             return
         if kind in self.at_once:
@@ -131,9 +132,3 @@ class PageLink:
                 function(argument)
         else:
             self._loop.call_soon_threadsafe(function, argument)
-
-
-def _click(content: Content) -> Click:
-    values = {name: content[name] for name in Click.__dataclass_fields__ if name in content}
-    fields: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in values.items()}
-    return Click(**fields)

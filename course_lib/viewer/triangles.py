@@ -32,7 +32,7 @@ class Triangles:
 
 
 @dataclass(frozen=True)
-class View:
+class Viewpoint:
     """How to get from an object to the camera, and how large a pixel is there."""
 
     transform_object_to_camera: Matrix
@@ -63,7 +63,7 @@ def triangles_of(
     for path, thing in sorted(things, key=lambda item: not getattr(item[1], "behind", False)):
         if type(thing) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
-            seen = _SEEN[type(thing)](thing, View(transform, camera, height))
+            seen = _SEEN[type(thing)](thing, Viewpoint(transform, camera, height))
             near = (-seen.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
             yield seen if near.all() else replace(seen, corners=seen.corners[near])
 
@@ -90,7 +90,7 @@ def _turned(normals: Float32s, transform: Matrix) -> Float32s:
     return (cofactors @ normals[..., None])[..., 0].astype(np.float32)
 
 
-def _solids(solids: Solids, view: View) -> Triangles:
+def _solids(solids: Solids, view: Viewpoint) -> Triangles:
     unit = unit_shape(solids.shape, 32 if len(solids.placements) < 50 else 12)
     placements = (view.transform_object_to_camera @ solids.placements)[:, None, None]
     points = (placements[..., :3, :3] @ unit.corners[..., None])[..., 0] + placements[..., :3, 3]
@@ -102,14 +102,14 @@ def _solids(solids: Solids, view: View) -> Triangles:
     return _triangles(corners[front], colors[front], normals[front] if solids.lit else None)
 
 
-def _front(corners: Float32s, view: View) -> Bools:
+def _front(corners: Float32s, view: Viewpoint) -> Bools:
     """Say which triangles turn their front to the camera."""
     towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
     front: Bools = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
     return front
 
 
-def _mesh(mesh: Mesh, view: View) -> Triangles:
+def _mesh(mesh: Mesh, view: Viewpoint) -> Triangles:
     points = view.points(mesh.vertices)[mesh.faces]
     colors = np.broadcast_to(mesh.colors, (len(mesh.vertices), 4))[mesh.faces]
     if not mesh.lit:
@@ -119,7 +119,7 @@ def _mesh(mesh: Mesh, view: View) -> Triangles:
     return _triangles(points, colors, _turned(mesh.normals, view.transform_object_to_camera)[mesh.faces])
 
 
-def _lines(lines: Lines, view: View) -> Triangles:
+def _lines(lines: Lines, view: Viewpoint) -> Triangles:
     """Widen each segment across the line that joins its neighbours, as Ogre's billboard chain does."""
     points = view.points(lines.points)
     colors = np.broadcast_to(lines.colors, (len(points), 4))
@@ -138,7 +138,7 @@ def _lines(lines: Lines, view: View) -> Triangles:
     return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
 
 
-def _points(points: Points, view: View) -> Triangles:
+def _points(points: Points, view: Viewpoint) -> Triangles:
     centres = view.points(points.points)
     unit, shade = unit_spot(points.spot)
     size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
@@ -153,7 +153,7 @@ def _points(points: Points, view: View) -> Triangles:
     return _triangles(corners, colors)
 
 
-def _spot_axes(points: Points, centres: Float32s, view: View) -> Matrix:
+def _spot_axes(points: Points, centres: Float32s, view: Viewpoint) -> Matrix:
     """Return right, up and ahead of each spot as columns, shape (N, 3, 3); see RViz's nogp/billboard.vert."""
     rotation = view.transform_object_to_camera[:3, :3]
     if points.pixels or points.spot in ("box", "tile"):
@@ -165,7 +165,7 @@ def _spot_axes(points: Points, centres: Float32s, view: View) -> Matrix:
     return np.stack([right, np.cross(towards, right), towards], axis=-1)
 
 
-def _text(text: Text, view: View) -> Triangles:
+def _text(text: Text, view: Viewpoint) -> Triangles:
     glyphs = rasterized(text.text)
     rows, columns = glyphs.mask.shape
     size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
@@ -176,7 +176,7 @@ def _text(text: Text, view: View) -> Triangles:
     return Triangles(square, True, glyphs.mask)
 
 
-def _sheet(sheet: Sheet, view: View) -> Triangles:
+def _sheet(sheet: Sheet, view: Viewpoint) -> Triangles:
     rows, columns = sheet.cells.shape
     unit = SQUARE + np.array([0.5, 0.5, 0], np.float32)
     size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.width)
@@ -187,7 +187,7 @@ def _sheet(sheet: Sheet, view: View) -> Triangles:
     return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
 
 
-_SEEN: dict[type[Drawable], Callable[[Any, View], Triangles]] = {
+_SEEN: dict[type[Drawable], Callable[[Any, Viewpoint], Triangles]] = {
     Solids: _solids,
     Mesh: _mesh,
     Lines: _lines,

@@ -101,7 +101,7 @@ def test_lists_that_somebody_is_in_stay_while_other_things_change(bench: Bench) 
     stays = "document.querySelector('dialog option')"
     bench.page.evaluate(f"globalThis.before = {stays}")
     bench.viewer.remove(bench.viewer["Marker"])
-    bench.widget.link.receive({"type": "desk", "act": "look"})
+    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
     bench.host.carry()
     assert bench.row("Marker").count() == 0
     assert bench.page.evaluate(f"globalThis.before === {stays}")
@@ -115,7 +115,7 @@ def test_a_layout_is_saved_and_opened_by_keys(bench: Bench, tmp_path: Path) -> N
     bench.host.carry()
     assert (tmp_path / "mine.rviz").exists()
     bench.viewer.remove(bench.viewer["Marker"])
-    bench.widget.link.receive({"type": "desk", "act": "open"})
+    bench.widget.link.receive({"type": "desk", "act": "OpenPanels"})
     bench.host.carry()
     canvas.press("Control+o")
     bench.choose("mine.rviz")
@@ -123,12 +123,12 @@ def test_a_layout_is_saved_and_opened_by_keys(bench: Bench, tmp_path: Path) -> N
 
 
 def test_a_malformed_order_is_answered_in_the_status_line(bench: Bench) -> None:
-    bench.widget.link.receive({"type": "desk", "act": "set", "row": "nowhere", "value": 1})
+    bench.widget.link.receive({"type": "desk", "act": "SetValue", "row": "nowhere", "value": 1})
     bench.host.carry()
     assert "'nowhere' is not there any more" in bench.page.locator(".course-notice").inner_text()
-    bench.widget.link.receive({"type": "desk", "act": "camera", "eye": None})
+    bench.widget.link.receive({"type": "desk", "act": "TurnView", "eye": None})
     bench.host.carry()
-    assert "makes no sense" in bench.page.locator(".course-notice").inner_text()
+    assert "TurnView from the page lacks 'scale'" in bench.page.locator(".course-notice").inner_text()
 
 
 def test_everything_is_reached_by_the_tab_key_and_has_a_name(bench: Bench) -> None:

@@ -6,7 +6,7 @@ import pytest
 from geometry_msgs.msg import Quaternion, TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from course_lib.displays.views import FrameAligned, TopDownOrtho, View, XYOrbit
+from course_lib.displays.views import FrameAligned, TopDownOrtho, ViewController, XYOrbit
 from tests.browser.bench import Bench
 from tests.displays.stage import publish
 
@@ -55,15 +55,15 @@ def test_an_fps_view_turns_around_its_eye(bench: Bench) -> None:
     assert view["Position"] == pytest.approx(position, abs=1e-6)
 
 
-def show_view(bench: Bench, view: View) -> None:
+def show_view(bench: Bench, view: ViewController) -> None:
     bench.viewer.view = view
     tell(bench)
 
 
 def tell(bench: Bench) -> None:
-    """Let the page have what was changed, without waiting for its turn."""
+    """Send the changes to the page before the next frame."""
     bench.widget.flush()
-    bench.widget.link.receive({"type": "desk", "act": "look"})
+    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
     bench.host.carry()
 
 

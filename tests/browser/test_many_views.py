@@ -86,7 +86,7 @@ def notebook(browser: Browser, address: str) -> Iterator[Notebook]:
 
 
 def are_all(notebook: Notebook, color: int) -> bool:
-    """Say whether all views show a box of a colour: 0 red, 1 green, 2 blue."""
+    """Return whether all views show a box of a colour: 0 red, 1 green, 2 blue."""
     cell = notebook.cell("for widget in")
     counts = cell.locator("canvas").evaluate_all(_COUNT, color)
     return len(counts) == MANY and min(counts) > ENOUGH

@@ -55,7 +55,7 @@ def test_the_panel_follows_robot_time(bench: Bench) -> None:
 
 
 def test_an_open_page_draws_the_screenshot(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("course_lib.displays.panel._ANSWER", PATIENCE)
+    monkeypatch.setattr("course_lib.displays.panel.cell._ANSWER", PATIENCE)
     pictures = []
     asking = threading.Thread(target=lambda: pictures.append(bench.viewer.screenshot(size=(300, 200))))
     asking.start()
@@ -71,5 +71,5 @@ def test_an_open_page_draws_the_screenshot(bench: Bench, monkeypatch: pytest.Mon
 def test_a_page_that_does_not_answer_is_waited_for_a_while_only(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.displays.panel._ANSWER", 0.1)
+    monkeypatch.setattr("course_lib.displays.panel.cell._ANSWER", 0.1)
     assert bench.viewer.screenshot(size=(80, 60)).renderer in ("chromium", "numpy")

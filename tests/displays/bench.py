@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.displays.display import Display
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import Level
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import Message, serialize, type_name
@@ -26,7 +26,7 @@ class Bench:
 
     def __init__(self, fixed_frame: str = "map", match_qos: bool = True) -> None:
         self.scene = Scene()
-        self.session = Session(self.scene, fixed_frame, START_NS, match_qos)
+        self.session = RvizSession(self.scene, fixed_frame, START_NS, match_qos)
         self.marker = self.session.add("rviz_default_plugins/Marker", "Marker", {"Topic": TOPIC})
         self.array = self.session.add("rviz_default_plugins/MarkerArray", "MarkerArray", {"Topic": ARRAY})
 

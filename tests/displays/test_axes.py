@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from course_lib.displays.reference_display import AxesDisplay, axes
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.ros.tf2_transform import Transform
 from course_lib.viewer.drawables import Solids
 from course_lib.viewer.scene import Scene
@@ -23,7 +23,7 @@ def test_each_axis_reaches_from_the_origin_along_its_direction_in_its_color() ->
 
 
 def test_axes_stand_at_their_frame_and_hide_while_it_is_unknown() -> None:
-    session = Session(Scene(), "map")
+    session = RvizSession(Scene(), "map")
     display = session.add(AXES, "Axes", {"Reference Frame": "base", "Length": 0.5})
     assert isinstance(display, AxesDisplay)
     scene = session.context.scene
@@ -42,7 +42,7 @@ def test_axes_stand_at_their_frame_and_hide_while_it_is_unknown() -> None:
 
 
 def test_what_rviz_calls_radius_is_the_diameter() -> None:
-    session = Session(Scene(), "map")
+    session = RvizSession(Scene(), "map")
     session.add(AXES, "Axes", {}, Radius=0.2)
     drawn = session.context.scene.node(NODE).object
     assert isinstance(drawn, Solids)

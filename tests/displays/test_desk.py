@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from course_lib.displays.desk import Desk
 from course_lib.displays.layout import read_layout
-from course_lib.displays.session import Session
+from course_lib.displays.panel.desk import Desk
+from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import FrameAligned, XYOrbit
 from course_lib.displays.writer import member_config
@@ -24,17 +24,18 @@ from tests.displays.test_layout import LAYOUT
 class Page:
     """The page's side, without a page: what it was told, put together."""
 
-    def __init__(self, session: Session, graph: Graph | None = None) -> None:
+    def __init__(self, session: RvizSession, graph: Graph | None = None) -> None:
         self.told: dict[str, Any] = {}
+        self.told_rows: dict[str, dict[str, Any]] = {}
         self.link = PageLink(session.context.scene, self._take)
         self.desk = Desk(session, self.link, graph)
-        self.ask(act="open")
+        self.ask(act="OpenPanels")
 
     def ask(self, **order: Any) -> None:
         self.link.receive({"type": "desk", "page": "one", "number": 0, **order})
 
     def rows(self) -> list[dict[str, Any]]:
-        return [self.told[f"row {key}"] for key in self.told["tree"]]
+        return [self.told_rows[key] for key in self.told["tree"]]
 
     def key(self, label: str) -> str:
         return str(next(row["key"] for row in self.rows() if row["label"] == label))
@@ -42,8 +43,9 @@ class Page:
     def _take(self, content: dict[str, Any], _: list[bytes]) -> None:
         if content["type"] == "desk":
             self.told |= content["changed"]
+            self.told_rows |= content["rows"]
             for key in content["gone"]:
-                del self.told[key]
+                del self.told_rows[key]
 
 
 @pytest.fixture
@@ -70,22 +72,22 @@ def test_rows_come_after_their_parents(page: Page) -> None:
 
 def test_only_what_has_changed_is_told(page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     posted: list[dict[str, Any]] = []
-    monkeypatch.setattr(page.link, "post", lambda content, _: posted.append(content))
+    monkeypatch.setattr(page.link, "post", posted.append)
     page.desk.post()
     assert posted == []
     viewer["Grid"]["Alpha"] = 0.25
     page.desk.post()
-    assert list(posted[-1]["changed"]) == ["row displays/Grid#Alpha"]
+    assert (posted[-1]["changed"], list(posted[-1]["rows"])) == ({}, ["displays/Grid#Alpha"])
 
 
 def test_a_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
-    page.ask(act="set", row="displays/Marker#Namespaces#n", value=False)
+    page.ask(act="SetValue", row="displays/Marker#Namespaces#n", value=False)
     assert viewer["Marker"]["Namespaces"] == {"n": False}
     assert not [path for path in viewer.scene.objects() if path.startswith("displays/Marker")]
 
 
 def test_a_value_that_does_not_fit_is_said_and_changes_nothing(page: Page, viewer: Viewer) -> None:
-    page.ask(act="set", row="displays/Grid#Cell Size", value=None)
+    page.ask(act="SetValue", row="displays/Grid#Cell Size", value=None)
     assert page.told["notice"]["level"] == "error"
     assert "'Cell Size' is None, expected a number" in page.told["notice"]["text"]
     assert viewer["Grid"]["Cell Size"] == 1.0
@@ -94,12 +96,16 @@ def test_a_value_that_does_not_fit_is_said_and_changes_nothing(page: Page, viewe
 @pytest.mark.parametrize(
     "order",
     [
-        {"act": "nothing"}, {}, {"act": "set"}, {"act": "set", "row": "options", "value": 1},
-        {"act": "add", "class": "No/Such"}, {"act": "remove", "row": "options"},
-        {"act": "camera", "eye": [0, 0, "x"], "target": [0, 0, 0], "up": [0, 0, 1], "scale": 0},
-        {"act": "publish", "tool": "2D Goal Pose", "point": None}, {"act": "publish", "tool": "Laser"},
-        {"act": "save", "name": "../over/there"}, {"act": "load", "name": "absent.rviz"},
-        {"act": "view", "class": "Sideways"}, {"act": "view", "select": 7},
+        {"act": "nothing"}, {}, {"act": "SetValue"}, {"act": "SetValue", "row": "options", "value": 1},
+        {"act": "AddDisplay", "display": "No/Such"}, {"act": "RemoveRow", "row": "options"},
+        {"act": "TurnView", "eye": [0, 0, "x"], "target": [0, 0, 0], "up": [0, 0, 1], "scale": 0},
+        {"act": "PublishGesture", "tool": "2D Goal Pose", "point": None},
+        {"act": "PublishGesture", "tool": "Laser"},
+        {"act": "SaveLayout", "name": "../over/there"}, {"act": "LoadLayout", "name": "absent.rviz"},
+        {"act": "ChangeView", "view": "Sideways"}, {"act": "UseView", "index": 7},
+        {"act": "RemoveView", "index": -1},
+        {"act": "LookAgain", "hard": True}, {"act": "RenameRow", "row": 1, "name": "x"},
+        {"act": "AddDisplay", "display": "rviz_default_plugins/Grid", "topic": None},
     ],
     ids=str,
 )  # fmt: skip
@@ -110,19 +116,19 @@ def test_orders_that_make_no_sense_are_answered(page: Page, order: dict[str, Any
 
 def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page, viewer: Viewer) -> None:
     Path("old.rviz").write_text(LAYOUT.replace("Enabled: false", "Enabled: true"))
-    page.ask(act="load", name="old.rviz")
-    page.ask(act="set", row=page.key("Group"), value=False)
+    page.ask(act="LoadLayout", name="old.rviz")
+    page.ask(act="SetValue", row=page.key("Group"), value=False)
     assert not viewer["Boxes"].enabled
-    page.ask(act="set", row=page.key("Group"), value=True)
+    page.ask(act="SetValue", row=page.key("Group"), value=True)
     assert viewer["Boxes"].enabled
-    page.ask(act="remove", row=page.key("Group"))
+    page.ask(act="RemoveRow", row=page.key("Group"))
     assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
 
 
 def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) -> None:
     viewer["Grid"]["Cell Size"] = 3.0
-    page.ask(act="look")
-    page.ask(act="duplicate", row="displays/Grid")
+    page.ask(act="LookAgain")
+    page.ask(act="DuplicateDisplay", row="displays/Grid")
     assert viewer.displays[-1]["Cell Size"] == 3.0
     assert viewer.displays[-1].path != "displays/Grid"
 
@@ -130,23 +136,25 @@ def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) ->
 def test_topics_of_the_graph_can_be_added_before_anything_came(page: Page, graph: Graph) -> None:
     node = graph.add_node("silent", "/")
     graph.add_publisher(node, "/scan", "sensor_msgs/msg/LaserScan", Qos())
-    page.ask(act="look")
-    assert ("/scan", "sensor_msgs/msg/LaserScan", "rviz_default_plugins/LaserScan") in page.told["topics"]
+    page.ask(act="LookAgain")
+    display = "rviz_default_plugins/LaserScan"
+    expected = {"topic": "/scan", "type": "sensor_msgs/msg/LaserScan", "display": display}
+    assert expected in page.told["topics"]
 
 
 def test_a_display_is_added_with_its_topic_whatever_that_is_called(page: Page, viewer: Viewer) -> None:
-    page.ask(act="add", **{"class": "rviz_default_plugins/RobotModel"}, topic="/robot_description")
+    page.ask(act="AddDisplay", display="rviz_default_plugins/RobotModel", topic="/robot_description")
     assert viewer.displays[-1]["Description Topic"] == "/robot_description"
 
 
 def test_a_recording_is_not_published_into() -> None:
-    page = Page(Session(Scene()))
-    page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
+    page = Page(RvizSession(Scene()))
+    page.ask(act="PublishGesture", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
     assert "recording" in page.told["notice"]["text"]
 
 
 def test_the_node_of_the_tools_leaves_with_the_desk(page: Page, graph: Graph) -> None:
-    page.ask(act="publish", tool="Publish Point", point=[1, 2, 3])
+    page.ask(act="PublishGesture", tool="Publish Point", point=[1, 2, 3])
     assert page.told["notice"]["text"] == "Published (1.00, 2.00, 3.00) in map on /clicked_point."
     assert [node.name for node in graph.nodes()][-1] == "rviz2"
     page.desk.close()
@@ -156,42 +164,43 @@ def test_the_node_of_the_tools_leaves_with_the_desk(page: Page, graph: Graph) ->
 def test_a_layout_says_on_which_topic_a_tool_publishes(page: Page, graph: Graph) -> None:
     tools = "  Tools:\n    - Class: rviz_default_plugins/SetGoal\n      Topic: /move_base_simple/goal\n"
     Path("old.rviz").write_text(LAYOUT.replace("  Views:\n", tools + "  Views:\n"))
-    page.ask(act="load", name="old.rviz")
-    page.ask(act="publish", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
+    page.ask(act="LoadLayout", name="old.rviz")
+    page.ask(act="PublishGesture", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
     assert [end.topic for end in graph.endpoints()][-1] == "/move_base_simple/goal"
 
 
 def test_the_properties_of_tools_are_edited_and_saved(page: Page, viewer: Viewer, graph: Graph) -> None:
-    page.ask(act="set", row="tool 2D Pose Estimate#Covariance x", value=0.5)
-    page.ask(act="set", row="tool 2D Goal Pose#Topic", value="/my_goal")
-    page.ask(act="set", row="tool 2D Goal Pose#Topic#Reliability Policy", value="Best Effort")
-    page.ask(act="set", row="tool Publish Point#Single click", value=False)
-    page.ask(act="set", row="tool Measure#Line color", value=[1, 2, 3])
+    page.ask(act="SetValue", row="tool 2D Pose Estimate#Covariance x", value=0.5)
+    page.ask(act="SetValue", row="tool 2D Goal Pose#Topic", value="/my_goal")
+    page.ask(act="SetValue", row="tool 2D Goal Pose#Topic#Reliability Policy", value="Best Effort")
+    page.ask(act="SetValue", row="tool Publish Point#Single click", value=False)
+    page.ask(act="SetValue", row="tool Measure#Line color", value=[1, 2, 3])
     assert page.told["settings"] == {"single": False, "color": "rgb(1, 2, 3)"}
-    page.ask(act="publish", tool="2D Goal Pose", point=[1.0, 2.0, 0.0], angle=0.0)
+    page.ask(act="PublishGesture", tool="2D Goal Pose", point=[1.0, 2.0, 0.0], angle=0.0)
     (end,) = (end for end in graph.endpoints() if end.topic == "/my_goal")
     assert (end.qos.reliability, end.qos.depth) == ("best_effort", 5)
-    page.ask(act="save", name="tools.rviz")
-    again = Session(Scene())
+    page.ask(act="SaveLayout", name="tools.rviz")
+    again = RvizSession(Scene())
     again.apply(read_layout("tools.rviz"))
     assert [again.tools[5]["Covariance x"], again.tools[6]["Topic"]] == [0.5, "/my_goal"]
 
 
 def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page, viewer: Viewer) -> None:
-    page.ask(act="add", **{"class": "rviz_common/Group"})
+    page.ask(act="AddDisplay", display="rviz_common/Group")
     row = page.key("Group")
-    page.ask(act="add", **{"class": "rviz_default_plugins/Axes"}, row=row)
+    page.ask(act="AddDisplay", display="rviz_default_plugins/Axes", row=row)
     assert [row["parent"] for row in page.rows() if row["label"] == "Axes"] == [row]
-    page.ask(act="set", row=row, value=False)
+    page.ask(act="SetValue", row=row, value=False)
     assert not viewer["Axes"].enabled
 
 
 def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: Viewer, graph: Graph) -> None:
     graph.add_publisher(graph.add_node("humid", "/"), "/humidity", "sensor_msgs/msg/RelativeHumidity", Qos())
-    page.ask(act="look")
-    topic, _, name = next(shown for shown in page.told["topics"] if shown[0] == "/humidity")
+    page.ask(act="LookAgain")
+    shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/humidity")
+    topic, name = shown["topic"], shown["display"]
     assert name in page.told["undrawn"]
-    page.ask(act="add", topic=topic, **{"class": name})
+    page.ask(act="AddDisplay", topic=topic, display=name)
     (row,) = viewer["RelativeHumidity"].rows()
     said = "RViz2 draws RelativeHumidity (sensor_msgs/msg/RelativeHumidity); this viewer does not"
     assert said in row.text
@@ -200,28 +209,28 @@ def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: V
 
 def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit(distance=3.0, focal_point=(1.0, 2.0, 0.0))
-    page.ask(act="view", home=True)
+    page.ask(act="HomeView")
     assert (viewer.view["Distance"], viewer.view["Focal Point"]) == (10.0, (0.0, 0.0, 0.0))
 
 
 def test_the_page_knows_how_each_view_is_turned(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit()
-    page.ask(act="look")
+    page.ask(act="LookAgain")
     assert page.told["hands"] == {
         "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0
     }  # fmt: skip
     viewer.view = FrameAligned(lock_camera=True)
-    page.ask(act="look")
+    page.ask(act="LookAgain")
     hands = page.told["hands"]
     assert (hands["inPlace"], hands["aligned"], hands["locked"], hands["lift"]) == (True, True, True, 0.0)
 
 
 def test_a_cloud_that_is_not_selectable_is_not_selected(page: Page, viewer: Viewer) -> None:
     cloud = viewer.add("PointCloud2")
-    page.ask(act="select", path=f"{cloud.path}/drawn", index=1)
+    page.ask(act="SelectObject", path=f"{cloud.path}/drawn", index=1)
     assert page.told["selection"].startswith("PointCloud2")
     cloud["Selectable"] = False
-    page.ask(act="select", path=f"{cloud.path}/drawn", index=1)
+    page.ask(act="SelectObject", path=f"{cloud.path}/drawn", index=1)
     assert not page.told["selection"].startswith("PointCloud2")
 
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.displays.layout import read_layout
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.writer import document
 from course_lib.errors import CourseError
 from course_lib.ros.qos import Qos
@@ -69,15 +69,15 @@ Visualization Manager:
 
 
 @pytest.fixture
-def session(tmp_path: Path) -> Session:
+def session(tmp_path: Path) -> RvizSession:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT)
-    made = Session(Scene())
+    made = RvizSession(Scene())
     made.apply(read_layout(path))
     return made
 
 
-def test_a_layout_gives_options_displays_and_view(session: Session) -> None:
+def test_a_layout_gives_options_displays_and_view(session: RvizSession) -> None:
     assert (session.fixed_frame, session.frame_rate) == ("world", 10)
     assert session.context.scene.background == (200, 220, 255)
     assert [display.name for display in session.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
@@ -87,19 +87,19 @@ def test_a_layout_gives_options_displays_and_view(session: Session) -> None:
     assert [view[label] for label in labels] == [3.5, 1.5, 0.3, (1.0, 2.0, 0.0), 0.1]
 
 
-def test_properties_are_read_by_rviz_labels(session: Session) -> None:
+def test_properties_are_read_by_rviz_labels(session: RvizSession) -> None:
     grid, boxes = session.displays[:2]
     labels = ("Alpha", "Cell Size", "Line Style", "Line Width", "Enabled")
     assert [grid[label] for label in labels] == [0.5, 2.0, "Billboards", 0.1, True]
     assert not boxes.enabled
     boxes["Enabled"] = True
-    (subscription,) = boxes.subscriptions
+    (subscription,) = boxes.interests
     assert subscription.topic == "/boxes"
     assert subscription.qos == Qos(depth=7, reliability="best_effort", durability="transient_local")
 
 
-def test_topics_as_written_before_galactic_are_understood(session: Session) -> None:
-    old = session.displays[2].subscriptions[0]
+def test_topics_as_written_before_galactic_are_understood(session: RvizSession) -> None:
+    old = session.displays[2].interests[0]
     assert old.topic == "/old"
     assert old.qos == Qos(depth=3, reliability="best_effort")
 
@@ -110,7 +110,7 @@ def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) ->
         "Group\n    ", "Group\n      Enabled: false\n    "
     )
     path.write_text(text)
-    session = Session(Scene())
+    session = RvizSession(Scene())
     session.apply(read_layout(path))
     grid, boxes = session.displays[:2]
     assert grid.enabled
@@ -122,7 +122,7 @@ def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) ->
     assert boxes.enabled
 
 
-def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:
+def test_a_class_of_ros_1_fails_as_in_rviz2(session: RvizSession) -> None:
     error, hint = session.displays[3].rows()
     assert error.level == "error"
     assert "'rviz/Grid', could not be loaded" in error.text
@@ -130,7 +130,7 @@ def test_a_class_of_ros_1_fails_as_in_rviz2(session: Session) -> None:
     assert hint.text == "rviz/Grid is ROS 1's name. RViz2 has the class rviz_default_plugins/Grid."
 
 
-def test_the_configuration_is_kept_with_what_we_do_not_know(session: Session) -> None:
+def test_the_configuration_is_kept_with_what_we_do_not_know(session: RvizSession) -> None:
     assert session.displays[0].config["Value"] == "true"
 
 
@@ -139,7 +139,7 @@ def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) ->
     path.write_text(
         LAYOUT.replace("Cell Size: 2", "Cell Size: wide").replace("3.5", "far").replace("XYO", "O")
     )
-    made = Session(Scene())
+    made = RvizSession(Scene())
     made.apply(read_layout(path))
     assert made.displays[0]["Cell Size"] == 1.0
     hints = [row.text for row in made.rows() if row.level == "hint"]
@@ -151,7 +151,7 @@ def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) ->
 def test_numbers_that_rviz_cannot_keep_are_left_out(value: str, tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("X: 1", f"X: {value}").replace("Cell Size: 2", f"Cell Size: {value}"))
-    made = Session(Scene())
+    made = RvizSession(Scene())
     made.apply(read_layout(path))
     assert (made.view["Focal Point"], made.displays[0]["Cell Size"]) == ((0.0, 0.0, 0.0), 1.0)
 
@@ -159,7 +159,7 @@ def test_numbers_that_rviz_cannot_keep_are_left_out(value: str, tmp_path: Path) 
 def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("rviz_default_plugins/XYOrbit", "my_pkg/Drone"))
-    made = Session(Scene())
+    made = RvizSession(Scene())
     made.apply(read_layout(path))
     assert repr(made.view) == "Orbit"
     assert any("Drone is none of Orbit, XYOrbit" in row.text for row in made.rows())
@@ -213,7 +213,7 @@ ODD = {
 def test_readable_yaml_is_taken_as_far_as_it_goes_and_the_rest_is_a_hint(name: str, tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(ODD[name][0])
-    made = Session(Scene())
+    made = RvizSession(Scene())
     made.apply(read_layout(path))
     assert ODD[name][1] in [row.text for row in made.rows() if (row.name, row.level) == ("Layout", "hint")]
     assert document(made)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from course_lib.displays.layout import read_layout
 from course_lib.displays.registry import REGISTRY
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.views import VIEWS
 from course_lib.displays.writer import save_rviz
 from course_lib.displays.yaml_file import yaml_text
@@ -59,11 +59,11 @@ def check(text: str, folder: Path) -> None:
         layout = read_layout(first)
     except CourseError:
         return
-    session = Session(Scene())
+    session = RvizSession(Scene())
     session.apply(layout)
     session.rows()
     save_rviz(session, second)
-    again = Session(Scene())
+    again = RvizSession(Scene())
     again.apply(read_layout(second))
     save_rviz(again, third)
     assert third.read_text() == second.read_text()

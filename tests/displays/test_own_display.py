@@ -14,7 +14,7 @@ from course_lib.displays.display import Display
 from course_lib.displays.layout import read_layout
 from course_lib.displays.own_display import OwnDisplay, register, solid
 from course_lib.displays.registry import REGISTRY, FailedDisplay
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
@@ -92,7 +92,7 @@ def test_a_layout_keeps_it_and_finds_it_again(tmp_path: Path) -> None:
     bench = Bench()
     shown(bench)["Height"] = 2.0
     save_rviz(bench.session, tmp_path / "mine.rviz")
-    again = Session(Scene())
+    again = RvizSession(Scene())
     again.apply(read_layout(tmp_path / "mine.rviz"))
     (display,) = (display for display in again.displays if display.name == "Battery")
     assert (display.class_name, display["Height"], display["Topic"]) == (CLASS, 2.0, "/battery")

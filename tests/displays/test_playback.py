@@ -3,12 +3,13 @@ from typing import Any
 
 import pytest
 
-from course_lib.displays.playback import Playback
+from course_lib.displays.panel.time_panel import Playback, TimeChange
 from course_lib.displays.render import film_of, replayed, session_for
 from course_lib.recording import Recording
 from course_lib.viewer.html import save_html
 from tests.displays.bench import marker
 from tests.displays.test_render import COMES_AND_GOES, sample
+from tests.displays.test_time_panel import Page
 from tests.viewer.test_stream import decoded
 
 
@@ -27,10 +28,10 @@ def seen(playback: Playback) -> int:
 @pytest.mark.parametrize("order", [(0.5, 1.5, 2.0), (2.0, 1.5, 0.5, 1.5), (1.5, 1.2, 1.0, 0.99)])
 def test_any_time_shows_what_a_replay_up_to_it_shows(playback: Playback, order: tuple[float, ...]) -> None:
     for seconds in order:
-        playback.act({"now": seconds})
+        playback.act(TimeChange(now=seconds))
         expected = replayed(COMES_AND_GOES, at=seconds).context.scene.objects().keys()
         assert playback.session.context.scene.objects().keys() == expected
-        assert playback.time()["elapsed"] == pytest.approx(seconds)
+        assert playback.time().elapsed == pytest.approx(seconds)
 
 
 def test_it_plays_to_the_end_and_rests_there_until_it_is_played_again(playback: Playback) -> None:
@@ -38,26 +39,27 @@ def test_it_plays_to_the_end_and_rests_there_until_it_is_played_again(playback: 
     assert seen(playback) == 2
     playback.advance(9.0)
     assert seen(playback) == 1
-    assert (playback.time()["elapsed"], playback.paused) == (2.0, True)
+    assert (playback.time().elapsed, playback.paused) == (2.0, True)
     playback.advance(1.0)
-    assert playback.time()["elapsed"] == 2.0
-    playback.act({"paused": False})
-    assert playback.time()["elapsed"] == 0.0
+    assert playback.time().elapsed == 2.0
+    playback.act(TimeChange(paused=False))
+    assert playback.time().elapsed == 0.0
 
 
 def test_a_loop_begins_again_and_a_rate_makes_it_faster(playback: Playback) -> None:
-    playback.act({"loop": True, "rate": 2})
+    playback.act(TimeChange(loop=True, rate=2))
     playback.advance(1.75)
-    assert playback.time()["elapsed"] == pytest.approx(1.5)
+    assert playback.time().elapsed == pytest.approx(1.5)
     assert seen(playback) == 2
     assert not playback.paused
 
 
 def test_steps_pause(playback: Playback) -> None:
-    playback.act({"step": 1})
-    assert (playback.time()["elapsed"], playback.paused) == (pytest.approx(1 / 30), True)
-    playback.act({"step": -3})
-    assert playback.time()["elapsed"] == 0.0
+    playback.act(TimeChange(step=1))
+    assert playback.time().elapsed == pytest.approx(1 / 30)
+    assert playback.paused
+    playback.act(TimeChange(step=-3))
+    assert playback.time().elapsed == 0.0
 
 
 @pytest.mark.parametrize(
@@ -65,16 +67,16 @@ def test_steps_pause(playback: Playback) -> None:
 )
 def test_nonsense_changes_nothing(playback: Playback, nonsense: dict[str, Any]) -> None:
     before = playback.time()
-    playback.act(nonsense)
+    Page(playback.session, playback).send(**nonsense)
     assert playback.time() == before
 
 
 def test_an_empty_recording_stands_still() -> None:
     empty = Recording(())
     playback = Playback(session_for(empty), empty)
-    playback.act({"loop": True})
+    playback.act(TimeChange(loop=True))
     playback.advance(1.0)
-    assert playback.time()["range"] == [0.0, 0.0]
+    assert playback.time().range == (0.0, 0.0)
 
 
 def test_a_film_of_a_recording_has_what_expires_without_a_message_at_its_time() -> None:

@@ -2,8 +2,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.displays.session import Session
-from course_lib.displays.time_panel import LiveTime, TimePanel
+from course_lib.displays.panel.time_panel import LiveTime, Playback, TimeChange, TimePanel
+from course_lib.displays.session import RvizSession
 from course_lib.ros.graph import Graph
 from course_lib.ros.pace import speed_of
 from course_lib.viewer.page_link import PageLink
@@ -13,32 +13,49 @@ from course_lib.viewer.scene import Scene
 def test_orders_of_a_page_reach_the_speed_of_robot_time() -> None:
     graph = Graph()
     live, speed = LiveTime(graph), speed_of(graph)
-    live.act({"rate": 0.5, "paused": False})
+    live.act(TimeChange(rate=0.5, paused=False))
     assert speed.passed_ns(1.0) == 500_000_000
-    live.act({"step": 1})
+    live.act(TimeChange(step=1))
     assert (speed.paused, speed.passed_ns(1.0), speed.passed_ns(1.0)) == (True, 100_000_000, 0)
-    live.act({"paused": False})
+    live.act(TimeChange(paused=False))
     assert speed.passed_ns(1.0) == 500_000_000
+
+
+class Page:
+    """A page with a time bar: what it was told."""
+
+    def __init__(self, session: RvizSession, source: LiveTime | Playback) -> None:
+        self.told: list[dict[str, Any]] = []
+        self._link = PageLink(session.context.scene, lambda content, _: self.told.append(content))
+        self.panel = TimePanel(session, self._link, source)
+
+    def send(self, **change: Any) -> dict[str, Any]:
+        self._link.receive({"type": "time", "page": "a", "number": 0, **change})
+        return self.told[-1]
+
+
+@pytest.mark.parametrize("change", [{"rate": 0}, {"rate": -2}, {"step": 9}], ids=str)
+def test_what_is_out_of_range_changes_nothing(change: dict[str, Any]) -> None:
+    graph = Graph()
+    assert "note" not in Page(RvizSession(Scene()), LiveTime(graph)).send(**change)
+    assert speed_of(graph).passed_ns(1.0) == 10**9
 
 
 @pytest.mark.parametrize(
-    "nonsense", [{"rate": 0}, {"rate": -2}, {"rate": float("nan")}, {"rate": "fast"}, {"step": 9}]
+    "change", [{"rate": float("nan")}, {"rate": "fast"}, {"step": 0.5}, {"paused": 1}, {"speed": 2}], ids=str
 )
-def test_nonsense_changes_nothing(nonsense: dict[str, Any]) -> None:
+def test_what_is_malformed_is_refused_with_a_note(change: dict[str, Any]) -> None:
     graph = Graph()
-    LiveTime(graph).act(nonsense)
+    note = Page(RvizSession(Scene()), LiveTime(graph)).send(**change)["note"]
+    assert repr(next(iter(change))) in note
     assert speed_of(graph).passed_ns(1.0) == 10**9
 
 
 def test_a_page_that_asks_is_told_the_time_and_every_order_is_answered() -> None:
-    told: list[dict[str, Any]] = []
-    session, graph = Session(Scene()), Graph()
-    link = PageLink(session.context.scene, lambda content, _: told.append(content))
-    panel = TimePanel(session, link, LiveTime(graph))
-    for message in ({}, {"paused": True}):
-        link.receive({"type": "time", "page": "a", "number": 0, **message})
-    times = [content for content in told if content["type"] == "time"]
+    session, graph = RvizSession(Scene()), Graph()
+    page = Page(session, LiveTime(graph))
+    times = [page.send(), page.send(paused=True)]
     assert [time["paused"] for time in times] == [False, True]
     assert times[0]["now"] == 1_700_000_000
-    panel.close()
+    page.panel.close()
     assert session.after_frame == []

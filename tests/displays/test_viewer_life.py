@@ -46,9 +46,9 @@ def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.Monkey
     posted: list[Any] = []
     assert viewer._panel._view is not None
     link = viewer._panel._view.link
-    monkeypatch.setattr(link, "post", lambda content, _: posted.append(content))
+    monkeypatch.setattr(link, "post", posted.append)
     viewer.fixed_frame = "moon"
-    link.receive({"type": "desk", "act": "open", "page": "one", "number": 0})
+    link.receive({"type": "desk", "act": "OpenPanels", "page": "one", "number": 0})
     assert "Frame [moon] does not exist" in posted[-1]["changed"]["status"]["text"]
     viewer.close()
 

@@ -10,7 +10,7 @@ from course_lib.displays.views import (
     Orbit,
     ThirdPersonFollower,
     TopDownOrtho,
-    View,
+    ViewController,
     XYOrbit,
     view_of,
 )
@@ -98,7 +98,7 @@ MOVED = (
 
 
 @pytest.mark.parametrize("view", MOVED, ids=repr)
-def test_a_camera_gives_back_the_properties_it_came_from(view: View) -> None:
+def test_a_camera_gives_back_the_properties_it_came_from(view: ViewController) -> None:
     frames = turned_frames()
     other = type(view)(target_frame=view["Target Frame"], invert_z_axis=view["Invert Z Axis"])
     other.camera(frames)
@@ -109,7 +109,7 @@ def test_a_camera_gives_back_the_properties_it_came_from(view: View) -> None:
 
 
 @pytest.mark.parametrize("kind", [Orbit, ThirdPersonFollower])
-def test_another_type_of_view_looks_from_the_same_place(kind: type[View]) -> None:
+def test_another_type_of_view_looks_from_the_same_place(kind: type[ViewController]) -> None:
     frames, made = turned_frames(), kind()
     former = FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base")
     made.mimic(former, frames)
@@ -117,7 +117,7 @@ def test_another_type_of_view_looks_from_the_same_place(kind: type[View]) -> Non
 
 
 @pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned])
-def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[View]) -> None:
+def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[ViewController]) -> None:
     frames = turned_frames()
     made = view(target_frame="base")
     before = made.camera(frames)
@@ -135,7 +135,7 @@ def test_an_unknown_property_of_a_view_names_what_there_is() -> None:
 
 
 @pytest.mark.parametrize("kind", [Orbit, XYOrbit, FPS, TopDownOrtho])
-def test_another_target_frame_leaves_the_camera_where_it_is(kind: type[View]) -> None:
+def test_another_target_frame_leaves_the_camera_where_it_is(kind: type[ViewController]) -> None:
     frames, view = turned_frames(), kind()
     before = view.camera(frames)
     view["Target Frame"] = "base"

@@ -4,7 +4,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from course_lib.displays.layout import read_layout
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.displays.views import Orbit
 from course_lib.displays.writer import document, save_rviz
 from course_lib.errors import CourseError
@@ -14,18 +14,18 @@ from tests.displays.test_layout import LAYOUT
 REAL = sorted((Path(__file__).parents[1] / "data" / "rviz_reference").glob("*/view.rviz"))
 
 
-def session_of(path: Path) -> Session:
-    session = Session(Scene())
+def session_of(path: Path) -> RvizSession:
+    session = RvizSession(Scene())
     session.apply(read_layout(path))
     return session
 
 
-def saved(session: Session, path: Path) -> str:
+def saved(session: RvizSession, path: Path) -> str:
     save_rviz(session, path)
     return path.read_text(encoding="utf-8")
 
 
-def saved_path(session: Session, folder: Path) -> Path:
+def saved_path(session: RvizSession, folder: Path) -> Path:
     save_rviz(session, folder / "saved.rviz")
     return folder / "saved.rviz"
 

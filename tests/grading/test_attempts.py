@@ -1,4 +1,4 @@
-"""Which of several files counts, and whose it is."""
+"""Several files of one student: the file that counts, and its owner."""
 
 import json
 import os

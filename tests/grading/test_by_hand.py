@@ -1,4 +1,4 @@
-"""What persons give counts, is kept by every regrading, and is asked for until it is there."""
+"""Marks by hand count, survive every regrading, and are asked for until they are there."""
 
 import json
 from collections.abc import Callable

@@ -30,7 +30,7 @@ def cells_as_code(cells: Sequence[str]) -> str:
 
 
 def compared(top: Path, out: Path) -> dict[tuple[str, str], tuple[str, ...]]:
-    """Who is like whom, after a comparison of what lies in a folder."""
+    """Return the pairs of similar submissions in a folder."""
     compare_class(with_ids(find_submissions(top), top), out, exercises_dir(), ZoneInfo("UTC"))
     return {key: alike.others for key, alike in alike_in(out).items()}
 

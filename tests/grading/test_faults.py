@@ -1,4 +1,4 @@
-"""Whatever happens while a class is graded, the gradebook ends as if nothing had."""
+"""Faults while a class is graded leave the gradebook as it would be without them."""
 
 import os
 import random
@@ -38,7 +38,7 @@ def course(top: Path) -> Course:
 
 @pytest.fixture
 def undisturbed(top: Path) -> dict[str, str]:
-    """What the class gets if nothing happens, on one job in this process."""
+    """Marks of the class without faults, by one job in this process."""
     return fingerprint(top / "undisturbed")
 
 

@@ -23,7 +23,7 @@ def with_layers(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Callable[..., Grade]]:
-    """Makes `course grade OPTIONS` that has all layers but some; it gives the exit code."""
+    """Return a `course grade OPTIONS` without some layers; it returns the exit code."""
     write_notebook(tmp_path / "in" / "ada" / "week01_exercise.ipynb", right, student="ada")
     opened: list[TemplateProcess] = []
 

@@ -1,4 +1,4 @@
-"""Whose personal values count, and what shows that a file names another student."""
+"""Personal values are those of the student who handed in; a file that names another is found."""
 
 import csv
 import re

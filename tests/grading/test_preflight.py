@@ -108,7 +108,7 @@ def test_an_exercise_without_a_solution_is_named(
 
 
 class Elsewhere(Here):
-    """Where another version of the kit is."""
+    """Folder of another version of the kit."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
         future: Future[Any] = Future()

@@ -1,4 +1,4 @@
-"""What a hostile process could send, by hypothesis, and what is made of it: no exception may escape."""
+"""Streams that a hostile process could send, by hypothesis: judging them raises nothing."""
 
 import socket
 import struct
@@ -82,7 +82,7 @@ def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
 
 
 def swallow(stream: bytes) -> Evidence:
-    """Take a stream as what a submission sent, keep the evidence, judge it."""
+    """Read a stream as that of a submission, store the evidence, and judge it."""
     stage = ScenarioGraph(TASK, SCENARIO, {})
     ours, theirs = socket.socketpair()
     channel = Channel(ours)

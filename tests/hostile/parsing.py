@@ -1,4 +1,4 @@
-"""What parses the files and texts of students: each takes anything, or says what is wrong with it."""
+"""Parsers of students' files and texts: each accepts any input, or raises a clear error."""
 
 import json
 import random

@@ -177,7 +177,7 @@ def test_a_report_shows_no_file_of_the_grader(
     sample = Sample(START_NS, TOPIC, "visualization_msgs/msg/Marker", cdr, Qos(), 2)
     run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0, (sample,)))
     assert figures(task, [run], 100_000)[0].view
-    with packages_only(), pytest.raises(CourseError, match="no address of a file"):
+    with packages_only(), pytest.raises(CourseError, match="not the address of a file"):
         resolve(named)
 
 

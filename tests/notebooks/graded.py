@@ -73,7 +73,7 @@ def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
 
 
 def evidence_here(task: Task, scenario: Scenario, namespace: Mapping[str, Any]) -> Evidence:
-    """What a scenario brings out, run in this process."""
+    """Return the evidence of a scenario, run in this process."""
     subject, personal = namespace[task.name], personal_values(task, STUDENT)
     return run_here(task, scenario, subject, personal, wall_limit=A_WHILE)
 

@@ -1,4 +1,4 @@
-"""What earns next to nothing, and what is caught before the hidden checks."""
+"""Hollow answers earn next to nothing; near misses fail a public check."""
 
 import re
 import tomllib

@@ -28,12 +28,3 @@ def test_no_two_scripts_of_the_bundle_declare_the_same_name() -> None:
     texts = {name: (FOLDER / f"{name}.js").read_text("utf-8") for name in assets._MODULES}
     declared = Counter(name for text in texts.values() for name in set(DECLARED.findall(text)))
     assert [name for name, count in declared.items() if count > 1] == []
-
-
-@pytest.mark.slow
-def test_types_in_the_scripts_comments_hold() -> None:
-    compiler = shutil.which("tsc")
-    if compiler is None:
-        pytest.skip("no TypeScript compiler on this machine")
-    done = subprocess.run([compiler, "-p", str(FOLDER / "jsconfig.json")], capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.viewer import assets
+from tests.viewer import declarations
 
 FOLDER = Path(assets.__file__).parent / "js"
 COMPILER = shutil.which("tsc")
@@ -17,3 +18,7 @@ def test_the_types_of_the_javascript_agree_and_nothing_in_it_is_unused() -> None
         [COMPILER, "-p", FOLDER / "jsconfig.json"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout
+
+
+def test_the_declarations_of_the_messages_are_those_of_the_dataclasses() -> None:
+    assert declarations.PATH.read_text("utf-8") == declarations.declarations()

@@ -9,7 +9,7 @@ import numpy as np
 from course_lib.arrays import AnyArray, Float32s, Matrix, Pixels
 from course_lib.displays.clouds.cloud import Cloud
 from course_lib.displays.clouds.display import CLOUD_PROPERTIES, CloudDisplay
-from course_lib.displays.display import Display, Subscription
+from course_lib.displays.display import Display, Interest
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.images.camera import INFO
 from course_lib.displays.images.display import IMAGE, PACKED, info_topic
@@ -200,12 +200,12 @@ class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
         asked = {} if policy == "System Default" else {"reliability": policy.lower().replace(" ", "_")}
         return Qos(depth=self["Queue Size"], **asked)
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Listen to the depths, to what describes their camera, and to the colours if there is a topic."""
         self.statuses.set("ok", self.status_label, "0 depth maps received")
         self.statuses.set("ok", "Message", "Ok")
         sensor = Qos(depth=5, reliability="best_effort")
-        info = self.subscription(info_topic(self[self.topic_label]), INFO, self._take_info, sensor)
+        info = self.interest(info_topic(self[self.topic_label]), INFO, self._take_info, sensor)
         images = [self._images(self.topic_label, self.take)]
         if self["Color Image Topic"]:
             images.append(self._images("Color Image Topic", self._take_colors))
@@ -217,10 +217,10 @@ class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
         self._depth = message
         self._match()
 
-    def _images(self, topic: str, take: Any) -> Subscription:
+    def _images(self, topic: str, take: Any) -> Interest:
         hint = self[_HINTS[topic]]
         packed = hint != "raw"
-        return self.subscription(self[topic] + f"/{hint}" * packed, PACKED if packed else IMAGE, take)
+        return self.interest(self[topic] + f"/{hint}" * packed, PACKED if packed else IMAGE, take)
 
     def _take_info(self, message: Any) -> None:
         self._info = message

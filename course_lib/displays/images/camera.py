@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.arrays import Matrix, Pixels
-from course_lib.displays.display import Subscription, node_name
+from course_lib.displays.display import Interest, node_name
 from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.images.display import PictureDisplay, info_topic
 from course_lib.displays.images.pixels import zoomed
@@ -63,11 +63,11 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
         text = f"No CameraInfo received on [{self.info_topic}]. Topic may not exist."
         self.statuses.set("warn", _STATUS, text)
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Listen to the images and to what describes their camera."""
         self.statuses.set("ok", _STATUS, "OK")
         qos = Qos(depth=5, reliability="best_effort")
-        info = Subscription(self.info_topic, INFO, qos, self._take_info, self.statuses)
+        info = Interest(self.info_topic, INFO, qos, self._take_info, self.statuses)
         return (*super().wanted(), info)
 
     def show(self, pixels: Pixels) -> None:

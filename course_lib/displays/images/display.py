@@ -3,7 +3,7 @@
 from typing import Any
 
 from course_lib.arrays import AnyArray, Pixels
-from course_lib.displays.display import Subscription
+from course_lib.displays.display import Interest
 from course_lib.displays.images.pixels import (
     Range,
     UnsupportedEncodingError,
@@ -49,10 +49,10 @@ class PictureDisplay(TopicDisplay):
         super().reset()
         self.message, self._range = None, Range()
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Listen to the topic; its last part says how the images are packed."""
         packed = self["Topic"].rpartition("/")[2] == "compressed"
-        return (self.subscription(self["Topic"], PACKED if packed else IMAGE, self.take),)
+        return (self.interest(self["Topic"], PACKED if packed else IMAGE, self.take),)
 
     def process(self, message: Any) -> None:
         """Keep an image for the next frame; of several that come before, RViz shows the last."""

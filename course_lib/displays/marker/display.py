@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from course_lib.displays.display import Subscription
+from course_lib.displays.display import Interest
 from course_lib.displays.marker.store import MarkerStore
 from course_lib.displays.properties import Property, booleans
 from course_lib.displays.statuses import StatusRow
@@ -68,10 +68,10 @@ class MarkerDisplay(_Markers, FilteredDisplay):
     type_name = MARKER
     properties = (*FilteredDisplay.properties, _NAMESPACES)
 
-    def wanted(self) -> tuple[Subscription, ...]:
+    def wanted(self) -> tuple[Interest, ...]:
         """Listen to the topic, and to arrays beside it."""
         self.statuses.set("ok", "Array Topic", "OK")
-        array = self.subscription(self["Topic"] + "_array", MARKER_ARRAY, self.markers.add_array)
+        array = self.interest(self["Topic"] + "_array", MARKER_ARRAY, self.markers.add_array)
         return (*super().wanted(), array)
 
     def process(self, message: Any) -> None:

@@ -88,7 +88,7 @@ class RobotModelDisplay(TopicDisplay):
         if self["Description Source"] == "Topic":
             super().start()
             return
-        self.subscriptions = ()
+        self.interests = ()
         super(TopicDisplay, self).start()
         if self.enabled and self._file:
             self._read(self._file)

@@ -11,7 +11,7 @@ from typing import Any
 from course_lib.displays.group import GROUP
 from course_lib.displays.layout import Config, Layout, layout_of, text_at
 from course_lib.displays.registry import full_name, short_name
-from course_lib.displays.session import Session
+from course_lib.displays.session import RvizSession
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.personal import build
@@ -136,7 +136,7 @@ def expect_drawn(
         return [Problem(message, "a description comes from a file")]
     # Only this display is made: a layout may ask for a grid of a billion lines.
     options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
-    session = Session(Scene())
+    session = RvizSession(Scene())
     session.apply(Layout(options=options, displays=(config,)))
     for sample in _samples(messages, best_effort, evidence.personal):
         session.receive(sample)
@@ -144,7 +144,7 @@ def expect_drawn(
     return list(_silent(session, class_name))
 
 
-def _silent(session: Session, class_name: str) -> Iterator[Problem]:
+def _silent(session: RvizSession, class_name: str) -> Iterator[Problem]:
     rows = [row for row in session.rows() if row.level != "ok"]
     for row in rows:
         said = f"{row.display}, {row.name}: {row.text}"

@@ -98,7 +98,8 @@ export class Link {
     const host = document.createElement("div");
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
     const label = this.model.get("label");
-    const onClick = (/** @type {any} */ click) => desk.panels?.gestures.click(click) || this.send(click);
+    /** @param {import("./protocol.js").Click} click */
+    const onClick = (click) => desk.panels?.gestures.click(click) || this.send({ type: "click", ...click });
     const view = new View(host, this.mirror, { label, onClick });
     const desk = new Desk(element, host, view, this.desk);
     const endTime = timeBelow(this, desk.frame);

@@ -18,7 +18,7 @@ export class Player {
     this.act({ now: this.end });
   }
 
-  /** @param {any} change what somebody does with the bar */
+  /** @param {import("./protocol.js").TimeChange} change what somebody does with the bar */
   act(change) {
     if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
     if (change.step) this.step(change.step);

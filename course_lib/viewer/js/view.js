@@ -19,7 +19,7 @@ const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], Ar
 export class View {
   /**
    * @param {HTMLElement} host is filled by the view @param {import("./mirror.js").Mirror} mirror
-   * @param {{label: string, alone?: boolean, onClick?: (click: any) => void}} options `alone`: nothing else
+   * @param {{label: string, alone?: boolean, onClick?: (click: import("./protocol.js").Click) => void}} options `alone`: nothing else
    *   on the page wants the wheel
    */
   constructor(host, mirror, options) {
@@ -169,14 +169,14 @@ export class View {
     if (performance.now() - this.turnedAt > HANDS_OFF) this.orbit.look(camera);
   }
 
-  /** @param {MouseEvent} event @returns {any} what is under the pointer, and where in the scene's frame */
+  /** @param {MouseEvent} event @returns {import("./protocol.js").Click} what is under the pointer, and where in the scene's frame */
   pick(event) {
     const box = this.canvas.getBoundingClientRect();
     const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), this.orbit.camera(box.width, box.height));
     const [origin, direction] = [caster.ray.origin.toArray(), caster.ray.direction.toArray()];
-    const click = { type: "click", button: event.button, path: null, origin, direction };
+    const click = { button: event.button, origin, direction };
     const hit = caster.intersectObject(this.mirror.scene, true).find((/** @type {any} */ found) => isShown(found.object));
     if (!hit) return click;
     const normal = hit.face?.normal.clone().transformDirection(hit.object.matrixWorld).toArray() ?? null;

@@ -175,6 +175,6 @@ def test_what_was_hidden_stays_until_its_time_is_out_or_the_camera_moves() -> No
 def test_the_quality_of_service_is_that_of_its_properties() -> None:
     bench = Bench()
     display = add(bench)
-    assert display.subscriptions[1].qos == Qos(depth=5, reliability="best_effort")
+    assert display.interests[1].qos == Qos(depth=5, reliability="best_effort")
     display["Reliability Policy"], display["Queue Size"] = "Reliable", 9
-    assert display.subscriptions[1].qos == Qos(depth=9, reliability="reliable")
+    assert display.interests[1].qos == Qos(depth=9, reliability="reliable")

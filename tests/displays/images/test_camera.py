@@ -130,4 +130,4 @@ def test_a_packed_image_has_its_description_beside_the_raw_one() -> None:
     display = bench.session.add(
         "rviz_default_plugins/Camera", "Camera", {"Topic": "/eye/image_raw/compressed"}
     )
-    assert [s.topic for s in display.subscriptions] == ["/eye/image_raw/compressed", "/eye/camera_info"]
+    assert [s.topic for s in display.interests] == ["/eye/image_raw/compressed", "/eye/camera_info"]

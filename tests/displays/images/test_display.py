@@ -78,7 +78,7 @@ def test_the_range_is_found_or_given_in_whole_numbers(
 def test_the_end_of_the_topic_says_that_images_are_packed() -> None:
     bench = Bench()
     display = bench.session.add("rviz_default_plugins/Image", "Packed", {"Topic": "/camera/image/compressed"})
-    assert display.subscriptions[0].type_name == "sensor_msgs/msg/CompressedImage"
+    assert display.interests[0].type_name == "sensor_msgs/msg/CompressedImage"
 
 
 def test_an_image_goes_with_its_display() -> None:

@@ -107,9 +107,9 @@ def test_a_namespace_that_a_layout_has_unticked_is_not_shown() -> None:
 def test_the_default_topics_are_those_of_rviz() -> None:
     bench = Bench()
     array = bench.session.add("rviz_default_plugins/MarkerArray", "Default", {})
-    assert [s.topic for s in array.subscriptions] == ["/visualization_marker_array"]
+    assert [s.topic for s in array.interests] == ["/visualization_marker_array"]
     single = bench.session.add("rviz_default_plugins/Marker", "Default", {})
-    assert single.subscriptions == ()
+    assert single.interests == ()
     assert bench.said(single, "Topic") == ("error", "Error subscribing: Empty topic name")
 
 

@@ -15,9 +15,9 @@ from tests.displays.robot_model.robots import ARM, CYLINDER, LATCHED, MISSING, R
 def test_a_latched_description_arrives_although_the_property_says_volatile() -> None:
     display = Bench().session.add(ROBOT, "Robot", {"Description Topic": "/robot_description"})
     assert display["Description Topic/Durability Policy"] == "Volatile"
-    assert display.subscriptions[0].qos == LATCHED
+    assert display.interests[0].qos == LATCHED
     display["Description Topic/Depth"] = 7
-    assert display.subscriptions[0].qos == Qos(depth=7)
+    assert display.interests[0].qos == Qos(depth=7)
 
 
 @pytest.mark.parametrize("text", ["", "hello", "<robot", "<robot name='r'/>", "<html><body/></html>"])
@@ -89,7 +89,7 @@ def test_a_description_may_come_from_a_file(tmp_path: Path) -> None:
     config = {"Description Source": "File", "Description File": str(file)}
     display = bench.session.add(ROBOT, "Robot", config)
     assert bench.said(display, "URDF") == ("error", "URDF is empty")
-    assert not display.subscriptions
+    assert not display.interests
     file.write_text(ARM.format(arm=CYLINDER))
     display["Enabled"] = False
     display["Enabled"] = True

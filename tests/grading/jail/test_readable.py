@@ -1,4 +1,4 @@
-"""Which files a submission may read, in the layouts of folders that people have."""
+"""Files that a submission may read, in common layouts of folders."""
 
 import json
 import os

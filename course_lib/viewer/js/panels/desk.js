@@ -2,29 +2,35 @@
 import { Panels } from "./panels.js";
 import { part } from "./parts.js";
 
-/** What Python says of all panels, and the desks of a page that show it. */
+/** @typedef {import("../protocol.js").PanelState} PanelState */
+/** @typedef {import("../protocol.js").PanelRow} Row */
+/** @typedef {import("../protocol.js").Order} Order */
+
+/** The state of all panels as Python has sent it, and the desks of a page that show it. */
 export class DeskState {
   /** @param {(order: any) => void} send carries an order to Python */
   constructor(send) {
-    /** @type {Record<string, any>} */
-    this.values = {};
+    this.values = /** @type {PanelState} */ ({}); // complete after the first news
+    /** @type {Record<string, Row>} */
+    this.rows = {};
     /** @type {Set<Desk>} */
     this.desks = new Set();
-    /** @param {string} act @param {any} [order] */
-    this.act = (act, order = {}) => send({ type: "desk", act, ...order });
-    this.act("open");
+    /** @param {Order} order */
+    this.act = (order) => send({ type: "desk", ...order });
+    this.act({ act: "OpenPanels" });
   }
 
-  /** @param {{changed: Record<string, any>, gone: string[]}} news */
-  take({ changed, gone }) {
+  /** @param {import("../protocol.js").PanelNews} news */
+  take({ changed, rows, gone }) {
     Object.assign(this.values, changed);
-    for (const key of gone) delete this.values[key];
+    Object.assign(this.rows, rows);
+    for (const key of gone) delete this.rows[key];
     for (const desk of this.desks) desk.update(changed);
   }
 
-  /** @param {string} name of a list of rows */
-  rows(name) {
-    return (this.values[name] ?? []).map((/** @type {string} */ key) => this.values[`row ${key}`]);
+  /** @param {string[]} keys @returns {Row[]} */
+  rowsOf(keys) {
+    return keys.map((key) => this.rows[key]);
   }
 }
 
@@ -56,7 +62,7 @@ export class Desk {
     this.frame.remove();
   }
 
-  /** @param {Record<string, any>} changed values */
+  /** @param {Partial<PanelState>} changed */
   update(changed) {
     if (!this.state.values.tree) return;
     this.panels ??= new Panels(this.frame, this.view, this.state);

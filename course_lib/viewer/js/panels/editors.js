@@ -1,12 +1,7 @@
 import { part } from "./parts.js";
 
-/**
- * One row, as Python describes it.
- * @typedef {{key: string, parent: string, label: string, text?: string, value?: any, checked?: boolean,
- *   open?: boolean, title?: string, level?: string, mark?: string, word?: string,
- *   editor?: {kind: string, low?: number, high?: number, options?: string[], type?: string}}} Row
- * @typedef {{element: any, update: (value: any) => void}} Editor
- */
+/** @typedef {import("../protocol.js").PanelRow} Row */
+/** @typedef {{element: any, update: (value: any) => void}} Control */
 
 /** @param {number} value as short as six digits allow */
 const short = (value) => String(Number(Number(value).toPrecision(6)));
@@ -30,17 +25,29 @@ function typed(fields, onchange, show = String) {
   };
 }
 
-/** @typedef {(row: Row, set: (value: any) => void, list: string) => Editor} Maker of a control */
-/** @type {Record<string, Maker>} by kind of value */
+/** @typedef {(row: Row, set: (value: any) => void, list: string) => Control} Maker of a control */
+/** @type {Maker} */
+const numberField = ({ editor }, set) => {
+  const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
+  const step = editor?.kind === "integer" ? 1 : "any";
+  return typed({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), short);
+};
+/** @type {Maker} */
+const textField = (_, set, list) => {
+  const made = typed({ type: "text", spellcheck: false }, (input) => set(input.value));
+  if (list) made.element.setAttribute("list", list);
+  return made;
+};
+/** @type {Record<import("../protocol.js").Editor["kind"], Maker>} */
 const EDITORS = {
+  number: numberField,
+  integer: numberField,
+  text: textField,
+  frame: textField,
+  topic: textField,
   bool: (_, set) => {
     const box = part("input", { type: "checkbox", onchange: () => set(box.checked) });
     return { element: box, update: (value) => (box.checked = value) };
-  },
-  number: ({ editor }, set) => {
-    const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
-    const step = editor?.kind === "integer" ? 1 : "any";
-    return typed({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), short);
   },
   enum: ({ editor }, set) => {
     const options = (editor?.options ?? []).map((word) => new Option(word, word));
@@ -56,11 +63,6 @@ const EDITORS = {
     const element = part("span", { className: "course-vector" }, ...axes.map((axis) => axis.element));
     return { element, update: (value) => axes.forEach((axis, i) => axis.update(value[i])) };
   },
-  text: (_, set, list) => {
-    const made = typed({ type: "text", spellcheck: false }, (input) => set(input.value));
-    if (list) made.element.setAttribute("list", list);
-    return made;
-  },
   none: () => {
     const words = part("span");
     return { element: words, update: (value) => (words.textContent = value ?? "") };
@@ -69,11 +71,10 @@ const EDITORS = {
 
 /**
  * @param {Row} row @param {(value: any) => void} set @param {string} list id of the suggestions, if any
- * @returns {Editor} its control, named after the row
+ * @returns {Control} named after the row
  */
 export function editorFor(row, set, list) {
-  const kind = { integer: "number", frame: "text", topic: "text" }[row.editor?.kind ?? ""] ?? row.editor?.kind;
-  const made = (EDITORS[kind ?? "none"] ?? EDITORS.text)(row, set, list);
+  const made = EDITORS[row.editor?.kind ?? "none"](row, set, list);
   if (row.editor) made.element.ariaLabel = row.label;
   return made;
 }

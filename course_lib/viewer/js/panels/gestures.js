@@ -1,8 +1,11 @@
 /* global THREE */
 
 const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
-/** @type {Record<string, string>} */
+/** @typedef {import("../protocol.js").ToolButton} ToolButton */
+/** @typedef {import("../protocol.js").Click} Click */
+/** @type {Record<ToolButton["gesture"], string>} */
 const HINTS = {
+  camera: "",
   pose: "Click and drag to set position and orientation.",
   point: "Click on a point to publish it.",
   select: "Click on an object to see its message and frame.",
@@ -13,7 +16,7 @@ const HINTS = {
 /** What the mouse does in a view while a tool of RViz is chosen. */
 export class Gestures {
   /**
-   * @param {import("../view.js").View} view @param {(act: string, order: any) => void} act told what was done
+   * @param {import("../view.js").View} view @param {(order: import("./desk.js").Order) => void} act told what was done
    * @param {(text: string) => void} say shows a hint @param {() => void} leave goes back to the first tool
    */
   constructor(view, act, say, leave) {
@@ -21,7 +24,9 @@ export class Gestures {
     this.act = act;
     this.say = say;
     this.leave = leave;
-    this.tool = { label: "", gesture: "camera" };
+    /** @type {ToolButton} */
+    this.tool = { label: "", key: "", gesture: "camera" };
+    /** @type {import("../protocol.js").ToolSettings} */
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
     /** @type {any} */
     this.start = null; // where an arrow or a line begins
@@ -30,12 +35,12 @@ export class Gestures {
     view.grab = (event) => this.hear(event);
   }
 
-  /** @param {{label: string, gesture: string}} tool */
+  /** @param {ToolButton} tool */
   take(tool) {
     this.tool = tool;
     this.start = null;
     this.show(null);
-    this.say(HINTS[tool.gesture] ?? "");
+    this.say(HINTS[tool.gesture]);
     this.view.canvas.style.cursor = tool.gesture === "camera" ? "" : "crosshair";
   }
 
@@ -49,7 +54,7 @@ export class Gestures {
     return false; // the view turns on, and tells clicks
   }
 
-  /** @param {any} click as the view tells it @returns {boolean} whether the tool took it */
+  /** @param {Click} click as the view tells it @returns {boolean} whether the tool took it */
   click(click) {
     const gesture = this.tool.gesture;
     if (gesture === "camera" || click.button !== 0) return gesture !== "camera";
@@ -60,17 +65,17 @@ export class Gestures {
       this.view.lookAt(click.point);
       this.leave();
     } else if (gesture === "point") {
-      this.act("publish", { tool: this.tool.label, point: click.point });
+      this.act({ act: "PublishGesture", tool: this.tool.label, point: click.point });
       if (this.settings.single) this.leave();
     }
     return true;
   }
 
-  /** @param {any} click as the view tells it */
+  /** @param {Click} click as the view tells it */
   select({ path, index }) {
-    const node = path === null ? null : this.view.mirror.nodes.get(path);
+    const node = path === undefined ? null : this.view.mirror.nodes.get(path);
     this.show(node ? new THREE.BoxHelper(node, 0xffffff) : null);
-    this.act("select", { path, index });
+    this.act({ act: "SelectObject", path, index });
   }
 
   /** @param {number[]} point [m] */
@@ -103,7 +108,7 @@ export class Gestures {
     } else if (!this.start) return false;
     const yaw = ground && this.start ? Math.atan2(ground.y - this.start.y, ground.x - this.start.x) : 0;
     if (this.start && event.type === "pointerup") {
-      this.act("publish", { tool: this.tool.label, point: this.start.toArray(), angle: yaw });
+      this.act({ act: "PublishGesture", tool: this.tool.label, point: this.start.toArray(), angle: yaw });
       this.leave();
     } else if (this.start) this.arrow(this.start, yaw);
     event.preventDefault();

@@ -5,6 +5,8 @@ import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
 
+/** @typedef {import("../protocol.js").PanelState} PanelState */
+
 /** RViz's tools, Displays and Views panels and status line. */
 export class Panels {
   /**
@@ -34,7 +36,7 @@ export class Panels {
     const left = this.dock("Displays", this.memberButtons(), this.tree.element);
     this.right = this.dock("Views", this.viewControls(), this.properties.element, tools, this.selection);
     /** @type {any[]} */
-    this.buttons = state.values.tools.map(this.toolButton, this);
+    this.buttons = state.values.toolbar.map(this.toolButton, this);
     const bar = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" }, ...this.buttons);
     const words = [left.opener, this.status, this.notice, this.right.opener];
     const line = part("div", { className: "course-lines" }, ...words);
@@ -48,19 +50,19 @@ export class Panels {
     this.choose(0);
   }
 
-  /** @param {Record<string, any>} changed values: lists that did not change stay, as somebody may be in them */
+  /** @param {Partial<PanelState>} changed fields: lists that did not change stay, as somebody may be in them */
   update(changed) {
     const { values } = this.state;
-    this.tree.update(this.state.rows("tree"));
-    this.properties.update(this.state.rows("view"));
+    this.tree.update(this.state.rowsOf(values.tree));
+    this.properties.update(this.state.rowsOf(values.view));
     this.updateViews(values.views);
-    this.toolTree.update(this.state.rows("toolRows"));
+    this.toolTree.update(this.state.rowsOf(values.tools));
     Object.assign(this.view.orbit, values.hands);
     this.gestures.settings = values.settings;
-    const { level, mark, word, text } = values.status;
-    const notice = values.notice.text ? values.notice : null;
-    this.say(this.status, mark, word, text, level);
-    if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice?.text ?? "", notice?.level ?? "");
+    const { mark, text } = values.status;
+    const { notice } = values;
+    this.say(this.status, mark.icon, mark.word, text, mark.level);
+    if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice.text ?? "", notice.level ?? "");
     this.noticed = JSON.stringify(notice);
     if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
     this.selection.textContent = values.selection;
@@ -91,8 +93,8 @@ export class Panels {
     dock.opener.ariaExpanded = String(open);
   }
 
-  /** @param {[string, string, string]} tool @param {number} index */
-  toolButton([label, key, gesture], index) {
+  /** @param {import("../protocol.js").ToolButton} tool @param {number} index */
+  toolButton({ label, key, gesture }, index) {
     const made = button(icon(label), `${label} (${key})`, () => this.choose(index));
     made.append(part("span", {}, label));
     made.dataset.gesture = gesture;
@@ -101,25 +103,23 @@ export class Panels {
 
   /** @param {number} index of the tool that the mouse is for from now on */
   choose(index) {
-    const [label, , gesture] = this.state.values.tools[index];
     this.buttons.forEach((one, at) => (one.ariaPressed = String(at === index)));
-    this.gestures.take({ label, gesture });
+    this.gestures.take(this.state.values.toolbar[index]);
     this.tool = index;
   }
 
   memberButtons() {
-    const order = () => ({ row: this.tree.chosen });
     const { act } = this.state;
     return part(
       "div",
       { role: "toolbar", ariaLabel: "Displays" },
       button("Add", "Add a display", () => this.add()),
-      button("Duplicate", "Duplicate the chosen display", () => act("duplicate", order())),
+      button("Duplicate", "Duplicate the chosen display", () => act({ act: "DuplicateDisplay", row: this.tree.chosen })),
       button("Rename", "Rename the chosen display", () => {
-        const row = this.state.values[`row ${this.tree.chosen}`];
-        ask(this.frame, "Rename", part("input", { value: row.label }), (name) => act("rename", { row: row.key, name }));
+        const { key, label } = this.state.rows[this.tree.chosen];
+        ask(this.frame, "Rename", part("input", { value: label }), (name) => act({ act: "RenameRow", row: key, name }));
       }),
-      button("Remove", "Remove the chosen display (Delete)", () => act("remove", order())),
+      button("Remove", "Remove the chosen display (Delete)", () => act({ act: "RemoveRow", row: this.tree.chosen })),
       button("Open", "Open a layout (Ctrl+O)", () => this.open()),
       button("Save", "Save the layout (Ctrl+S)", () => this.save()),
     );
@@ -129,8 +129,8 @@ export class Panels {
     this.addable = part("select", { size: 14 });
     this.fillAddable();
     const row = this.tree.chosen; // a group gets it
-    ask(this.frame, "Add", this.addable, (choice) => this.state.act("add", { ...JSON.parse(choice), row }));
-    this.state.act("look"); // the graph may have new topics
+    ask(this.frame, "Add", this.addable, (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row }));
+    this.state.act({ act: "LookAgain" }); // the graph may have new topics
   }
 
   fillAddable() {
@@ -139,11 +139,13 @@ export class Panels {
     const choices = (label, all) =>
       part("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
     const note = (/** @type {string} */ name) => (undrawn.includes(name) ? " (RViz2 only)" : "");
-    const byTopic = topics.map((/** @type {string[]} */ [topic, type, name]) => [
-      JSON.stringify({ class: name, topic }),
-      `${topic} (${type}) → ${name.split("/").pop()}${note(name)}`,
+    /** @type {[string, string][]} */
+    const byTopic = topics.map(({ topic, type, display }) => [
+      JSON.stringify({ display, topic }),
+      `${topic} (${type}) → ${display.split("/").pop()}${note(display)}`,
     ]);
-    const byType = types.map((/** @type {string[]} */ [name, short]) => [JSON.stringify({ class: name }), short]);
+    /** @type {[string, string][]} */
+    const byType = types.map(({ name, short }) => [JSON.stringify({ display: name }), short]);
     const { value } = this.addable;
     this.addable.replaceChildren(choices("By topic", byTopic), choices("By display type", byType));
     this.addable.value = value;
@@ -151,23 +153,25 @@ export class Panels {
   }
 
   open() {
-    const files = this.state.values.layouts[1].map((/** @type {string} */ name) => new Option(name, name));
+    const files = this.state.values.layouts.files.map((name) => new Option(name, name));
     if (!files.length) return this.say(this.notice, "", "", "No .rviz file is in the notebook's folder.", "");
     const list = part("select", { size: 8 }, ...files);
     list.selectedIndex = 0;
-    ask(this.frame, "Open", list, (name) => this.state.act("load", { name }));
+    ask(this.frame, "Open", list, (name) => this.state.act({ act: "LoadLayout", name }));
   }
 
   save() {
-    const field = part("input", { value: this.state.values.layouts[0] });
-    ask(this.frame, "Save", field, (name) => this.state.act("save", { name }));
+    const field = part("input", { value: this.state.values.layouts.last });
+    ask(this.frame, "Save", field, (name) => this.state.act({ act: "SaveLayout", name }));
   }
 
   viewControls() {
-    const act = (/** @type {any} */ order) => this.state.act("view", order);
-    this.types = part("select", { ariaLabel: "Type of view", onchange: () => act({ class: this.types.value }) });
+    const { act } = this.state;
+    const change = () => act({ act: "ChangeView", view: this.types.value });
+    this.types = part("select", { ariaLabel: "Type of view", onchange: change });
     this.saved = part("select", { ariaLabel: "Saved views", size: 3 });
-    this.saved.ondblclick = () => chosen((select) => act({ select }));
+    const use = () => chosen((index) => act({ act: "UseView", index }));
+    this.saved.ondblclick = use;
     /** @param {string} title @param {(name: string) => void} told */
     const name = (title, told) =>
       ask(this.frame, title, part("input", { value: this.saved.value || this.types.value }), told);
@@ -180,28 +184,30 @@ export class Panels {
       "div",
       {},
       part("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
-        button("Save", "Save the current view", () => name("Save view", (save) => act({ save }))),
-        button("Use", "Use the chosen saved view", () => chosen((select) => act({ select }))),
+        button("Save", "Save the current view", () =>
+          name("Save view", (text) => act({ act: "SaveView", name: text }))),
+        button("Use", "Use the chosen saved view", use),
         button("Rename", "Rename the chosen saved view", () =>
-          chosen((rename) => name("Rename view", (text) => act({ rename, name: text })))),
-        button("Remove", "Remove the chosen saved view", () => chosen((remove) => act({ remove })))),
+          chosen((index) => name("Rename view", (text) => act({ act: "RenameView", index, name: text })))),
+        button("Remove", "Remove the chosen saved view", () =>
+          chosen((index) => act({ act: "RemoveView", index })))),
       this.saved,
     ); // prettier-ignore
   }
 
-  /** @param {any[]} views */
-  updateViews([type, types, saved]) {
+  /** @param {import("../protocol.js").ViewChoice} views */
+  updateViews({ type, types, saved }) {
     fill(this.types, types);
     this.types.value = type;
     fill(this.saved, saved);
     this.saved.hidden = !saved.length;
   }
 
-  /** @param {Record<string, any>} values @returns {HTMLElement[]} */
+  /** @param {PanelState} values @returns {HTMLElement[]} */
   suggestions({ frames, topics }) {
     /** @type {Record<string, string[]>} */
     const lists = { frames };
-    for (const [topic, type] of topics) (lists[type] ??= []).push(topic);
+    for (const { topic, type } of topics) (lists[type] ??= []).push(topic);
     return Object.entries(lists).map(([name, words]) =>
       part("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
     );
@@ -218,7 +224,7 @@ export class Panels {
     else if (event.key === "Escape" && this.tool) this.choose(0);
     else if (event.key === "z") this.returnHome();
     else {
-      const index = this.state.values.tools.findIndex((/** @type {string[]} */ [, key]) => key === event.key);
+      const index = this.state.values.toolbar.findIndex(({ key }) => key === event.key);
       if (index < 0) return;
       this.choose(index);
     }
@@ -230,7 +236,7 @@ export class Panels {
   returnHome() {
     clearTimeout(this.turning);
     this.view.turnedAt = -Infinity; // the hands are off
-    this.state.act("view", { home: true });
+    this.state.act({ act: "HomeView" });
   }
 
   /** Tell Python where the view looks from now, once it rests. */
@@ -238,7 +244,7 @@ export class Panels {
     clearTimeout(this.turning);
     this.turning = setTimeout(() => {
       const { eye, target, up, scale } = this.view.orbit;
-      this.state.act("camera", { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale });
+      this.state.act({ act: "TurnView", eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale });
     }, TURNED_AFTER);
   }
 }

@@ -12,17 +12,13 @@ const TIME_STYLE = `
 .course-time button { min-width: 2.2em; }
 .course-time button[aria-pressed="true"] { outline: 2px solid currentColor; outline-offset: -2px; }`;
 
-/**
- * What a time bar shows: `now` ROS time, `elapsed` and `range` [s]; `wall` time and `wallElapsed` where time
- * goes on by itself; `note` if there is something to say.
- * @typedef {{now?: number, elapsed: number, range?: [number, number], wall?: number, wallElapsed?: number,
- *   paused: boolean, rate: number, loop?: boolean, note?: string}} Time
- */
+/** @typedef {import("../protocol.js").TimeState} Time */
+/** @typedef {import("../protocol.js").TimeChange} TimeChange */
 
 /** RViz's Time panel: what time it is, and who may change that: play, pause, step, speed, scrub, loop. */
 export class TimeBar {
   /**
-   * @param {HTMLElement} host @param {(change: any) => void} act told {paused}, {step}, {now}, {rate} or {loop}
+   * @param {HTMLElement} host @param {(change: TimeChange) => void} act told what is done
    * @param {HTMLElement} keys where Space, comma, period, Home, End and L are heard
    */
   constructor(host, act, keys = host) {
@@ -68,7 +64,7 @@ export class TimeBar {
   key(event) {
     const { range, paused, loop } = this.time;
     const ends = range ? { Home: { now: range[0] }, End: { now: range[1] }, ",": { step: -1 } } : {};
-    /** @type {Record<string, any>} */
+    /** @type {Record<string, TimeChange | undefined>} */
     const orders = { " ": { paused: !paused }, ".": { step: 1 }, l: range && { loop: !loop }, ...ends };
     const order = orders[event.key];
     const target = /** @type {HTMLElement} */ (event.target);
@@ -94,7 +90,7 @@ export function timeBelow(link, element) {
     bar.update(time);
   };
   link.timeBars.add(update);
-  link.send({ type: "time" }); // Python answers, if it has one
+  link.send({ type: "time" }); // an empty change: Python answers, if it has a time
   return () => {
     link.timeBars.delete(update);
     bar?.box.remove();

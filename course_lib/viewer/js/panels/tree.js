@@ -4,7 +4,7 @@ import { part } from "./parts.js";
 /** Rows in a tree with a value each, as RViz's panels have them. */
 export class Tree {
   /**
-   * @param {string} label @param {(act: string, order: any) => void} act told what is edited
+   * @param {string} label @param {(order: import("./desk.js").Order) => void} act told what is edited
    * @param {(row: any) => string} listFor id of a list of suggestions for a row
    */
   constructor(label, act, listFor) {
@@ -63,11 +63,10 @@ export class Tree {
     if (isParent) element.ariaExpanded = String(this.isOpen(row));
     label.textContent = row.label;
     label.title = row.title ?? "";
-    mark.textContent = row.mark ?? "";
+    mark.textContent = row.mark?.icon ?? "";
     mark.hidden = !row.mark;
-    mark.title = row.word ?? "";
-    mark.ariaLabel = row.word ?? "";
-    element.dataset.level = row.level ?? "";
+    mark.title = mark.ariaLabel = row.mark?.word ?? "";
+    element.dataset.level = row.mark?.level ?? "";
     if (row.checked !== undefined) tick.checked = row.checked;
     editor.update(row.editor ? row.value : row.text);
     return element;
@@ -75,7 +74,7 @@ export class Tree {
 
   /** @param {import("./editors.js").Row} row @param {string} shape what the row is made for */
   made(row, shape) {
-    const set = (/** @type {any} */ value) => this.act("set", { row: row.key, value });
+    const set = (/** @type {any} */ value) => this.act({ act: "SetValue", row: row.key, value });
     const editor = editorFor(row, set, this.listFor(row));
     const twisty = part("span", { className: "course-twisty", ariaHidden: "true" });
     twisty.onclick = () => this.toggle(row.key);
@@ -133,7 +132,7 @@ export class Tree {
     else if (event.key === "ArrowLeft") this.choose(this.rows.find((row) => row.key === key)?.parent || key);
     else if (event.key === "Enter" || event.key === "F2") element.querySelector("input,select")?.focus();
     else if (event.key === " ") element.querySelector("input[type=checkbox]")?.click();
-    else if (event.key === "Delete") this.act("remove", { row: key });
+    else if (event.key === "Delete") this.act({ act: "RemoveRow", row: key });
     else return;
     event.preventDefault();
     event.stopPropagation();

@@ -1,0 +1,189 @@
+"""RViz's tools: what the tool bar has, and what those that publish say (rviz_default_plugins/tools)."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import atan2, cos, sin
+from typing import Any
+
+from course_lib.arrays import Vector
+from course_lib.displays.frames import NS
+from course_lib.displays.layout import text_at
+from course_lib.displays.panel.protocol import Gesture, PublishGesture, ToolSettings
+from course_lib.displays.properties import Property, PropertyHolder, color, flag, number
+from course_lib.displays.topic_display import qos_of, with_qos
+from course_lib.errors import CourseError
+from course_lib.ros.graph import Graph
+from course_lib.ros.messages import message_class, serialize
+from course_lib.ros.qos import Qos
+
+NODE = "rviz2"
+Message = Any  # of the generated classes, which are known by name only
+
+
+class Tool(PropertyHolder):
+    """One button of the tool bar.
+
+    Args:
+        short: RViz's class, without its package.
+        label: Of the button.
+        key: That chooses it.
+        gesture: What the page does with the mouse: "camera", "select", "focus", "measure", "pose", "point".
+        properties: Those that a tool of this class has.
+    """
+
+    def __init__(self, short: str, label: str, key: str, gesture: Gesture, *properties: Property) -> None:
+        self.properties += properties
+        super().__init__()
+        self.class_name = f"rviz_default_plugins/{short}"
+        self.label, self.key, self.gesture = label, key, gesture
+
+    def __repr__(self) -> str:
+        return self.label
+
+    def changed(self, label: str) -> None:
+        """Need nothing: properties are read when the tool is used."""
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Take the properties of a layout, and keep it."""
+        self.config = config
+        return super().load(config)
+
+
+class PublishPoint(Tool):
+    """Publishes the point that is clicked."""
+
+    type_name = "geometry_msgs/msg/PointStamped"
+    properties = (*with_qos("/clicked_point"), Property("Single click", True, flag))
+
+    def message(self, frame: str, stamp_ns: int, point: Vector, yaw: float) -> Message:
+        """Return the message for a point, [m], and a direction, [rad], at a robot time in [ns]."""
+        stamped: Message = message_class(self.type_name)()
+        stamped.header.frame_id = frame
+        stamped.header.stamp.sec, stamped.header.stamp.nanosec = divmod(stamp_ns, NS)
+        self._fill(stamped, point, yaw)
+        return stamped
+
+    def said(self, topic: str, message: Message) -> str:
+        """Say what was published."""
+        p = message.point
+        return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
+
+    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
+        """Write the point, [m], and the direction about z, [rad]."""
+        stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
+
+
+class SetGoal(PublishPoint):
+    """Publishes the pose that is dragged on the ground."""
+
+    does = "Setting goal pose"
+
+    type_name = "geometry_msgs/msg/PoseStamped"
+    properties = with_qos("goal_pose")
+
+    def said(self, topic: str, message: Message) -> str:
+        """Say what RViz writes to its log."""
+        pose = getattr(message.pose, "pose", message.pose)
+        p, q = pose.position, pose.orientation
+        return (
+            f"{self.does}: Frame:{message.header.frame_id}, Position({p.x:g}, {p.y:g}, {p.z:g}), "
+            f"Orientation({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) = Angle: {2 * atan2(q.z, q.w):g}"
+        )
+
+    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
+        _place(stamped.pose, point, yaw)
+
+
+class SetInitialPose(SetGoal):
+    """Publishes the pose that is dragged on the ground, with how sure it is."""
+
+    does = "Setting estimate pose"
+
+    type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
+    properties = (
+        *with_qos("initialpose"),
+        Property("Covariance x", 0.25, number(0.0)),  # [m^2]
+        Property("Covariance y", 0.25, number(0.0)),  # [m^2]
+        Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 in four bytes
+    )
+
+    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
+        _place(stamped.pose.pose, point, yaw)
+        for index, axis in ((0, "x"), (7, "y"), (35, "yaw")):
+            stamped.pose.covariance[index] = self[f"Covariance {axis}"]
+
+
+def all_tools() -> tuple[Tool, ...]:
+    """Make the tools, in RViz's order and with its keys."""
+    return (
+        Tool("Interact", "Interact", "i", "camera", Property("Hide Inactive Objects", True, flag)),
+        Tool("MoveCamera", "Move Camera", "m", "camera"),
+        Tool("Select", "Select", "s", "select"),
+        Tool("FocusCamera", "Focus Camera", "c", "focus"),
+        Tool("Measure", "Measure", "n", "measure", Property("Line color", (128, 128, 0), color)),
+        SetInitialPose("SetInitialPose", "2D Pose Estimate", "p", "pose"),
+        SetGoal("SetGoal", "2D Goal Pose", "g", "pose"),
+        PublishPoint("PublishPoint", "Publish Point", "u", "point"),
+    )
+
+
+def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Give tools what a layout says of them, and say what is wrong with it."""
+    known = {tool.class_name: tool for tool in tools}
+    for config in reversed(configs):  # so that the first one of a class counts
+        wanted = text_at(config, "Class")
+        if wanted in known:
+            yield from known[wanted].load(config)
+        else:
+            yield f"There is no tool {wanted!r} here; the layout keeps its settings."
+
+
+def settings_of(tools: Sequence[Tool]) -> ToolSettings:
+    """Return the properties of tools that the page itself follows."""
+    single = next(tool.get("Single click", None) for tool in tools if tool.gesture == "point")
+    line = next(tool.get("Line color", None) for tool in tools if tool.gesture == "measure")
+    return ToolSettings(single, "rgb({}, {}, {})".format(*line))
+
+
+class ToolNode:
+    """The node through which tools publish; in the graph from the first time that one does."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._node: int | None = None
+        self._publishers: dict[tuple[str, str, Qos], int] = {}  # endpoints
+
+    def publish(self, tools: Iterable[Tool], fixed_frame: str, order: PublishGesture) -> str:
+        """Publish for a gesture in the fixed frame, stamped now, and return the message in words.
+
+        Raises:
+            CourseError: If there is no such tool.
+        """
+        known = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
+        if order.tool not in known:
+            raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(known)}.")
+        tool = known[order.tool]
+        message = tool.message(fixed_frame, self._graph.now_ns, order.point, order.angle)
+        topic = "/" + tool["Topic"].removeprefix("/")
+        self._graph.publish(self._publisher(topic, tool.type_name, qos_of(tool)), serialize(message))
+        return tool.said(topic, message)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        if self._node is not None:
+            self._graph.remove_node(self._node)
+        self._node = None
+        self._publishers.clear()
+
+    def _publisher(self, topic: str, type_name: str, qos: Qos) -> int:
+        if self._node is None:
+            self._node = self._graph.add_node(NODE, "/")
+        wanted = (topic, type_name, qos)
+        if wanted not in self._publishers:
+            self._publishers[wanted] = self._graph.add_publisher(self._node, *wanted)
+        return self._publishers[wanted]
+
+
+def _place(pose: Message, point: Vector, yaw: float) -> None:
+    """Write a pose on the ground; z of the point is 0 there."""
+    pose.position.x, pose.position.y = float(point[0]), float(point[1])
+    pose.orientation.z, pose.orientation.w = sin(yaw / 2), cos(yaw / 2)

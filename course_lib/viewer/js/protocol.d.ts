@@ -1,0 +1,269 @@
+// Generated from Python's dataclasses: python -m tests.viewer.declarations
+
+/** A click into a view; points are in the scene's frame, in [m]. */
+export interface Click {
+  path?: string;
+  point?: [number, number, number];
+  normal?: [number, number, number];
+  index?: number;
+  button?: number;
+  origin: [number, number, number];
+  direction: [number, number, number];
+}
+
+/** The rules by which a page turns a view by hand. */
+export interface Hands {
+  inPlace: boolean;
+  aligned: boolean;
+  locked: boolean;
+  lift: number;
+  ground: number;
+}
+
+/** The control of a row, and its limits. */
+export interface Editor {
+  kind: "bool" | "color" | "enum" | "frame" | "integer" | "none" | "number" | "text" | "topic" | "vector";
+  low?: number;
+  high?: number;
+  options?: string[];
+  type?: string;
+}
+
+/** A status level: for programs, as an icon, and in a word. */
+export interface LevelMark {
+  level: "ok" | "warn" | "error" | "hint";
+  icon: string;
+  word: string;
+}
+
+/** One row of a tree. */
+export interface PanelRow {
+  key: string;
+  parent: string;
+  label: string;
+  text?: string;
+  value?: any;
+  checked?: boolean;
+  open?: boolean;
+  title?: string;
+  mark?: LevelMark;
+  editor?: Editor;
+}
+
+/** One button of the tool bar. */
+export interface ToolButton {
+  label: string;
+  key: string;
+  gesture: "camera" | "select" | "focus" | "measure" | "pose" | "point";
+}
+
+/** Properties of tools that the page itself follows. */
+export interface ToolSettings {
+  single: boolean;
+  color: string;
+}
+
+/** The type of the view, the types there are, and the names of the saved views. */
+export interface ViewChoice {
+  type: string;
+  types: string[];
+  saved: string[];
+}
+
+/** The worst status, in one line. */
+export interface StatusLine {
+  mark: LevelMark;
+  text: string;
+}
+
+/** The answer to the last order; without a text there is nothing to say. */
+export interface Notice {
+  level?: "" | "ok" | "error";
+  text?: string;
+}
+
+/** A class of display. */
+export interface AddableType {
+  name: string;
+  short: string;
+}
+
+/** A topic, and a class of display for it. */
+export interface AddableTopic {
+  topic: string;
+  type: string;
+  display: string;
+}
+
+/** The .rviz files in the notebook's folder, and the one that was used last. */
+export interface Layouts {
+  last: string;
+  files: string[];
+}
+
+/** All that the panels show; `tree`, `view` and `tools` hold the keys of their rows, parents first. */
+export interface PanelState {
+  tree: string[];
+  view: string[];
+  tools: string[];
+  toolbar: ToolButton[];
+  settings: ToolSettings;
+  hands: Hands;
+  views: ViewChoice;
+  status: StatusLine;
+  notice: Notice;
+  selection: string;
+  types: AddableType[];
+  topics: AddableTopic[];
+  undrawn: string[];
+  frames: string[];
+  layouts: Layouts;
+  summary: string;
+}
+
+/** The fields of the state and the rows that have changed, and the keys of rows that are gone. */
+export interface PanelNews {
+  changed: Partial<PanelState>;
+  rows: Record<string, PanelRow>;
+  gone: string[];
+}
+
+/** A page has come that knows nothing yet. */
+export interface OpenPanels {
+}
+
+/** Somebody wants to see what is new. */
+export interface LookAgain {
+}
+
+/** Edit a row, or tick its box. */
+export interface SetValue {
+  row: string;
+  value: any;
+}
+
+/** Add a display, to the group that is chosen. */
+export interface AddDisplay {
+  display: string;
+  topic?: string;
+  row?: string;
+}
+
+/** Add a copy of a display. */
+export interface DuplicateDisplay {
+  row: string;
+}
+
+/** Change the name of a display or a group. */
+export interface RenameRow {
+  row: string;
+  name: string;
+}
+
+/** Remove a display or a group. */
+export interface RemoveRow {
+  row: string;
+}
+
+/** Write an .rviz file into the notebook's folder. */
+export interface SaveLayout {
+  name: string;
+}
+
+/** Open an .rviz file of the notebook's folder. */
+export interface LoadLayout {
+  name: string;
+}
+
+/** Change the type of view. */
+export interface ChangeView {
+  view: string;
+}
+
+/** Look from where a new view does. */
+export interface HomeView {
+}
+
+/** Save the view as it is now. */
+export interface SaveView {
+  name: string;
+}
+
+/** Look as a saved view does. */
+export interface UseView {
+  index: number;
+}
+
+/** Change the name of a saved view. */
+export interface RenameView {
+  index: number;
+  name: string;
+}
+
+/** Remove a saved view. */
+export interface RemoveView {
+  index: number;
+}
+
+/** The view was turned by hand; points in the fixed frame, [m]. */
+export interface TurnView {
+  eye: [number, number, number];
+  target: [number, number, number];
+  up: [number, number, number];
+  scale: number;
+}
+
+/** An object was clicked, or the background. */
+export interface SelectObject {
+  path?: string;
+  index?: number;
+}
+
+/** A tool was used at a point in the fixed frame, [m], with an angle about z, [rad]. */
+export interface PublishGesture {
+  tool: string;
+  point: [number, number, number];
+  angle?: number;
+}
+
+/** What a time bar shows, [s]; the wall time is that of a live graph, the range that of a recording. */
+export interface TimeState {
+  elapsed: number;
+  paused: boolean;
+  rate: number;
+  now?: number;
+  range?: [number, number];
+  wall?: number;
+  wallElapsed?: number;
+  loop?: boolean;
+  note?: string;
+}
+
+/** What somebody did with a time bar; nothing asks for the time. */
+export interface TimeChange {
+  now?: number;
+  step?: number;
+  rate?: number;
+  loop?: boolean;
+  paused?: boolean;
+}
+
+export type Order =
+  | ({ act: "OpenPanels" } & OpenPanels)
+  | ({ act: "LookAgain" } & LookAgain)
+  | ({ act: "SetValue" } & SetValue)
+  | ({ act: "AddDisplay" } & AddDisplay)
+  | ({ act: "DuplicateDisplay" } & DuplicateDisplay)
+  | ({ act: "RenameRow" } & RenameRow)
+  | ({ act: "RemoveRow" } & RemoveRow)
+  | ({ act: "SaveLayout" } & SaveLayout)
+  | ({ act: "LoadLayout" } & LoadLayout)
+  | ({ act: "ChangeView" } & ChangeView)
+  | ({ act: "HomeView" } & HomeView)
+  | ({ act: "SaveView" } & SaveView)
+  | ({ act: "UseView" } & UseView)
+  | ({ act: "RenameView" } & RenameView)
+  | ({ act: "RemoveView" } & RemoveView)
+  | ({ act: "TurnView" } & TurnView)
+  | ({ act: "SelectObject" } & SelectObject)
+  | ({ act: "PublishGesture" } & PublishGesture);

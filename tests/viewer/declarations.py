@@ -1,0 +1,69 @@
+"""TypeScript declarations of the messages to and from a page; run this file to write them again."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from course_lib.displays.panel import protocol, time_panel
+from course_lib.displays.view_controller import Hands
+from course_lib.viewer import assets
+from course_lib.viewer.page_link import Click
+from course_lib.viewer.wire import camel
+
+PATH = Path(assets.__file__).parent / "js" / "protocol.d.ts"
+_PLAIN = {str: "string", float: "number", int: "number", bool: "boolean", Any: "any", NoneType: "null"}
+_HEAD = "// Generated from Python's dataclasses: python -m tests.viewer.declarations\n"
+
+
+def declarations() -> str:
+    """Return the declarations of all messages, and of the union of the orders."""
+    written = [Click, Hands, *_own(protocol), *_own(time_panel)]
+    orders = "".join(f"\n  | ({{ act: {name!r} }} & {name})" for name in protocol.ORDERS).replace("'", '"')
+    return "\n".join([_HEAD, *map(_interface, written), f"export type Order ={orders};\n"])
+
+
+def _own(module: Any) -> list[type]:
+    """Return the dataclasses that a module defines, in its order."""
+    return [kind for kind in vars(module).values() if isinstance(kind, type) and _is_own(kind, module)]
+
+
+def _is_own(kind: type, module: Any) -> bool:
+    return is_dataclass(kind) and kind.__module__ == module.__name__
+
+
+def _interface(kind: type) -> str:
+    hints = get_type_hints(kind, include_extras=True)
+    lines = [
+        f"/** {' '.join((inspect.getdoc(kind) or '').split())} */",
+        f"export interface {kind.__name__} {{",
+    ]
+    for field in fields(kind):
+        wanted, has_default = hints[field.name], field.default is not MISSING
+        if has_default and isinstance(wanted, UnionType):  # left out in place of null
+            wanted = get_args(wanted)[0]
+        lines.append(f"  {camel(field.name)}{'?' * has_default}: {_type(wanted)};")
+    return "\n".join([*lines, "}", ""])
+
+
+def _type(wanted: Any) -> str:
+    origin, arguments = get_origin(wanted), get_args(wanted)
+    if origin is Annotated:
+        return str(arguments[1])
+    if origin is Literal:
+        return " | ".join(f'"{value}"' for value in arguments)
+    if isinstance(wanted, UnionType):
+        return " | ".join(map(_type, arguments))
+    if origin is Mapping:
+        return f"Record<{_type(arguments[0])}, {_type(arguments[1])}>"
+    if origin is tuple and arguments[-1] is ...:
+        return f"{_type(arguments[0])}[]"
+    if origin is tuple:
+        return f"[{', '.join(map(_type, arguments))}]"
+    return _PLAIN.get(wanted) or str(wanted.__name__)
+
+
+if __name__ == "__main__":
+    PATH.write_text(declarations(), "utf-8")
