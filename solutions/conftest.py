@@ -8,10 +8,10 @@ STRICT = "COURSE_STRICT"
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Make checks strict for the kernels of this folder's notebooks."""
+    """Set checks to strict for the kernels of this folder's notebooks."""
     os.environ[STRICT] = "1"
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
-    """Let other tests' checks be as they are."""
+    """Restore the checks of other tests."""
     os.environ.pop(STRICT, None)

@@ -1,4 +1,4 @@
-"""What every test may rely on: ROS names come from the stand-in."""
+"""Setup of every test: ROS names come from the stand-in."""
 
 import hypothesis
 

@@ -65,17 +65,17 @@ def written_imports(path: Path) -> Iterator[str]:
 def import_graph() -> dict[str, set[str]]:
     """Return the modules of course_lib that each of them imports, also lazily or for its types only.
 
-    A module's own package does not count: Python imports that first, whatever the module writes.
+    A module's own packages do not count: they are imported before it, whatever it writes.
     """
     known = modules()
     graph: dict[str, set[str]] = {}
     for name, path in known.items():
         graph[name] = set()
         for imported in written_imports(path):
-            while imported and imported not in known:
+            while imported:  # with the packages that it lies in, which Python imports first
+                if imported in known and not f"{name}.".startswith(f"{imported}."):
+                    graph[name].add(imported)
                 imported = imported.rpartition(".")[0]
-            if imported and not name.startswith(f"{imported}.") and imported != name:
-                graph[name].add(imported)
     return graph
 
 

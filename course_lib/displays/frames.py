@@ -11,8 +11,7 @@ import numpy as np
 from course_lib.arrays import Matrix
 from course_lib.displays.statuses import Level
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 
 NS = 1_000_000_000  # [ns] in a second
 FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is

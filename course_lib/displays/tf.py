@@ -14,7 +14,7 @@ from course_lib.displays.frames import NS
 from course_lib.displays.marker.drawables import placement, turned_to
 from course_lib.displays.properties import Property, flag, number, read_only, text
 from course_lib.displays.reference_display import AXIS_COLORS, axes
-from course_lib.ros.tf2_errors import TransformException
+from course_lib.ros.tf2_transform import TransformException
 from course_lib.viewer.drawables import Solids, Text
 from course_lib.viewer.scene import Scene
 

@@ -1,23 +1,26 @@
-"""One line that helps with a common mistake, below what ROS itself says of it."""
+"""Hints: one line that helps with a common mistake, below the text of ROS or Python.
+
+A hint is keyed by the type of the exception, its text, and the mistake with which the raising code marks it
+where the text alone does not tell.
+"""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from traceback import walk_tb
 
 from course_lib.ros.messages.definitions import type_names
+from course_lib.ros.mistakes import Mistake, mistake_of
 
 MAX_TEXT = 2000  # characters of an error's text
 
 
 @dataclass(frozen=True)
 class Hint:
-    """What to say to an error whose text matches; `where` has the file and the function that raised it."""
+    """The hint for exceptions whose text matches, and that are marked with `mistake` if there is one."""
 
     text: str
     hint: str  # may name the text's groups: {1}
-    where: str = ""
+    mistake: Mistake | None = None
 
 
 _HINTS: Mapping[str, tuple[Hint, ...]] = {
@@ -26,8 +29,8 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             r"'(\w+)' object has no attribute '_(Node__handle|default_callback_group|logger|parameter)",
             "call super().__init__('a_name') first in {1}.__init__().",
         ),
-        Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", "updater.py:_run"),
-        Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", "tick"),
+        Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", Mistake.NO_STATUS),
+        Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", Mistake.STAMP),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
         Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
         Hint(
@@ -38,6 +41,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     ),
     "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),
     "NameError": (
+        Hint("name 'self' is not", "write self as the method's first parameter: def heard(self, msg)."),
         Hint(
             r"name '(\w+)' is not defined",
             "define or import {1} first; in a notebook run the cells above, from the first one on.",
@@ -45,7 +49,11 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     ),
     "TypeError": (
         Hint(r"Node.__init__\(\) missing .* 'node_name'", "name the node: super().__init__('a_name')."),
-        Hint("'NoneType' object is not callable", "give the function itself, without ().", "timer.py:take"),
+        Hint(
+            "'NoneType' object is not callable",
+            "give the function itself, without ().",
+            Mistake.NO_CALLBACK,
+        ),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'str'>", "put it into a message: {1}(data=...)."),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
         Hint(r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make a publisher for the other type."),
@@ -53,10 +61,11 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
         Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
         Hint("one of the allowed types", "bool, int, float, str, or lists."),
-        Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", "client.py:call_async"),
-        Hint("^$", "end the service's callback with: return response.", "service.py:_answer"),
-        Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", "client.py:_request"),
-        Hint("takes 1 positional .* but 2", "write def answer(self, request, response).", "await_or_execute"),
+        Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", Mistake.REQUEST),
+        Hint("^$", "end the service's callback with: return response.", Mistake.RESPONSE),
+        Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", Mistake.GOAL),
+        Hint("positional arg", "write def answer(self, request, response).", Mistake.SERVICE_CALLBACK),
+        Hint("missing", "a timer gives no argument: write def tick(self).", Mistake.TIMER_CALLBACK),
         Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
         Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
         Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
@@ -64,8 +73,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("instances of 'Time' and", "compare with a Time or a Duration: Duration(seconds=5.0)."),
         Hint("-: 'Time' and 'Time'", "messages cannot be subtracted: Time.from_msg(stamp) can."),
         Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
-        Hint(r"missing \d+ required positional arg", "a timer gives no argument.", "await_or_execute"),
-        Hint(r"(\w+).__init__.* takes 1 pos", "name what you give: {1}(data=...).", "message.py:__init__"),
+        Hint(r"(\w+).__init__.* takes 1 pos", "name what you give: {1}(data=...).", Mistake.UNNAMED_FIELD),
         Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
         Hint(r"\w\.(\w+)\(\) takes 0 positional", "write self first: def {1}(self)."),
         Hint(r"\w\.(\w+)\(\) takes (\d+) positional arguments? but", "is self first in def {1}(self, ...)?"),
@@ -87,7 +95,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     "ValueError": (
         Hint("statically typed parameter", "give a default value, or a type: Parameter.Type.DOUBLE."),
         Hint("generator already executing", "a callback must not spin: use await, or add_done_callback."),
-        Hint("could not convert string to float", "give the period in seconds, as a number.", "create_timer"),
+        Hint("could not convert string to float", "give the period in seconds, as a number.", Mistake.PERIOD),
         Hint("severity cannot be changed between calls", "write one line for each severity."),
     ),
     "AssertionError": (
@@ -130,7 +138,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     ),
 }
 _WORDS = "use letters, digits and underscores"
-_OF_TYPE: Mapping[str, str] = {  # whatever such an error says
+_OF_TYPE: Mapping[str, str] = {  # with any text
     "InvalidTopicNameException": f"{_WORDS}, and begin with a letter, like robot/front_camera.",
     "InvalidServiceNameException": f"{_WORDS}, and begin with a letter, like robot/reset.",
     "InvalidNodeNameException": f"{_WORDS}, like front_camera; the rest is for namespace=.",
@@ -154,10 +162,8 @@ def add_hint(error: BaseException) -> None:
 
 
 def hint(error: BaseException) -> str:
-    """Find what helps; "" if nothing is known."""
-    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-    code = frames[-1].f_code if frames else None
-    where = f"{Path(code.co_filename).name}:{code.co_name}" if code else ""
+    """Return the hint for an exception; "" if there is none."""
+    mistake = mistake_of(error)
     text = _text(error)
     types = _types_named(text) if isinstance(error, NameError) else []
     if types:
@@ -165,7 +171,7 @@ def hint(error: BaseException) -> str:
         return f"import it: from {package}.{kind} import {name}; in a notebook run the first cells again."
     for one in _HINTS.get(type(error).__name__, ()):
         match = re.search(one.text, text)
-        if match and one.where in where:
+        if match and one.mistake in (None, mistake):
             return one.hint.format(match[0], *match.groups())
     if type(error).__name__ in _OF_TYPE:
         return _OF_TYPE[type(error).__name__]
@@ -175,7 +181,7 @@ def hint(error: BaseException) -> str:
 
 
 def _text(error: BaseException) -> str:
-    """Return what an error says; an error of the student's own class may raise another one here."""
+    """Return the text of an error; an error of the student's own class may raise another one here."""
     try:
         return str(error)[:MAX_TEXT]
     except (Exception, SystemExit):

@@ -1,4 +1,4 @@
-"""Which ROS a program gets: the stand-in, whatever else is installed."""
+"""The import path: a program gets the stand-in, whatever other ROS is installed."""
 
 import sys
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from types import ModuleType
 from course_lib.errors import CourseError
 
 STANDIN = Path(__file__).parent / "standin"
+KINDS = ("msg", "srv", "action")
 
 
 def install() -> None:
@@ -31,15 +32,17 @@ def install() -> None:
 
 
 class _Types(Loader):
-    """Imports ``std_msgs.msg`` and the like: its types, or ``my_msgs/msg/Name.msg`` on the path."""
+    """Imports the types: `std_msgs`, `std_msgs.msg` and the like, or `my_msgs/msg/Name.msg` on the path."""
 
     @classmethod
     def find_spec(
         cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find the package's folder if the kit knows its types, or if it holds interface files."""
+        """Find a package that the kit has types of, or a folder that holds interface files."""
         package, _, kind = name.rpartition(".")
-        if kind not in ("msg", "srv", "action") or not package or "." in package:
+        if not package:
+            return _package_of_types(name, cls())
+        if kind not in KINDS or "." in package:
             return None
         for folder in (Path(entry) for entry in path or ()):
             if (
@@ -51,14 +54,26 @@ class _Types(Loader):
         return None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill the module with the types."""
+        """Fill the module with the types; the package itself stays empty."""
         from course_lib.ros.messages.definitions import add_package
         from course_lib.ros.messages.registry import import_types
 
+        if "." not in module.__name__:
+            return
         folder = Path(str(module.__spec__ and module.__spec__.origin))
         if folder.parent != STANDIN:
             add_package(folder)
         vars(module).update(import_types(module.__name__))
+
+
+def _package_of_types(name: str, loader: Loader) -> ModuleSpec | None:
+    """Find a package of which the build has written only stubs; it comes before any other of that name."""
+    folder = STANDIN / name
+    if not folder.is_dir() or (folder / "__init__.py").is_file():
+        return None
+    spec = ModuleSpec(name, loader, origin=str(folder), is_package=True)
+    spec.submodule_search_locations = [str(folder)]
+    return spec
 
 
 def _has_types(package: str, kind: str) -> bool:
@@ -70,10 +85,12 @@ def _has_types(package: str, kind: str) -> bool:
 @cache
 def provided() -> list[str]:
     """List the packages that the stand-in provides."""
-    return sorted(path.parent.name for path in STANDIN.glob("*/__init__.py"))
+    code = {path.parent for path in STANDIN.glob("*/__init__.py")}
+    types = {path.parents[1] for path in STANDIN.glob("*/*/__init__.pyi")}
+    return sorted(folder.name for folder in code | types)
 
 
 def _origin(module: ModuleType) -> str:
-    """Say where a module came from: its file, or the folder of a package without one."""
+    """Return the place of a module: its file, or the folder of a package without one."""
     file = getattr(module, "__file__", None)
     return str(file or next(iter(getattr(module, "__path__", [])), "an unknown place"))

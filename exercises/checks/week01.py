@@ -30,7 +30,7 @@ SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0)
 
 
 def steady(*content: Check, hz: float) -> tuple[Check, ...]:
-    """What counts is published all the time; the rate [Hz], the stamps and the frame are formal."""
+    """Return checks of content for the whole scenario; the rate [Hz], stamps and frame are formal."""
     always = expect_throughout(TOPIC).titled("published from beginning to end").worth(0)
     formal = (
         expect_frame(TOPIC, "map").titled("in the frame map"),

@@ -48,14 +48,14 @@ def color_of(confidence: float) -> tuple[float, float, float, float]:
 
 
 def expected_box(found: inputs.Found) -> dict[str, Any]:
-    """What a check of the box of a detection compares."""
+    """Return the fields of a detection's box that a check compares."""
     color = color_of(found.confidence)
     place = {"position": found.center, "scale": found.size, "yaw": found.yaw}
     return {"type": "CUBE", "id": found.track, **place, "color": color}
 
 
 def above(found: inputs.Found) -> tuple[float, float, float]:
-    """Where the centre of its label is, [m]."""
+    """Return the centre of the label, [m]."""
     x, y, z = found.center
     return x, y, z + found.size[2] / 2 + ABOVE
 

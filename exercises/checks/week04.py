@@ -38,7 +38,7 @@ def obstacle(stamp: float, frame: str = "camera_link") -> Message:
 
 
 def in_map(stamp: float) -> dict[str, Any]:
-    """Where the obstacle of a stamp is in the map, as fields of the message."""
+    """Return the obstacle of a stamp in the map, as fields of the message."""
     yaw, ahead, left = 0.5 * stamp, SEEN[0] + 0.3, SEEN[1]
     return {
         "header.frame_id": "map",

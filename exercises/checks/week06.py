@@ -29,7 +29,7 @@ IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
 
 
 def robot_messages(at: float) -> Iterable[Message]:
-    """What a robot publishes at a time, [s]."""
+    """Return the messages of a robot at a time, [s]."""
     place = (1.0, 0.0, 0.0)  # [m]
     links = (inputs.pose("base_link", name, (0.2, 0.0, 0.0)) for name in ("laser_link", "camera_link"))
     yield inputs.transforms((inputs.pose("odom", "base_link", place), *links), at)

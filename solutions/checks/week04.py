@@ -40,7 +40,7 @@ def obstacle(stamp: float, frame: str = "lens") -> Message:
 
 
 def turns_half_round(evidence: Evidence) -> Verdict:
-    """Where the shorter way goes through pi, the result may be given with or without a full turn."""
+    """Accept a result with or without a full turn if the shorter way goes through pi."""
     if not evidence.returns or not isinstance(evidence.returns[-1], list) or len(evidence.returns[-1]) != 3:
         return failed("no pose of three numbers came back", "a value is of the wrong kind")
     yaw = evidence.returns[-1][2]

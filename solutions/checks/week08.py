@@ -63,13 +63,13 @@ def motion(steps: Sequence[Step] = STEPS) -> Iterable[Message]:
 
 
 def standing(lift: Any) -> dict[str, Any]:
-    """Where a command leads to: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
+    """Return the goal of a command: a shoulder lift, an elbow of 0.5, the other joints at 0, [rad]."""
     others = {f"ur10{name}_joint": 0.0 for name in OTHERS}
     return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
-    """Where the wrist is, seen from the side: ahead of the shoulder and above it, [m]."""
+    """Return the place of the wrist, seen from the side: ahead of the shoulder and above it, [m]."""
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 

@@ -1,4 +1,4 @@
-"""How long week 7's dashboard takes: `python tests/benchmarks/bench_dashboard.py`, five robot-seconds.
+"""Time of week 7's dashboard: `python tests/benchmarks/bench_dashboard.py`, five robot-seconds.
 
 The lesson's own nodes run, with a camera of 160 x 120 pixels at 5 Hz; DESIGN's budget is 1.5 s.
 """

@@ -1,4 +1,4 @@
-"""How long sensors look: `python tests/benchmarks/bench_sensors.py`, the median wall time, without noise."""
+"""Median time of a look, without noise: `python tests/benchmarks/bench_sensors.py`."""
 
 import statistics
 import time
@@ -20,7 +20,7 @@ OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], f
 
 
 def room() -> World:
-    """Make a floor and 20 things around the sensor, four of which move."""
+    """Return a floor and 20 things around the sensor, four of which move."""
     chance, solids = np.random.default_rng(1), (box(1, 0.6, 1.8), cylinder(0.4, 1.5), sphere(0.5))
     things = [Thing(plane(), placed(0, 0, 0))]
     for number in range(20):

@@ -32,7 +32,7 @@ for (const kind of ["Buffer", "Texture", "Program", "VertexArray", "Framebuffer"
 
 @dataclass(frozen=True)
 class Sample:
-    """What must not grow."""
+    """Figures that must not grow."""
 
     kernel_mb: float
     page_mb: float

@@ -1,4 +1,4 @@
-"""How long the kit takes to be there: `python tests/benchmarks/bench_start.py`, ratios against numpy."""
+"""Time of the kit's import: `python tests/benchmarks/bench_start.py`, ratios against numpy."""
 
 import statistics
 import subprocess

@@ -94,7 +94,7 @@ def opened(browser: Browser, peer: Any, drawn: bool = True) -> Iterator[Page]:
 
 
 def poses() -> Iterator[Floats]:
-    """Give matrices for all objects, others each time, shape (N, 4, 4)."""
+    """Return matrices for all objects, others at each call, shape (N, 4, 4)."""
     matrices = np.tile(np.eye(4), (OBJECTS, 1, 1))
     where = np.linspace(0, 30, OBJECTS)
     for turn in range(1_000_000):
@@ -191,7 +191,7 @@ def first_picture(browser: Browser, kind: Any) -> float:
 
 
 def twenty(browser: Browser, kind: Any) -> float:
-    """What a page is sent for 20 viewers of a box: our widgets' states; the peers' pages in frames, [kB]."""
+    """Return what 20 viewers of a box send, [kB]: states of widgets, or frames of the peers' pages."""
     if kind is Ours:
         return widgets(20) / 1000
     peer = kind()

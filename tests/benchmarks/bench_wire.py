@@ -1,4 +1,4 @@
-"""What the kit's own wire costs beside rosbags': `python tests/benchmarks/bench_wire.py`.
+"""Cost of the kit's own wire beside rosbags': `python tests/benchmarks/bench_wire.py`.
 
 Printed as times and their ratio, which is to stay below three.
 """

@@ -31,7 +31,7 @@ class Ours:
         self.count = 0
 
     def boxes(self, count: int) -> None:
-        """Make so many boxes."""
+        """Add boxes."""
         add_boxes(self, count)
 
     def move(self, matrices: Floats) -> None:
@@ -87,7 +87,7 @@ class Meshcat:
         self.parts: list[Any] = []
 
     def boxes(self, count: int) -> None:
-        """Make so many boxes."""
+        """Add boxes."""
         add_boxes(self, count)
 
     def move(self, matrices: Floats) -> None:
@@ -98,7 +98,7 @@ class Meshcat:
     move_each = move
 
     def watch(self, page: Page) -> None:
-        """Have the page count what it is told."""
+        """Count the messages in the page."""
         page.evaluate("""() => {
             globalThis.arrived = 0;
             const act = viewer.set_transform;
@@ -147,7 +147,7 @@ class Viser:
         message_type.as_serializable_dict = counted
 
     def boxes(self, count: int) -> None:
-        """Make so many boxes."""
+        """Add boxes."""
         for number in range(count):
             part = self.server.scene.add_box(f"/part{number}", (255, 0, 0), (0.05, 0.05, 0.05))
             self.parts.append(part)
@@ -184,7 +184,7 @@ class Viser:
 
 
 def add_boxes(peer: Any, count: int) -> None:
-    """Make so many boxes through meshcat's calls."""
+    """Add boxes through meshcat's calls."""
     import meshcat.geometry as g
 
     for number in range(count):

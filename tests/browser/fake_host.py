@@ -98,7 +98,7 @@ class Host:
             self.reload()
 
     def leave(self) -> None:
-        """Release the page for the next host."""
+        """Clear the page for the next host."""
         self.page.remove_listener("pageerror", self._hear_error)
         self.page.remove_listener("console", self._hear_console)
 

@@ -61,7 +61,7 @@ def show_view(bench: Bench, view: ViewController) -> None:
 
 
 def tell(bench: Bench) -> None:
-    """Send the page the changes, without the wait between two posts."""
+    """Send the changes to the page before the next frame."""
     bench.widget.flush()
     bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
     bench.host.carry()

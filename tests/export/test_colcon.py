@@ -1,4 +1,4 @@
-"""What ROS's own tools say of an exported package."""
+"""Exported packages under ROS's own tools."""
 
 import os
 import shutil

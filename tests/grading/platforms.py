@@ -16,7 +16,7 @@ NAME = "week01_exercise.ipynb"
 
 @dataclass(frozen=True)
 class Handed:
-    """What one student handed in, and when by the platform."""
+    """One student's files, and their time on the platform."""
 
     name: str
     number: int

@@ -1,4 +1,4 @@
-"""Which of several files counts, and whose it is."""
+"""Several files of one student: the file that counts, and its owner."""
 
 import json
 import os
@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.records import Course
 from tests.grading.platforms import NAME, notebook, zipped
 
 

@@ -1,4 +1,4 @@
-"""Whatever happens while a class is graded, the gradebook ends as if nothing had."""
+"""Faults while a class is graded leave the gradebook as it would be without them."""
 
 import os
 import random
@@ -14,8 +14,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
-from course_lib.grading.out_folder import OutError, sole_use
+from course_lib.grading.records import Course, OutError, sole_use
 from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
 
@@ -39,7 +38,7 @@ def course(top: Path) -> Course:
 
 @pytest.fixture
 def undisturbed(top: Path) -> dict[str, str]:
-    """What the class gets if nothing happens, on one job in this process."""
+    """Marks of the class without faults, by one job in this process."""
     return fingerprint(top / "undisturbed")
 
 

@@ -38,7 +38,7 @@ ROBOT = (
 
 
 def said(check: Check, layout: Any = LAYOUT) -> str:
-    """What a check says of a layout; "" if it passes."""
+    """Return the message of a check of a layout; "" if it passes."""
     verdict = check.judge(Evidence("week05.x", "public", 0.0, returns=(layout,)))
     return "" if verdict.score == 1 else verdict.message
 

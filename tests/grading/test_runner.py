@@ -167,7 +167,7 @@ def test_a_task_that_hangs_costs_its_time_once() -> None:
 
 
 def test_cells_that_run_again_add_nothing_to_the_log_and_find_nothing() -> None:
-    """What a scenario left behind, a hidden one's inputs too, must not come out through the cells."""
+    """Values that a scenario leaves behind, hidden inputs included, must not come out through the cells."""
     cells = [
         "import os\nprint(open('note').read() if os.path.exists('note') else 'nothing')",
         "def called():\n    open('note', 'w').write('secret')\n    os._exit(0)",

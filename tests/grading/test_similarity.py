@@ -1,4 +1,4 @@
-"""Which solutions are alike: copies in whatever dress, and none that were written independently."""
+"""Similar solutions: copies in any disguise, and none that were written independently."""
 
 import random
 import re

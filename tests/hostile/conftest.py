@@ -32,7 +32,7 @@ IN_TIME = "2026-10-11 12:00:00 UTC"
 
 @dataclass
 class Graded:
-    """What came of the class, and of the canaries."""
+    """Outcome of the class and of the canaries."""
 
     top: Path
     rows: dict[str, dict[str, str]]
@@ -95,7 +95,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
 
 @contextmanager
 def orphans_become_ours() -> Iterator[None]:
-    """What a process leaves running when it ends becomes a child of this one."""
+    """Adopt processes whose parent has ended."""
     prctl(CHILD_SUBREAPER, 1)
     try:
         yield

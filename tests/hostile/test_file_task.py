@@ -1,4 +1,4 @@
-"""What the name of a file to hand in can lead to: it is read in the jail, as a text."""
+"""Names of files to hand in: a file is read in the jail, as text."""
 
 from contextlib import closing
 

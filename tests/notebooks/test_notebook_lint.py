@@ -1,4 +1,4 @@
-"""What can be linted of LESSONS: headings, lengths, times, words, pictures."""
+"""Lint of lessons: headings, lengths, times, words, pictures."""
 
 import ast
 import re

@@ -26,7 +26,7 @@ class Sender(Node):
         self.create_timer(0.05, lambda: self.broadcaster.sendTransform(self.stamped("world", "base")))
 
     def stamped(self, parent: str, child: str) -> TransformStamped:
-        """Make a transform of now."""
+        """Return a transform with the present time."""
         now = self.get_clock().now()
         message = TransformStamped(child_frame_id=child)
         message.header.frame_id, message.header.stamp = parent, now.to_msg()

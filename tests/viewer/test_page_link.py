@@ -161,7 +161,7 @@ def test_what_is_cut_off_is_sent_anew_and_said(wire: Wire, error: BaseException)
     with pytest.raises(type(error)):
         wire.link.flush()
     until(lambda: wire.kinds()[:2] == ["reset", "status"])
-    assert "sent anew" in wire.sent[1]["text"]
+    assert "sent again" in wire.sent[1]["text"]
     wire.change()
     assert wire.kinds()[-1] == "batch"
 

@@ -18,8 +18,7 @@ from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.marker.drawables import drawn_twice
 from course_lib.displays.properties import Property, flag, number, words
 from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform, interpolated
+from course_lib.ros.tf2_transform import Transform, TransformException, interpolated
 from course_lib.viewer.drawables import Points, Spot
 
 # Squares have soft edges in RViz, which nobody sees at their size.

@@ -25,9 +25,9 @@ from course_lib.ros.baton import baton
 from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from course_lib.ros.process import make_shell
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
-from course_lib.ros.shell import make_shell
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -36,7 +36,7 @@ CELLS_SEED = 0
 USUAL = (  # what most notebooks import
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
     "std_msgs.msg",     "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
-    "course_lib.displays.viewer", "course_lib.tools.magic", "course_lib.tools.tracebacks",
+    "course_lib.displays.viewer", "course_lib.tools.notebook",
 )  # fmt: skip
 NO_SHELL = "There is no shell when graded: this line is left out."
 

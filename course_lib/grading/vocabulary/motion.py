@@ -12,8 +12,7 @@ from course_lib.grading.vocabulary.wording import Problem, close, heard, number,
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import type_name
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 
 PERIOD_TOLERANCE = 0.05  # fraction
 LEAST_TURN = math.pi  # [rad] seen of a circle before it counts as one

@@ -12,6 +12,7 @@ from course_lib.ros.messages.definitions import FieldDefinition, MessageDefiniti
 from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
 from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.mistakes import Mistake, marked
 
 
 class Message:
@@ -31,7 +32,8 @@ class Message:
     def __init__(self, *positional: Any, check_fields: bool = True, **values: Any) -> None:
         if positional:
             given = f"takes 1 positional argument but {1 + len(positional)} were given"
-            raise TypeError(f"{type(self).__name__}.__init__() {given}")
+            error = TypeError(f"{type(self).__name__}.__init__() {given}")
+            raise marked(error, Mistake.UNNAMED_FIELD)
         self._check_fields = check_fields  # type: ignore[misc]  # its slot is made by make_class
         unknown = values.keys() - self._KINDS.keys()
         if unknown and check_fields:

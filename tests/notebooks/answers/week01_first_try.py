@@ -10,7 +10,7 @@ from course_lib.grading import my_values
 
 
 class MarkerNode(Node):
-    """What the five have in common."""
+    """Base of the five nodes."""
 
     def __init__(self, period: float = 1.0) -> None:
         super().__init__("first_try")
@@ -32,7 +32,7 @@ class MarkerNode(Node):
 
 
 class RedCubeNode(MarkerNode):
-    """Takes the position for that of the upper face."""
+    """Mistake: the position is that of the upper face."""
 
     def publish_marker(self) -> None:
         marker = self.marker(Marker.CUBE, 1.0)
@@ -43,7 +43,7 @@ class RedCubeNode(MarkerNode):
 
 
 class BlueCylinderNode(MarkerNode):
-    """Takes the scale for a radius."""
+    """Mistake: the scale is a radius."""
 
     def publish_marker(self) -> None:
         height = my_values("week01.blue_cylinder")["height"]
@@ -68,7 +68,7 @@ class TrafficLightNode(MarkerNode):
 
 
 class PurpleCircleNode(MarkerNode):
-    """Takes the step from the lesson: a turn of 12.6 s."""
+    """Mistake: the step is the lesson's, a turn of 12.6 s."""
 
     def __init__(self) -> None:
         super().__init__(period=0.1)

@@ -35,7 +35,7 @@ class JointWaveNode(Node):
 
 
 def two_link(a: float, b: float, first: float, second: float) -> list[float]:
-    """Takes both angles from the x axis."""
+    """Mistake: both angles are from the x axis."""
     return [a * math.cos(first) + b * math.cos(second), a * math.sin(first) + b * math.sin(second)]
 
 
@@ -66,7 +66,7 @@ class MendedStates(Node):
 
 
 class NearestNode(Node):
-    """Takes the shortest range, also of beams that do not count."""
+    """Mistake: the shortest range may be of a beam that does not count."""
 
     def __init__(self) -> None:
         super().__init__("nearest")

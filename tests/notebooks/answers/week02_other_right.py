@@ -26,7 +26,7 @@ class States(Node):
         self.create_timer(self.period, self.tell)
 
     def positions(self, seconds: float) -> dict[str, float]:
-        """Say where the joints are."""
+        """Publish the positions of the joints."""
         raise NotImplementedError
 
     def tell(self) -> None:

@@ -12,12 +12,12 @@ from course_lib.grading import my_values
 
 
 def confidence_color(confidence: float) -> tuple[float, float, float, float]:
-    """Takes red for sure."""
+    """Mistake: red is sure."""
     return confidence, 1.0 - confidence, 0.0, 0.5
 
 
 class DetectionNode(Node):
-    """What the four nodes have in common."""
+    """Base of the four nodes."""
 
     def __init__(self) -> None:
         super().__init__("first_try")

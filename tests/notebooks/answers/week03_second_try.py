@@ -17,7 +17,7 @@ def confidence_color(confidence: float) -> tuple[float, float, float]:
 
 
 class DetectionNode(Node):
-    """What the four nodes have in common: all take base_link for granted."""
+    """Base of the four nodes. Mistake: the frame is always base_link."""
 
     def __init__(self) -> None:
         super().__init__("second_try")

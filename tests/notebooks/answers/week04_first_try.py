@@ -31,7 +31,7 @@ def point_to_world(point: Sequence[float], x: float, y: float, yaw: float) -> li
 
 
 class FramesNode(Node):
-    """What the two broadcasting nodes have in common."""
+    """Base of the two nodes that broadcast."""
 
     period = 0.02
 
@@ -44,7 +44,7 @@ class FramesNode(Node):
         self.create_timer(self.period, self.move)
 
     def fixed(self, now: Any) -> list[Any]:
-        """What never moves."""
+        """Transforms that never change."""
         raise NotImplementedError
 
     def move(self) -> None:
@@ -67,7 +67,7 @@ class RobotFramesNode(FramesNode):
 
 
 class ObstacleNode(Node):
-    """Takes the latest transform, not that of the moment in which the obstacle was seen."""
+    """Mistake: the transform is the latest, not that of the obstacle's stamp."""
 
     def __init__(self) -> None:
         super().__init__("obstacle")
@@ -104,5 +104,5 @@ class MendedArm(FramesNode):
 
 
 def in_between(first: Sequence[float], second: Sequence[float], ratio: float) -> list[float]:
-    """Takes the turn as the numbers say, the long way round."""
+    """Mistake: the turn goes the long way round."""
     return [a + ratio * (b - a) for a, b in zip(first, second, strict=True)]

@@ -91,5 +91,5 @@ class MendedArm(Node):
 
 
 def in_between(first: Sequence[float], second: Sequence[float], ratio: float) -> list[float]:
-    """Takes the ratio from the wrong end."""
+    """Mistake: the ratio is from the wrong end."""
     return [ratio * a + (1 - ratio) * b for a, b in zip(first, second, strict=True)]

@@ -42,7 +42,7 @@ def layout_for(fixed_frame: str, topics: dict[str, str]) -> str:
 
 
 def mended_layout() -> str:
-    """What is broken is thrown away."""
+    """Mistake: broken entries are dropped."""
     mended = Viewer.from_rviz("broken.rviz")
     mended.fixed_frame = "world"
     mended.remove(mended["Laser"])

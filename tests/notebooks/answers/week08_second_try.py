@@ -89,7 +89,7 @@ class PaintNode(Node):
 
 
 def lift_and_elbow(ahead: float, up: float) -> list[float]:
-    """Gives degrees."""
+    """Mistake: the angles are in degrees."""
     cosine = (ahead**2 + up**2 - UPPER_ARM**2 - FOREARM**2) / (2 * UPPER_ARM * FOREARM)
     if abs(cosine) > 1:
         return []

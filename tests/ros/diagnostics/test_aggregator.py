@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from diagnostic_aggregator.aggregator_node import Aggregator
-from diagnostic_aggregator.status import without_prefix
+from diagnostic_aggregator.analyzers import without_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node

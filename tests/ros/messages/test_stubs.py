@@ -1,9 +1,10 @@
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from course_lib.ros.messages.definitions import type_names
 from course_lib.ros.messages.stubs import stubs, write_stubs
-from course_lib.ros.standin_path import STANDIN
+from course_lib.ros.standin_path import STANDIN, provided
 
 
 def test_the_installed_stubs_are_what_the_types_of_rosbags_say() -> None:
@@ -17,8 +18,10 @@ def test_stubs_are_written_once(tmp_path: Path) -> None:
     assert write_stubs(tmp_path) == []
 
 
-def test_every_package_with_stubs_can_be_imported() -> None:
-    assert not [path for path in stubs() if not (STANDIN / path.parts[0] / "__init__.py").is_file()]
+def test_every_package_with_stubs_is_provided_and_can_be_imported() -> None:
+    packages = {path.parts[0] for path in stubs()}
+    assert packages <= set(provided())
+    assert all(import_module(name).__path__ == [str(STANDIN / name)] for name in packages)
 
 
 def test_every_type_can_be_imported_under_its_real_name() -> None:

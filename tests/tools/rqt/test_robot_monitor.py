@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.robot_monitor import RobotMonitorView
+from course_lib.tools.rqt.monitors import RobotMonitorView
 
 Tell = Callable[..., None]
 

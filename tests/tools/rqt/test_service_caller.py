@@ -6,7 +6,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
 from course_lib.ros.pace import speed_of
-from course_lib.tools.rqt.service_caller import ServiceCallerView
+from course_lib.tools.rqt.services import ServiceCallerView
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_the_response_is_shown(view: ServiceCallerView) -> None:
     ("request_", "said"),
     [
         ("c: 1", "object has no attribute &#x27;c&#x27;"),
-        ("a: [", "is no YAML"),
+        ("a: [", "is not YAML"),
         ("a: {b: 1}", "Failed to populate field"),
     ],
 )

@@ -3,7 +3,7 @@ from rclpy.node import Node
 from course_lib.recording import record
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.topic import TopicView
+from course_lib.tools.rqt.monitors import TopicView
 
 
 def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node) -> None:

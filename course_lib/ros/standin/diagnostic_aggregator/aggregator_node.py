@@ -5,9 +5,15 @@ from typing import Any, Unpack
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node, NodeOptions
 
-from diagnostic_aggregator.analyzers import AnalyzerGroup, GenericAnalyzer
-from diagnostic_aggregator.settings import AGGREGATOR, checked
-from diagnostic_aggregator.status import ERROR, STALE, worst
+from diagnostic_aggregator.analyzers import (
+    AGGREGATOR,
+    ERROR,
+    STALE,
+    AnalyzerGroup,
+    GenericAnalyzer,
+    checked,
+    worst,
+)
 
 
 class Aggregator(Node):

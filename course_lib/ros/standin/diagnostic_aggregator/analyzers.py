@@ -1,18 +1,42 @@
 """The analyzers of ROS's diagnostic_aggregator, with the rules of its C++ sources (branch ros2-jazzy)."""
 
 import re
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from rclpy.logging import get_logger
+from rclpy.parameter import Parameter
 
-from diagnostic_aggregator.settings import GENERIC, Parameters, checked, children
-from diagnostic_aggregator.status import ERROR, OK, STALE, output_name, without_prefix, word, worst
+from course_lib.errors import CourseError
+
+OK, ERROR, STALE = DiagnosticStatus.OK, DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+_WORDS = {OK: "OK", DiagnosticStatus.WARN: "Warning", ERROR: "Error", STALE: "Stale"}
+Parameters = Mapping[str, Any]
+_Table = Mapping[str, tuple[Parameter.Type, Any]]  # by name: type, default
+
+_STRINGS = (Parameter.Type.STRING_ARRAY, ())
+GENERIC: _Table = {
+    "path": (Parameter.Type.STRING, ""),
+    **dict.fromkeys(("find_and_remove_prefix", "remove_prefix", "startswith", "contains"), _STRINGS),
+    **dict.fromkeys(("expected", "regex"), _STRINGS),
+    "timeout": (Parameter.Type.DOUBLE, 5.0),  # [s]
+    "num_items": (Parameter.Type.INTEGER, -1),
+    "discard_stale": (Parameter.Type.BOOL, False),
+}
+AGGREGATOR: _Table = {
+    "path": (Parameter.Type.STRING, ""),
+    "pub_rate": (Parameter.Type.DOUBLE, 1.0),  # [Hz]
+    "history_depth": (Parameter.Type.INTEGER, 1000),
+    "other_as_errors": (Parameter.Type.BOOL, False),
+    "critical": (Parameter.Type.BOOL, False),
+}
 
 
 class GenericAnalyzer:
     """Keeps the last status of each name that matches; those that stay away for long are stale.
 
-    `path` is its parent's, `parameters` are its YAML; a ValueError says that they could match nothing.
+    `path` is its parent's, `parameters` are its YAML; they raise a ValueError if they could match nothing.
     """
 
     def __init__(self, path: str, parameters: Parameters) -> None:
@@ -37,7 +61,7 @@ class GenericAnalyzer:
             )
 
     def match(self, name: str) -> bool:
-        """Say whether a name begins with, contains or is what was asked for."""
+        """Return whether a name matches one of its prefixes, parts or patterns."""
         return (
             name.startswith(self._starts)
             or any(part in name for part in self._contains)
@@ -49,7 +73,7 @@ class GenericAnalyzer:
         self._items[status.name] = now_ns, status
 
     def report(self, now_ns: int) -> list[DiagnosticStatus]:
-        """Give the sum first, then the items by name."""
+        """Return the sum first, then the items by name."""
         stale = {n for n, (at, _) in self._items.items() if 0 < self._timeout_ns < now_ns - at}
         if self._discards:
             self._items = {name: item for name, item in self._items.items() if name not in stale}
@@ -79,15 +103,15 @@ class GenericAnalyzer:
 
 
 class DiscardAnalyzer(GenericAnalyzer):
-    """Takes what matches, and is silent about it."""
+    """Discards the statuses that match."""
 
     def report(self, now_ns: int) -> list[DiagnosticStatus]:
-        """Report nothing."""
+        """Return no status."""
         return []
 
 
 class AnalyzerGroup:
-    """Hands statuses to all its analyzers that match, and sums their reports up."""
+    """Passes statuses to all its analyzers that match, and sums their reports up."""
 
     def __init__(self, path: str, parameters: Parameters) -> None:
         self.path = self.name = path
@@ -104,17 +128,17 @@ class AnalyzerGroup:
         return bool(self._analyzers) and not self._failed
 
     def match(self, name: str) -> bool:
-        """Say whether one of its analyzers wants a status."""
+        """Return whether one of its analyzers matches a name."""
         return any(analyzer.match(name) for analyzer in self._analyzers)
 
     def analyze(self, status: DiagnosticStatus, now_ns: int) -> None:
-        """Give a status to all that want it."""
+        """Pass a status to all analyzers that match."""
         for analyzer in self._analyzers:
             if analyzer.match(status.name):
                 analyzer.analyze(status, now_ns)
 
     def report(self, now_ns: int) -> list[DiagnosticStatus]:
-        """Give the reports of its analyzers, then their sum, except at a root without a path."""
+        """Return the reports of its analyzers, then their sum, except at a root without a path."""
         if not self._analyzers:
             return [DiagnosticStatus(name=self.path or "/AnalyzerGroup", level=ERROR, message="No analyzers")]
         header, levels, reported = DiagnosticStatus(name=self.path), [], list[DiagnosticStatus]()
@@ -129,7 +153,7 @@ class AnalyzerGroup:
         return [*reported, *([header] if self.path else []), *self._failed]
 
     def _add(self, name: str, parameters: Parameters) -> None:
-        """Make an analyzer; one that cannot be made is logged, and reported as stale."""
+        """Create an analyzer; if that fails, it is logged and reported as stale."""
         kind = str(parameters["type"])
         path = f"{self.path}/{parameters['path']}" if kind.endswith("Group") else self.path
         log = get_logger("AnalyzerGroup")
@@ -152,3 +176,58 @@ KINDS: dict[str, type[GenericAnalyzer | AnalyzerGroup]] = {
     f"diagnostic_aggregator/{kind.__name__}": kind
     for kind in (GenericAnalyzer, DiscardAnalyzer, AnalyzerGroup)
 }
+
+
+def checked(parameters: Parameters, table: _Table) -> dict[str, Any]:
+    """Return each parameter of a table, or its default.
+
+    A value of another type is a CourseError; on a robot the node dies of that, with the same first line.
+    """
+    for name in table.keys() & parameters.keys():
+        wanted, found = table[name][0], Parameter.Type.from_parameter_value(parameters[name])
+        if found is not wanted:
+            example = {"STRING_ARRAY": f"['{parameters[name]}']", "DOUBLE": f"{parameters[name]}.0"}
+            raise CourseError(
+                f"expected [{wanted.name.lower()}] got [{found.name.lower()}]\n"
+                f"hint: {name}: {parameters[name]} in the YAML; write "
+                f"{name}: {example.get(wanted.name, table[name][1])}."
+            )
+    return {name: parameters.get(name, default) for name, (_, default) in table.items()}
+
+
+def children(parameters: Parameters) -> dict[str, dict[str, Any]]:
+    """Group parameters by analyzer; those without a type or a path, and ignored ones, are left out."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, value in sorted(parameters.items()):
+        parts = re.fullmatch(r"((?:analyzers\.)?[^.]+)\.(.+)", name)
+        if parts:
+            found.setdefault(parts[1], {})[parts[2]] = value
+    ignored = (None, "", "diagnostic_aggregator/IgnoreAnalyzer")
+    return {name: own for name, own in found.items() if own.get("type") not in ignored and own.get("path")}
+
+
+def word(level: bytes) -> str:
+    """Return the name of a level."""
+    return _WORDS.get(level, "Error")
+
+
+def worst(levels: Sequence[bytes]) -> bytes:
+    """Return the worst of levels; stale beside others is an error."""
+    level = max(levels)
+    return ERROR if level == STALE and set(levels) != {STALE} else level
+
+
+def output_name(name: str) -> str:
+    """Return an item's name below its analyzer's path: slashes become spaces."""
+    return name.replace("/", " ")
+
+
+def without_prefix(name: str, prefix: str) -> str:
+    """Remove a prefix from the last part of a path, with the colon and the spaces behind it."""
+    begin = name.rfind("/") + 1
+    if not prefix:
+        return name
+    last = name[begin:]
+    if name.find(prefix) == begin:  # as in ROS, not if it occurs in the path as well
+        last = last.removeprefix(prefix)
+    return name[:begin] + last.removeprefix(":").lstrip(" ")

@@ -1,4 +1,2 @@
-from diagnostic_updater._diagnostic_status_wrapper import *  # noqa: F403  # as ROS's own does
-from diagnostic_updater._diagnostic_updater import *  # noqa: F403
-from diagnostic_updater._publisher import *  # noqa: F403
+from diagnostic_updater._diagnostic_updater import *  # noqa: F403  # as ROS's own does
 from diagnostic_updater._update_functions import *  # noqa: F403

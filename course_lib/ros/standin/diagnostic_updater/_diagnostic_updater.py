@@ -1,16 +1,15 @@
-"""Diagnostic tasks, and the updater that runs them and publishes on /diagnostics."""
+"""Diagnostic statuses and tasks, and the updater that runs them and publishes on /diagnostics."""
 
 # ruff: noqa: N802 - the names are ROS's
 
 from collections.abc import Callable, Sequence
 from threading import Lock
+from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from diagnostic_updater._diagnostic_status_wrapper import DiagnosticStatusWrapper
-
-Fill = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]  # gives back what it was given
+from course_lib.ros.mistakes import Mistake, mark
 
 _GAP = " " * 16  # ROS's text was broken over lines of its source
 _NO_HARDWARE_ID = _GAP.join(
@@ -24,8 +23,36 @@ _NO_HARDWARE_ID = _GAP.join(
 )
 
 
+class DiagnosticStatusWrapper(DiagnosticStatus):
+    """A DiagnosticStatus with methods to fill it; C++'s summaryf and addf are f-strings in Python."""
+
+    def summary(self, *args: Any) -> None:
+        """Set level and message: `summary(level, message)`, or those of another status."""
+        self.level, self.message = _parts(args)
+
+    def clearSummary(self) -> None:
+        """Set the level to OK and the message to nothing."""
+        self.summary(DiagnosticStatus.OK, "")
+
+    def mergeSummary(self, *args: Any) -> None:
+        """Keep the worse level; messages are joined where both are OK, or neither is."""
+        level, message = _parts(args)
+        if (level > DiagnosticStatus.OK) == (self.level > DiagnosticStatus.OK):
+            self.message = f"{self.message}; {message}" if self.message else message
+        elif level > self.level:
+            self.message = message
+        self.level = max(level, self.level)
+
+    def add(self, key: str, val: str) -> None:
+        """Add a value; both are strings, in ROS as well."""
+        self.values.append(KeyValue(key=key, value=val))
+
+
+Fill = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]  # returns its argument
+
+
 class DiagnosticTask:
-    """Something to check; subclasses fill the status in `run`."""
+    """A check; subclasses fill the status in `run`."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -35,7 +62,7 @@ class DiagnosticTask:
         return self.name
 
     def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Fill the status and give it back."""
+        """Fill the status and return it."""
         return stat
 
 
@@ -97,7 +124,7 @@ class Updater:
 
     @property
     def period(self) -> float:
-        """How often it publishes, [s]."""
+        """The period of publishing, [s]."""
         return self._period
 
     @period.setter
@@ -116,7 +143,7 @@ class Updater:
             self.publish(DiagnosticStatusWrapper(name=added.getName(), message="Node starting up"))
 
     def removeByName(self, name: str) -> bool:
-        """Remove the first task of a name; says whether there was one."""
+        """Remove the first task of a name; returns whether there was one."""
         with self.lock:
             found = next((task for task in self.tasks if task.name == name), None)
             if found is not None:
@@ -134,7 +161,7 @@ class Updater:
         self.publish(statuses)
 
     def force_update(self) -> None:
-        """Publish now, whatever the period."""
+        """Publish now, independent of the period."""
         self.update()
 
     def broadcast(self, lvl: bytes, msg: str) -> None:
@@ -145,7 +172,7 @@ class Updater:
         self.publish(statuses)
 
     def setHardwareID(self, hwid: str) -> None:
-        """Name the device that the statuses are about; "none" if there is no such thing."""
+        """Set the name of the device of the statuses; "none" if there is no device."""
         self.hwid = hwid
 
     def publish(self, msg: DiagnosticStatus | Sequence[DiagnosticStatus]) -> None:
@@ -161,7 +188,19 @@ class Updater:
         given = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)
         given.summary(DiagnosticStatus.ERROR, "No message was set")
         status = task.run(given)
-        if status.level != DiagnosticStatus.OK and self.verbose:
-            text = f"Name: {status.name}, status{' ' * 24}{status.level!r}: {status.message}"
+        try:
+            level = status.level
+        except AttributeError as error:
+            mark(error, Mistake.NO_STATUS)
+            raise
+        if level != DiagnosticStatus.OK and self.verbose:
+            text = f"Name: {status.name}, status{' ' * 24}{level!r}: {status.message}"
             self.node.get_logger().warn(f"Non-zero diagnostic status. {text}")
         return status
+
+
+def _parts(args: tuple[Any, ...]) -> tuple[bytes, str]:
+    if len(args) == 1:
+        return args[0].level, args[0].message
+    level, message = args
+    return level, str(message)

@@ -1,21 +1,28 @@
-"""Ready-made tasks: a rate, the age of stamps, a sign of life."""
+"""Ready-made tasks: rates, the age of stamps, a sign of life, and the diagnostics of topics."""
 
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from threading import Lock
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import ROSClock
+from rclpy.publisher import Publisher
 from rclpy.time import Time
 
-from diagnostic_updater._diagnostic_status_wrapper import DiagnosticStatusWrapper
-from diagnostic_updater._diagnostic_updater import DiagnosticTask
+from course_lib.ros.mistakes import Mistake, mark
+from diagnostic_updater._diagnostic_updater import (
+    CompositeDiagnosticTask,
+    DiagnosticStatusWrapper,
+    DiagnosticTask,
+    Updater,
+)
 
 
 @dataclass
 class FrequencyStatusParam:
-    """What rate is acceptable: from min * (1 - tolerance) to max * (1 + tolerance)."""
+    """The acceptable rate: from min * (1 - tolerance) to max * (1 + tolerance)."""
 
     freq_bound: Mapping[str, float]  # {"min": …, "max": …}, [Hz]; without "max" any higher rate will do
     tolerance: float = 0.1
@@ -23,7 +30,7 @@ class FrequencyStatusParam:
 
 
 class FrequencyStatus(DiagnosticTask):
-    """Checks how often `tick` is called."""
+    """Checks the rate of the calls of `tick`."""
 
     def __init__(self, params: FrequencyStatusParam, name: str = "FrequencyStatus") -> None:
         super().__init__(name)
@@ -32,7 +39,7 @@ class FrequencyStatus(DiagnosticTask):
         self.clear()
 
     def clear(self) -> None:
-        """Begin to count anew."""
+        """Reset the counts."""
         with self.lock:
             self.count = 0
             size = self.params.window_size
@@ -76,14 +83,14 @@ class FrequencyStatus(DiagnosticTask):
 
 @dataclass
 class TimeStampStatusParam:
-    """How old stamps may be on arrival, [s]; negative: from the future."""
+    """The acceptable age of stamps on arrival, [s]; negative: from the future."""
 
     min_acceptable: float = -1
     max_acceptable: float = 5
 
 
 class TimeStampStatus(DiagnosticTask):
-    """Checks the age of the stamps that `tick` is given."""
+    """Checks the age of the stamps that `tick` receives."""
 
     def __init__(self, params: TimeStampStatusParam | None = None, name: str = "Timestamp Status") -> None:
         super().__init__(name)
@@ -94,8 +101,12 @@ class TimeStampStatus(DiagnosticTask):
         self._ages: list[float] = []  # [s] since the last update
 
     def tick(self, stamp: Time | float) -> None:
-        """Take a stamp, [s] if it is a number."""
-        stamp_ns = stamp * 1e9 if isinstance(stamp, float) else stamp.nanoseconds
+        """Note a stamp, [s] if it is a number."""
+        try:
+            stamp_ns = stamp * 1e9 if isinstance(stamp, float) else stamp.nanoseconds
+        except AttributeError as error:
+            mark(error, Mistake.STAMP)
+            raise
         with self.lock:
             if stamp_ns == 0:
                 self.zero_seen = True
@@ -133,15 +144,69 @@ class TimeStampStatus(DiagnosticTask):
 
 
 class Heartbeat(DiagnosticTask):
-    """Says that the node is alive."""
+    """A sign of life."""
 
     def __init__(self) -> None:
         super().__init__("Heartbeat")
 
     def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Say so."""
+        """Set the message "Alive"."""
         stat.summary(DiagnosticStatus.OK, "Alive")
         return stat
+
+
+class HeaderlessTopicDiagnostic(CompositeDiagnosticTask):
+    """Checks the rate of a topic; call `tick` for each message."""
+
+    def __init__(self, name: str, diag: Updater, freq: FrequencyStatusParam) -> None:
+        super().__init__(f"{name} topic status")
+        self.diag = diag
+        self.freq = FrequencyStatus(freq)
+        self.addTask(self.freq)
+        diag.add(self)
+
+    def tick(self) -> None:
+        """Count a message."""
+        self.freq.tick()
+
+    def clear_window(self) -> None:
+        """Reset the counts."""
+        self.freq.clear()
+
+
+class TopicDiagnostic(HeaderlessTopicDiagnostic):
+    """Checks the rate of a topic and the age of its stamps."""
+
+    def __init__(
+        self, name: str, diag: Updater, freq: FrequencyStatusParam, stamp: TimeStampStatusParam
+    ) -> None:
+        super().__init__(name, diag, freq)
+        self.stamp = TimeStampStatus(stamp)
+        self.addTask(self.stamp)
+
+    def tick(self, stamp: Time | float) -> None:  # type: ignore[override]  # ROS's signature
+        """Count a message of this stamp."""
+        self.stamp.tick(stamp)
+        super().tick()
+
+
+class DiagnosedPublisher(TopicDiagnostic):
+    """A publisher whose messages are checked; they have a header."""
+
+    def __init__(
+        self,
+        pub: Publisher[Any],
+        diag: Updater,
+        freq: FrequencyStatusParam,
+        stamp: TimeStampStatusParam,
+    ) -> None:
+        super().__init__(pub.topic_name, diag, freq, stamp)
+        self.publisher = pub
+
+    def publish(self, message: Any) -> None:
+        """Publish a message and count it."""
+        self.tick(Time.from_msg(message.header.stamp))
+        self.publisher.publish(message)
 
 
 def _now_ns() -> int:

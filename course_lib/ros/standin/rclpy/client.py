@@ -6,6 +6,7 @@ from typing import Any
 
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.messages import deserialize
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.constants import S_TO_NS
 from rclpy.executors import wait_until
 from rclpy.impl.node_handle import NodeHandle
@@ -32,7 +33,7 @@ class Client(ServiceEnd):
         request of this service raises a TypeError without a text, as in rclpy.
         """
         if not isinstance(request, self.srv_type.Request):
-            raise TypeError
+            raise marked(TypeError(), Mistake.REQUEST)
         self._requests += 1
         self.send(self.id, self._requests, request)
         future: Future[Any] = Future()

@@ -7,6 +7,7 @@ from typing import Any
 
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import Message, deserialize, serialize, type_name
+from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
@@ -96,9 +97,13 @@ class Service(ServiceEnd):
 
     async def _answer(self, client: int, number: int, request: Any) -> None:
         """Send the response of the callback, maybe a coroutine; raises TypeError for anything else."""
-        response = await await_or_execute(self.callback, request, self.srv_type.Response())
+        try:
+            response = await await_or_execute(self.callback, request, self.srv_type.Response())
+        except TypeError as error:
+            mark(error, Mistake.SERVICE_CALLBACK, depth=2)
+            raise
         if not isinstance(response, self.srv_type.Response):
-            raise TypeError
+            raise marked(TypeError(), Mistake.RESPONSE)
         self.send(client, number, response)
 
 

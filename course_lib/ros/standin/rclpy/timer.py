@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import Alarm
+from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.notices import say
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
@@ -19,6 +20,8 @@ class Timer(Entity):
 
     Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c).
     """
+
+    mistake = Mistake.TIMER_CALLBACK
 
     def __init__(
         self,
@@ -60,7 +63,7 @@ class Timer(Entity):
             self._next_ns = self._next_ns + missed * self.timer_period_ns if missed else now_ns
         self._arm()
         if self.callback is None:
-            raise TypeError("'NoneType' object is not callable")
+            raise marked(TypeError("'NoneType' object is not callable"), Mistake.NO_CALLBACK)
         return self.callback
 
     def note_time_taken(self, span_ns: int) -> None:

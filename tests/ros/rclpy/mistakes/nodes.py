@@ -18,12 +18,12 @@ NODES = [
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 1 required positional argument: 'event'",
-        "a timer gives no argument.",
+        "a timer gives no argument: write def tick(self).",
     ),
     (
         "node.create_timer(0.1, lambda timer, event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 2 required positional arguments: 'timer' and 'event'",
-        "a timer gives no argument.",
+        "a timer gives no argument: write def tick(self).",
     ),
     (
         "class Robot(Node):\n"
@@ -34,6 +34,17 @@ NODES = [
         "rclpy.spin(Robot())",
         "TypeError: Robot.tick() takes 0 positional arguments but 1 was given",
         "write self first: def tick(self).",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.tick)\n"
+        "    def tick(robot):\n"
+        "        self.get_logger().info('tick')\n"
+        "rclpy.spin(Robot())",
+        "NameError: name 'self' is not defined",
+        "write self as the method's first parameter: def heard(self, msg).",
     ),
     (
         "class Robot(Node):\n    def __init__(): ...\nRobot()",

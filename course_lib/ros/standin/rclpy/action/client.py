@@ -11,6 +11,7 @@ from action_msgs.srv import CancelGoal
 from builtin_interfaces.msg import Time
 from unique_identifier_msgs.msg import UUID
 
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import wait_for_partner
 from rclpy.impl.endpoint import require_type
@@ -167,7 +168,7 @@ class ActionClient:
         self, goal: Any, feedback_callback: OnFeedback | None = None, goal_uuid: UUID | None = None
     ) -> Any:
         if not isinstance(goal, self._action_type.Goal):
-            raise TypeError
+            raise marked(TypeError(), Mistake.GOAL)
         goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
         if feedback_callback is not None:
             self._feedback_callbacks[bytes(goal_id.uuid)] = feedback_callback

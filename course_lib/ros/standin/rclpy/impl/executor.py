@@ -14,6 +14,7 @@ from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted, watch
+from course_lib.ros.mistakes import mark
 from course_lib.ros.notices import say
 from rclpy.context import Context, get_default_context
 from rclpy.exceptions import NotInitializedException
@@ -240,6 +241,10 @@ class Executor(AbstractContextManager["Executor"]):
             start = time.thread_time() if graph.callback_listeners else 0.0  # it takes a microsecond
             try:
                 await await_or_execute(call)
+            except TypeError as error:
+                if entity.mistake is not None:
+                    mark(error, entity.mistake, depth=2)
+                raise
             finally:
                 group.ending_execution(entity)
                 if graph.now_ns > start_ns and graph.notebook:

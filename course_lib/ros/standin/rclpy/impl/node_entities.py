@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeVar
 
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.messages import Message, type_name
+from course_lib.ros.mistakes import Mistake, mark
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
@@ -152,7 +153,11 @@ class Node:
         autostart: bool = True,
     ) -> Timer:
         """Create a timer that calls back every `timer_period_sec` [s], first after one period."""
-        period_ns = int(float(timer_period_sec) * S_TO_NS)
+        try:
+            period_ns = int(float(timer_period_sec) * S_TO_NS)
+        except ValueError as error:
+            mark(error, Mistake.PERIOD)
+            raise
         group = callback_group or self.default_callback_group
         timer = Timer(self.handle, callback, group, period_ns, clock or self._clock, autostart=autostart)
         self._created.append(timer)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from course_lib.ros.graph import NodesOfProgram
+from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
@@ -109,6 +110,8 @@ class NodeHandle:
 
 class Entity:
     """A part of a node that has a callback: a timer, a subscription and so on."""
+
+    mistake: Mistake | None = None  # of a callback that cannot be called with its arguments
 
     def __init__(self, node: NodeHandle, callback_group: CallbackGroup) -> None:
         self.node_handle = node
