@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.ros.messages import Message, to_plain, type_name
-from course_lib.ros.messages.definitions import FieldDefinition, definition
-from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
 
 
 @dataclass(frozen=True)

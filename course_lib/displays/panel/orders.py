@@ -39,7 +39,7 @@ from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.displays.yaml_file import yaml_text
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages.plain import to_plain
+from course_lib.ros.messages.wire import to_plain
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.wire import MessageError, from_json
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import Message
-from course_lib.ros.messages.definitions import FieldDefinition, definition
-from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
