@@ -12,9 +12,10 @@ from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.judge import TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.reports.table import Table
+from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import printed
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import HINTS, Task

@@ -95,12 +95,12 @@ def _tame(value: Any) -> Any:
     return _WILD.sub("", value) if type(value) is str else value  # not what is markup already
 
 
-Row = Mapping[str, Any]  # of the gradebook
+Line = Mapping[str, Any]  # of the gradebook
 MOST_NAMED = 5  # students in a line
 MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
 
 
-def watched(rows: Iterable[Row], total: int) -> Iterator[Row]:
+def watched(rows: Iterable[Line], total: int) -> Iterator[Line]:
     """The same rows, while a bar with rate and time left tells how far it is; problems go above it."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -122,7 +122,7 @@ def say(line: str) -> None:
     print(printable(line))  # noqa: T201  the terminal is its page
 
 
-def counts(rows: Iterable[Row]) -> str:
+def counts(rows: Iterable[Line]) -> str:
     """How many there are of each status."""
     return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row["status"] for row in rows).items()))
 

@@ -17,7 +17,7 @@ from course_lib.grading.handin.copies import Alike, alike_in
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
 from course_lib.grading.reports.table import fill
-from course_lib.grading.run.outcome import read_usage
+from course_lib.grading.run.run import read_usage
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 

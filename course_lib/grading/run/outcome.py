@@ -6,10 +6,8 @@ import os
 import re
 import sys
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -202,18 +200,6 @@ def wait_any_child() -> Usage:
     """
     _, _, used = os.wait3(0)
     return Usage(round(used.ru_utime + used.ru_stime, 3), round(used.ru_maxrss / _RSS_PER_MB, 1))
-
-
-def usage_path(out: Path, key: str) -> Path:
-    """Where it is kept, by the key of the evidence."""
-    return out / "evidence" / f"{key}.usage.json"
-
-
-def read_usage(out: Path, key: str) -> Usage | None:
-    """What a run used; None if that is not known."""
-    with suppress(OSError, ValueError, TypeError):
-        return Usage(**json.loads(usage_path(out, key).read_text(encoding="utf-8")))
-    return None
 
 
 def still_running(seconds: float, line: str = "") -> str:

@@ -36,7 +36,7 @@ CELLS_SEED = 0
 USUAL = (  # what most notebooks import
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
     "std_msgs.msg",     "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
-    "course_lib.displays.viewer", "course_lib.tools.magic", "course_lib.tools.tracebacks",
+    "course_lib.displays.viewer", "course_lib.tools.notebook",
 )  # fmt: skip
 NO_SHELL = "There is no shell when graded: this line is left out."
 
