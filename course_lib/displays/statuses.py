@@ -26,18 +26,18 @@ class StatusRow(NamedTuple):
 
 
 class Statuses:
-    """What a display says of itself, by name; of one name the last word counts."""
+    """A display's statuses and hints by name; the last one of a name counts."""
 
     def __init__(self) -> None:
         self._said: dict[str, tuple[Level, str]] = {}
         self._hints: dict[str, tuple[str, ...]] = {}
 
     def set(self, level: Level, name: str, text: str) -> None:
-        """Say something in RViz's words."""
+        """Set the status of a name, in RViz's words."""
         self._said[name] = (level, text)
 
     def hint(self, name: str, *texts: str) -> None:
-        """Say what RViz does not, in place of earlier hints of that name; no text takes them back."""
+        """Set the hints of a name, in place of earlier ones; without a text there is none."""
         self._hints[name] = texts
 
     def delete(self, name: str) -> None:
@@ -58,7 +58,7 @@ class Statuses:
 
 
 class StatusTable(list[StatusRow]):
-    """What RViz's Displays panel says, row by row, for cells, pages and terminals."""
+    """The statuses of RViz's Displays panel as a table, for cells, pages and terminals."""
 
     def __str__(self) -> str:
         rows = [(row.display, row.name, " ".join(LEVELS[row.level][:2]), row.text) for row in self]

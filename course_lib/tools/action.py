@@ -21,7 +21,7 @@ from course_lib.tools.verb import (
     write_names,
 )
 
-PATIENCE = 60.0  # [s] for a goal to come to its end, if nobody can press ■
+GOAL_LIMIT = 60.0  # [s] for a goal to come to its end, if nobody can press ■
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
@@ -75,7 +75,7 @@ def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
 
     future = handle.get_result_async()
     try:
-        result = answer(source, future, "The action", source.limit(PATIENCE))
+        result = answer(source, future, "The action", source.limit(GOAL_LIMIT))
         write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
         if not future.done() and not source.graph.ended:

@@ -13,7 +13,7 @@ from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, 
 if TYPE_CHECKING:
     from rclpy.task import Future
 
-PATIENCE = 5.0  # [s] for an answer
+ANSWER_LIMIT = 5.0  # [s] for an answer
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
@@ -130,7 +130,7 @@ def asked(source: Source, node_name: str) -> Iterator[Any]:
 
         def ask(method: str, *arguments: Any) -> Any:
             future: Future[Any] = getattr(client, method)(*arguments)
-            return answer(source, future, full, PATIENCE)
+            return answer(source, future, full, ANSWER_LIMIT)
 
         yield ask
 

@@ -24,7 +24,7 @@ from course_lib.tools.verb import (
     write_names,
 )
 
-PATIENCE = 10.0  # [s] for a service and its answer, if nobody can press ■
+CALL_LIMIT = 10.0  # [s] for a service and its answer, if nobody can press ■
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
@@ -46,7 +46,7 @@ def _call(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, True)
+    name, limit, there = arguments.service_name, source.limit(CALL_LIMIT), _services(source, True)
     check_type(name, type_name(kind.Request).removesuffix("_Request"), there)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)

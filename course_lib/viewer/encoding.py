@@ -1,4 +1,4 @@
-"""How a scene is written for a page: msgpack, with arrays as meshcat's own decoder reads them."""
+"""Scenes as msgpack for a page, with arrays as meshcat's own decoder reads them."""
 
 from typing import Any
 

@@ -27,7 +27,7 @@ class _Code(anywidget.AnyWidget):
 
 
 class SceneWidget(anywidget.AnyWidget):
-    """Shows a scene in as many cells and pages as display it; all follow the scene.
+    """A widget that shows a scene in any number of cells and pages.
 
     Args:
         scene: What to show.
@@ -84,7 +84,7 @@ class SceneWidget(anywidget.AnyWidget):
         super().close()
 
     def _save(self, _: object) -> None:
-        """Let whoever runs the notebook without a page, like nbconvert, save it with the present scene."""
+        """Save the present scene in a notebook that runs without a page, as by nbconvert."""
         if not self.link.ready and self.link.snapshot()[0] != self._saved:
             self.send_state(["snapshot", "number"])
 

@@ -64,7 +64,7 @@ class ToolButton:
 
 @dataclass(frozen=True)
 class ToolSettings:
-    """Properties of tools that the page itself follows."""
+    """The properties of tools that the page itself follows."""
 
     single: bool  # of Publish Point
     color: str  # of Measure

@@ -27,7 +27,7 @@ _AXES = axes(0.1, 0.01)
 
 
 class Looks:
-    """Turns shapes of one link into what is drawn.
+    """The drawables of a link's shapes.
 
     Args:
         link: Of the description.
@@ -131,7 +131,7 @@ def inertia(inertial: Inertial) -> Solids | None:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be seen of a link."""
+    """The visible parts of a link."""
 
     shown: Mapping[str, bool]  # by kind: visual, collision, mass, inertia, axes, trail
     alpha: float

@@ -13,14 +13,14 @@ from course_lib.recording import read_bag
 from course_lib.ros import wall
 from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.sources import PLAYER
 
 _LEFT, _WIDTH, _ROW = 190, 560, 22  # [px] names, time line, height of a topic
 _STEP = 0.05  # [s] of the wall clock between two steps of playing
 
 
-class BagView(View):
+class BagView(RqtView):
     """A row per topic with a mark for each message; a cursor, and the message before it."""
 
     name, title = "bag", "Bag"

@@ -9,7 +9,7 @@ from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.qos import incompatible
 from course_lib.tools.rqt.layered import Edge, Layers, Point, layered
 from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
 _KINDS = {  # what each check box hides
@@ -25,7 +25,7 @@ _BAD = " (QoS!)"  # some publisher does not reach some subscription
 _HALF = 14.0  # [px] half the height of a node
 
 
-class GraphView(View):
+class GraphView(RqtView):
     """Nodes as ellipses, topics as boxes, dashed where incompatible QoS keeps messages back."""
 
     name, title = "graph", "Node Graph"

@@ -8,7 +8,7 @@ from course_lib.errors import counted
 from course_lib.ros.graph import Sample
 from course_lib.tools.message_yaml import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.topic.subscribe import in_bytes
 
 _LOG = "rcl_interfaces/msg/Log"
@@ -24,7 +24,7 @@ _SEVERITIES = {
 }
 
 
-class ConsoleView(View):
+class ConsoleView(RqtView):
     """A table of log messages, newest first, with filters and highlighting."""
 
     name, title, listens = "console", "Console", True
@@ -77,7 +77,7 @@ _WINDOW_NS = 5 * 10**9  # of robot time
 _TOPIC_HEADS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
 
 
-class TopicView(View):
+class TopicView(RqtView):
     """A row per topic with bandwidth, rate and value; a button opens the whole value."""
 
     name, title, listens = "topic", "Topic Monitor", True
@@ -88,13 +88,13 @@ class TopicView(View):
 
         self._heard: dict[str, deque[tuple[int, int]]] = {}  # (time [ns], bytes) by topic
         self._last: dict[str, Sample] = {}
-        self._rows: dict[str, Any] = {}
-        self._table = VBox()
+        self.rows: dict[str, Any] = {}
+        self.table = VBox()
         self.add_text("Filter", hint="part of a name")
 
     def body(self) -> list[Any]:
         """Return the head line above the rows."""
-        return [self.screen, self._table]
+        return [self.screen, self.table]
 
     def hear(self, sample: Sample) -> None:
         """Count a message."""
@@ -108,18 +108,18 @@ class TopicView(View):
         """Update the rows."""
         self.screen.value = f"<b style='display:block;margin-left:214px'>{_cells(_TOPIC_HEADS[1:])}</b>"
         for topic in (topics := self._topics()):
-            if topic not in self._rows:
-                self._rows[topic] = self._row(topic)
-            line, value = self._rows[topic].children
+            if topic not in self.rows:
+                self.rows[topic] = self._row(topic)
+            line, value = self.rows[topic].children
             button, about = line.children
-            about.value = _cells(self._about(topic, topics[topic]))
+            about.value = _cells(self.cells(topic, topics[topic]))
             button.icon = "caret-down" if button.value else "caret-right"
             value.value = f"<pre>{escape(self._value(topic))}</pre>" if button.value else ""
-        self._table.children = tuple(self._rows[topic] for topic in topics)
+        self.table.children = tuple(self.rows[topic] for topic in topics)
 
     def picture(self) -> str:
         """Return all rows as a table."""
-        rows = ([topic, *map(escape, self._about(topic, types))] for topic, types in self._topics().items())
+        rows = ([topic, *map(escape, self.cells(topic, types))] for topic, types in self._topics().items())
         return table(_TOPIC_HEADS, rows, "Topics")
 
     def _topics(self) -> dict[str, list[str]]:
@@ -135,7 +135,7 @@ class TopicView(View):
         button.observe(lambda _: self.soon(self.refresh), "value")
         return VBox([HBox([button, HTML(layout={"flex": "1"})]), HTML(layout={"margin": "0 0 0 24px"})])
 
-    def _about(self, topic: str, types: list[str]) -> list[str]:
+    def cells(self, topic: str, types: list[str]) -> list[str]:
         """Return the cells behind a topic's name."""
         since = self.graph.now_ns - _WINDOW_NS
         window = [(at, size) for at, size in self._heard.get(topic, ()) if at >= since]
@@ -165,7 +165,7 @@ _HISTORY = 30  # messages, as rqt_robot_monitor's timeline
 _LEVELS = ("ok", "warn", "error", "stale")
 
 
-class RobotMonitorView(View):
+class RobotMonitorView(RqtView):
     """The tree of diagnostics with the worst level of each branch; one status in detail."""
 
     name, title, listens = "robot_monitor", "Robot Monitor", True
@@ -190,7 +190,7 @@ class RobotMonitorView(View):
         for status in message.status:
             self._statuses["/" + status.name.strip("/")] = sample.stamp_ns, status
         if self._statuses:
-            self._history.append((sample.stamp_ns, self._worst("")))
+            self._history.append((sample.stamp_ns, self.worst("")))
 
     def refresh(self) -> None:
         """Update the choice of statuses and the picture."""
@@ -206,7 +206,7 @@ class RobotMonitorView(View):
         levels = [self._level(path) for path in self._statuses]
         counts = " · ".join(f"{icon(level)}{levels.count(level)} {level.upper()}" for level in _LEVELS[::-1])
         head = f"<p>{late}ast message on {self._topic} came {age:.1f} s ago. {counts}</p>"
-        tree = table(("Device", "Level", "Message"), map(self._row, self._paths()), "Devices")
+        tree = table(("Device", "Level", "Message"), map(self._row, self.paths()), "Devices")
         return head + self._timeline() + tree + self._details()
 
     def _is_stale(self, heard_ns: int) -> bool:
@@ -216,18 +216,18 @@ class RobotMonitorView(View):
         heard_ns, status = self._statuses[path]
         return "stale" if self._is_stale(heard_ns) else _LEVELS[min(status.level[0], 3)]
 
-    def _worst(self, path: str) -> str:
+    def worst(self, path: str) -> str:
         """Return the worst level of a branch."""
         branch = (p for p in self._statuses if f"{p}/".startswith(f"{path}/"))
         return max(map(self._level, branch), key=_LEVELS.index)
 
-    def _paths(self) -> list[str]:
+    def paths(self) -> list[str]:
         """List the paths of all statuses and of their branches, in the order of a tree."""
         parts = [path.split("/") for path in self._statuses]
         return sorted({"/".join(names[:deep]) for names in parts for deep in range(2, len(names) + 1)})
 
     def _row(self, path: str) -> list[str]:
-        level = self._worst(path)
+        level = self.worst(path)
         message = self._statuses[path][1].message if path in self._statuses else ""
         name = icon(level) + escape(path.rpartition("/")[2])
         indented = tag("span", name, style=f"padding-left:{18 * (path.count('/') - 1)}px")

@@ -15,7 +15,7 @@ from course_lib.ros.messages import Message
 from course_lib.ros.messages.definitions import FieldDefinition, definition
 from course_lib.ros.messages.primitives import PRIMITIVES
 from course_lib.tools.rqt.markup import chart
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
@@ -109,7 +109,7 @@ _LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve,
 )
 
 
-class PlotView(View):
+class PlotView(RqtView):
     """Curves of the numbers since the view was opened, by the time of publication."""
 
     name, title, listens = "plot", "MatPlot", True
@@ -119,7 +119,7 @@ class PlotView(View):
         from ipywidgets import BoundedFloatText, Text
 
         self._start_ns = self.graph.now_ns
-        self._curves: dict[str, tuple[FieldPath, deque[tuple[float, float]]]] = {}
+        self.curves: dict[str, tuple[FieldPath, deque[tuple[float, float]]]] = {}
         hint, wide = "/topic/field /topic/list[0]", {"width": "480px"}
         topics = Text(" ".join(self.words), description="Topics", placeholder=hint, layout=wide)
         topics.continuous_update = False
@@ -131,12 +131,12 @@ class PlotView(View):
 
     def buttons(self) -> list[Any]:
         """Add a button that clears the collected messages."""
-        return [self.button("Clear", "trash", self._clear)]
+        return [self.button("Clear", "trash", self.clear)]
 
     def hear(self, sample: Sample) -> None:
         """Append the numbers of a message to the curves."""
         message = None
-        for path, points in self._curves.values():
+        for path, points in self.curves.values():
             if (path.topic, path.type_name) == (sample.topic, sample.type_name):
                 message = message or sample.message()
                 points.append(((sample.stamp_ns - self._start_ns) * 1e-9, path.read(message)))
@@ -153,12 +153,12 @@ class PlotView(View):
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
         below = 0.5 + 0.24 * len(
-            self._curves
+            self.curves
         )  # [inch] for the legend; layouts by themselves take twice as long
         figure = Figure(figsize=(7.2, 2.7 + below))
         place = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
         axes = figure.subplots(gridspec_kw=place)
-        for (name, (_, points)), (colour, dash) in zip(self._curves.items(), cycle(_LOOKS)):
+        for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
             shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
             said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: nothing came yet"
             look = {"label": said, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
@@ -174,12 +174,13 @@ class PlotView(View):
         """Create the requested curves; existing ones keep their points."""
         topics = self.source.topics()
         paths = [parse(word, topics) for word in self["Topics"].split()]
-        self._curves = {
-            path.text: self._curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths
+        self.curves = {
+            path.text: self.curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths
         }
         self.say("" if paths else "Name what to plot, like /joint_states/position[0], and press Enter.")
         self.refresh()
 
-    def _clear(self) -> None:
-        for _, points in self._curves.values():
+    def clear(self) -> None:
+        """Remove the points of all curves."""
+        for _, points in self.curves.values():
             points.clear()

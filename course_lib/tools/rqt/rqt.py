@@ -16,7 +16,7 @@ from course_lib.tools.rqt.graph import GraphView
 from course_lib.tools.rqt.monitors import ConsoleView, RobotMonitorView, TopicView
 from course_lib.tools.rqt.plot import PlotView
 from course_lib.tools.rqt.services import ReconfigureView, ServiceCallerView
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 
 _CLASSES = (
     GraphView,
@@ -28,7 +28,7 @@ _CLASSES = (
     ReconfigureView,
     RobotMonitorView,
 )
-VIEWS: Mapping[str, type[View]] = {view.name: view for view in _CLASSES}
+VIEWS: Mapping[str, type[RqtView]] = {view.name: view for view in _CLASSES}
 _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt save FILE."
 
 
@@ -36,7 +36,7 @@ _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt
 class OpenViews:
     """The views of one run that are open."""
 
-    by_words: dict[tuple[str, ...], View] = field(default_factory=dict)
+    by_words: dict[tuple[str, ...], RqtView] = field(default_factory=dict)
 
 
 def rqt(words: Sequence[str]) -> None:
@@ -56,7 +56,7 @@ def rqt(words: Sequence[str]) -> None:
             raise CourseError(_USAGE)
 
 
-def _view_class(name: str) -> type[View]:
+def _view_class(name: str) -> type[RqtView]:
     plain = name.removeprefix("rqt_")
     if plain not in VIEWS:
         raise CourseError(
@@ -65,7 +65,7 @@ def _view_class(name: str) -> type[View]:
     return VIEWS[plain]
 
 
-def _show(views: Sequence[View]) -> None:
+def _show(views: Sequence[RqtView]) -> None:
     """Show views that follow the run; without a page, their pictures after a while."""
     from IPython.display import HTML, display
 
@@ -93,7 +93,7 @@ def _save(file: Path) -> None:
     """Write the open views with their words and the values of their controls."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    views: list[View] = [v for v in current_graph().part(OpenViews).by_words.values() if not v.closed]
+    views: list[RqtView] = [v for v in current_graph().part(OpenViews).by_words.values() if not v.closed]
     about = [
         {"view": view.name, "words": view.words, "controls": {name: view[name] for name in view.controls}}
         for view in views
@@ -119,7 +119,7 @@ def _read(file: Path) -> list[Any]:
     return views
 
 
-def _restored(about: dict[str, Any], file: str) -> list[View]:
+def _restored(about: dict[str, Any], file: str) -> list[RqtView]:
     """Create a view from a perspective; print the reason where its words match nothing now."""
     try:
         view_class, words = _view_class(str(about["view"])), [str(word) for word in about.get("words", [])]

@@ -9,13 +9,13 @@ from course_lib.ros.messages import message_class, service_class
 from course_lib.tools.message_yaml import Style, fill, to_yaml
 from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
 from course_lib.tools.rqt.markup import table
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.sources import answer, own_node
 
 ANSWER_LIMIT = 2.0  # [s] of robot time for an answer: the page waits meanwhile
 
 
-class ServiceCallerView(View):
+class ServiceCallerView(RqtView):
     """A service, its request as YAML, its response or an error."""
 
     name, title = "service_caller", "Service Caller"
@@ -29,8 +29,8 @@ class ServiceCallerView(View):
             raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names) or '.'}")
         self._told = ""
         self.add_choice("Service", names, wanted, self._choose)
-        self._request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})
-        self._request.style.description_width = "initial"
+        self.request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})
+        self.request.style.description_width = "initial"
         self._choose()
 
     def buttons(self) -> list[Any]:
@@ -39,7 +39,7 @@ class ServiceCallerView(View):
 
     def body(self) -> list[Any]:
         """Return the request above the response."""
-        return [self._request, self.screen]
+        return [self.request, self.screen]
 
     def refresh(self) -> None:
         """Update the choice of services; the request stays."""
@@ -58,7 +58,7 @@ class ServiceCallerView(View):
         """Fill the request with the default values."""
         if type_name := self._services().get(self["Service"]):
             request = message_class(f"{type_name}_Request")()
-            self._request.value = to_yaml(request, Style(truncate=None))
+            self.request.value = to_yaml(request, Style(truncate=None))
             self._told = f"<p class='rqt-dim'>{type_name}: not called yet.</p>"
         self.refresh()
 
@@ -71,7 +71,7 @@ class ServiceCallerView(View):
         self.check_time()
         kind: Any = service_class(self._services()[name])
         request = kind.Request()
-        fill(request, self._request.value)
+        fill(request, self.request.value)
         with own_node(self.source) as node:
             response = answer(
                 self.source, node.create_client(kind, name).call_async(request), name, ANSWER_LIMIT
@@ -84,7 +84,7 @@ _EDITOR_LAYOUT = {"width": "420px", "flex": "none"}
 _EDITOR_STYLE = {"description_width": "180px"}
 
 
-class ReconfigureView(View):
+class ReconfigureView(RqtView):
     """A row per parameter of a node: a slider, a check box or a field, by its type and its range."""
 
     name, title = "reconfigure", "Dynamic Reconfigure"
@@ -94,9 +94,9 @@ class ReconfigureView(View):
         from ipywidgets import VBox
 
         self._values: dict[str, Any] = {}
-        self._rows: dict[str, Any] = {}
+        self.rows: dict[str, Any] = {}
         self._reading = False  # whether values come from the node, not from the page
-        self._table = VBox()
+        self.table = VBox()
         wanted, nodes = self.wanted(), parameter_nodes(self.source)
         chosen = found_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
         self.add_choice("Node", nodes, chosen, self._read)
@@ -109,11 +109,11 @@ class ReconfigureView(View):
     def body(self) -> list[Any]:
         """Return the rows, which are read soon."""
         self.soon(self._read)
-        return [self._table]
+        return [self.table]
 
     def hear(self, sample: Sample) -> None:
         """Show values that other clients set."""
-        if (sample.topic, sample.type_name) == _EVENTS and self._rows:
+        if (sample.topic, sample.type_name) == _EVENTS and self.rows:
             event: Any = sample.message()
             if event.node == self["Node"]:
                 changes = (*event.new_parameters, *event.changed_parameters)
@@ -122,7 +122,7 @@ class ReconfigureView(View):
     def refresh(self) -> None:
         """Update the choice of nodes, and show the rows that pass the filter."""
         self.offer("Node", parameter_nodes(self.source))
-        self._table.children = tuple(row for name, row in self._rows.items() if self["Filter"] in name)
+        self.table.children = tuple(row for name, row in self.rows.items() if self["Filter"] in name)
 
     def picture(self) -> str:
         """Return the parameters of the node, or of all nodes, as a table."""
@@ -146,7 +146,7 @@ class ReconfigureView(View):
         self.say("" if node else "Choose a node.")
         found = self._parameters(node) if node else []
         self._values = {name: value for name, value, _ in found}
-        self._rows = {name: self._row(name, value, about) for name, value, about in found}
+        self.rows = {name: self._row(name, value, about) for name, value, about in found}
         self.refresh()
 
     def _row(self, name: str, value: Any, about: Any) -> Any:
@@ -180,13 +180,13 @@ class ReconfigureView(View):
         if refusal:
             self._show({name: was})
         said = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
-        self._rows[name].children[2].value = said
+        self.rows[name].children[2].value = said
 
     def _show(self, values: dict[str, Any]) -> None:
         """Show values that came from the node."""
         self._reading = True
-        for name in values.keys() & self._rows.keys():
-            control = self._rows[name].children[0]
+        for name in values.keys() & self.rows.keys():
+            control = self.rows[name].children[0]
             self._values[name] = values[name]
             control.value = _shown(values[name]) if isinstance(control.value, str) else values[name]
         self._reading = False

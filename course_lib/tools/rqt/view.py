@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PERIOD = 0.25  # [s] of the wall clock between two pictures
 
 
-class View:
+class RqtView:
     """A view with named controls and a picture as HTML, filled by subclasses.
 
     Args:

@@ -20,7 +20,7 @@ def view(graph: Graph, arm: Node) -> ReconfigureView:
 
 
 def row(view: ReconfigureView, name: str) -> tuple[Any, str, str]:
-    control, note, said = view._rows[name].children
+    control, note, said = view.rows[name].children
     return control, note.value, said.value
 
 

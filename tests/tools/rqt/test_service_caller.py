@@ -22,13 +22,13 @@ def view(graph: Graph) -> ServiceCallerView:
 
 
 def call(view: ServiceCallerView, request: str) -> str:
-    view._request.value = request
+    view.request.value = request
     view.buttons()[0].click()
     return str(view.screen.value)
 
 
 def test_a_request_begins_with_default_values(view: ServiceCallerView) -> None:
-    assert view._request.value == "a: 0\nb: 0\n"
+    assert view.request.value == "a: 0\nb: 0\n"
 
 
 def test_the_response_is_shown(view: ServiceCallerView) -> None:
