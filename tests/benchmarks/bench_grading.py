@@ -21,7 +21,7 @@ from pathlib import Path
 import psutil
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from tests.grading.conftest import CHECKS, COURSE, HIDDEN
 from tests.grading.graders import fingerprint, start_grader, write_class
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import serialize, type_name

@@ -11,8 +11,8 @@ from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.judge import CHECK_SECONDS, Run, time_limit
-from course_lib.grading.run.job import Job, plan
+from course_lib.grading.judge import CHECK_SECONDS, time_limit
+from course_lib.grading.run.job import Job, Run, plan
 from course_lib.grading.run.run import run_scenarios
 from course_lib.grading.task import Message
 from tests.hostile.made_up import made_up, spoilt_evidence

@@ -15,8 +15,9 @@ from course_lib.grading import expect_marker, expect_parameters, judge
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.handin.archives import MAX_WORKING_BYTES, working_files
 from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.judge import Run, judge_task
+from course_lib.grading.judge import judge_task
 from course_lib.grading.reports.scenes import figures, seen
+from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import MAX_TEXT, is_plain
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Message, Scenario, Task
@@ -175,7 +176,7 @@ def test_a_report_shows_no_file_of_the_grader(
     sample = Sample(START_NS, TOPIC, "visualization_msgs/msg/Marker", cdr, Qos(), 2)
     run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0, (sample,)))
     assert figures(task, [run], 100_000)[0].view
-    with packages_only(), pytest.raises(CourseError, match="no address of a file"):
+    with packages_only(), pytest.raises(CourseError, match="not the address of a file"):
         resolve(named)
 
 

@@ -17,7 +17,7 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.handin.similarity import Comparison, Fingerprint, Pair, compare, fingerprint, numbered
 from course_lib.grading.handin.submission import Submission
-from course_lib.grading.marks.mark import result_path
+from course_lib.grading.records import result_path
 from course_lib.grading.reports.table import fill
 
 MAX_PAIRS = 40  # of a cluster that are shown

@@ -73,7 +73,7 @@ def test_filters_take_patterns_and_exceptions() -> None:
     names = ["/arm/a", "/arm/b", "/leg"]
     assert [name for name in names if passes(name, "/")] == names
     assert [name for name in names if passes(name, "/arm/.*, -/arm/b")] == ["/arm/a"]
-    with pytest.raises(CourseError, match=r"'\(\[' is no filter"):
+    with pytest.raises(CourseError, match=r"'\(\[' is not a filter"):
         passes("/a", "([")
 
 

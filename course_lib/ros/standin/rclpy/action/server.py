@@ -46,7 +46,7 @@ def default_goal_callback(goal_request: Any) -> GoalResponse:
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
-    """Execute a goal at once."""
+    """Execute a goal immediately."""
     goal_handle.execute()
 
 
