@@ -147,7 +147,7 @@ def view(
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
     """Show a layout, or play a recording through it, in a browser's tab."""
-    from course_lib.displays.view import view as show
+    from course_lib.displays.render import view as show
 
     show(bag, rviz, port=port, token=token, browser=browser)
 

@@ -33,7 +33,7 @@ _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
 
 class CheckFailedError(CourseError):
-    """With COURSE_STRICT=1: a check did not pass."""
+    """A check that did not pass, raised with COURSE_STRICT=1."""
 
 
 def check(task_id: str, subject: Any = MISSING) -> None:
@@ -71,7 +71,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
 
 
 def bind_only(bind: Callable[[str, Any], None]) -> None:
-    """From now on `check` hands the object over and runs nothing: for the grader's worker."""
+    """Hand objects to `bind` instead of checking them, in the grader's worker."""
     global _bind
     _bind = bind
 

@@ -57,7 +57,7 @@ MANY = 3  # names that no cell makes: a cell is missing, not a letter
 
 
 class Causes:
-    """What kept a notebook's cells from running.
+    """The errors of a notebook's cells, without those that only follow from an earlier one.
 
     Args:
         errors: Of the cells, in their order, as `describe` words them.
@@ -96,7 +96,7 @@ class Causes:
         return found
 
     def explain(self, result: TaskResult) -> bool:
-        """Whether a task only failed because of these errors, so that its checks would say them again."""
+        """Return whether these errors are the only reason why a task failed."""
         return bool(self._kept and result.errors) and all(map(self._follows, result.errors))
 
     def _follows(self, error: str) -> bool:

@@ -86,15 +86,15 @@ def grade(
     found = _found(submissions, course)
     line = hand_in(found, course, only)
     with sole_use(out):
-        work = _work(line, course, out, resume=resume, rejudge=rejudge)
+        work = _pending(line, course, out, resume=resume, rejudge=rejudge)
         rows = _watched(work, jobs or os.cpu_count() or 1, dask)
         _finish(rows, work, found)
     return all(row["status"] in GRADED for row in rows)
 
 
 @dataclass(frozen=True)
-class Work:
-    """The part of a class whose records are missing.
+class Pending:
+    """The students and exercises whose records are missing.
 
     Args:
         line: The attempts of each student and exercise.
@@ -121,8 +121,8 @@ def _found(submissions: Path, course: Course) -> list[Submission]:
     return with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
 
 
-def _work(line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool) -> Work:
-    """Leave out what has its records already, or cannot be judged without being run."""
+def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool) -> Pending:
+    """Find the missing records, and print which submissions --rejudge cannot judge."""
     if resume:
         line = [one for one in line if not _is_done(one, out)]
     jobs = {key: job for one in line for key, job in one.jobs.items()}
@@ -133,7 +133,7 @@ def _work(line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, 
             say(f"{one.student}  {one.exercise}  no evidence of today's inputs: grade it without --rejudge")
         line = [one for one in line if not one.jobs.keys() & missing.keys()]
         missing = {}
-    return Work(line, missing, course, out, resume, rejudge)
+    return Pending(line, missing, course, out, resume, rejudge)
 
 
 def _is_done(attempts: Attempts, out: Path) -> bool:
@@ -154,7 +154,7 @@ def _kept(attempts: Attempts, out: Path) -> Result | None:
     return Result.from_plain(content) if content.get("digest") == attempts.digest else None
 
 
-def _watched(work: Work, jobs: int, dask: str | None) -> list[Line]:
+def _watched(work: Pending, jobs: int, dask: str | None) -> list[Line]:
     """Grade with a progress bar, and return the lines of the gradebook."""
     try:
         return list(watched(_graded(work, min(jobs, max(len(work.line), 1)), dask), len(work.line)))
@@ -163,7 +163,7 @@ def _watched(work: Work, jobs: int, dask: str | None) -> list[Line]:
         raise
 
 
-def _graded(work: Work, jobs: int, dask: str | None) -> Iterator[Line]:
+def _graded(work: Pending, jobs: int, dask: str | None) -> Iterator[Line]:
     """Run each missing job, then judge, mark and report as soon as a student's evidence is stored."""
     course, out = work.course, work.out
     with executors(jobs, dask if work.missing else None) as (away, here, window):
@@ -185,7 +185,9 @@ def _graded(work: Work, jobs: int, dask: str | None) -> Iterator[Line]:
                 yield judge_mark_report(one, faults, course, out)
 
 
-def _with_evidence(work: Work, ran: Iterable[tuple[str, Future[Ran]]]) -> Iterator[tuple[Attempts, Faults]]:
+def _with_evidence(
+    work: Pending, ran: Iterable[tuple[str, Future[Ran]]]
+) -> Iterator[tuple[Attempts, Faults]]:
     """Store evidence as it comes; yield each student's attempts when they have all of theirs."""
     waiting = defaultdict[str, list[Attempts]](list)
     absent = {id(one): one.jobs.keys() & work.missing.keys() for one in work.line}
@@ -211,7 +213,7 @@ def _with_evidence(work: Work, ran: Iterable[tuple[str, Future[Ran]]]) -> Iterat
 def judge_mark_report(
     attempts: Attempts, faults: Faults, course: Course, out: Path, resume: bool = False
 ) -> Line:
-    """Take one student's attempts through the last three stages; all of their evidence is stored.
+    """Apply the last three stages to one student's attempts, whose evidence is stored.
 
     Args:
         attempts: Without jobs.
@@ -253,7 +255,7 @@ def _judged(submission: Submission, faults: Faults, course: Course, out: Path) -
         return Fault.of(error)
 
 
-def _finish(rows: Sequence[Line], work: Work, found: Sequence[Submission]) -> None:
+def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) -> None:
     """Compare the class, write the tables of all results, and print a summary."""
     out, zone = work.out, catalog_of(work.course).course.zone
     with writing(out):

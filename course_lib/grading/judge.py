@@ -27,7 +27,7 @@ HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too e
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One row of a table.
+    """The result of one check.
 
     Args:
         title: Of the check.
@@ -51,7 +51,7 @@ class CheckResult:
 
     @property
     def passed(self) -> bool:
-        """Whether it has the full score."""
+        """True with the full score."""
         return self.score >= 1
 
 
@@ -91,22 +91,22 @@ class TaskResult:
 
     @property
     def score(self) -> float:
-        """In points."""
+        """Points: those of a person, else those of the checks."""
         return round(self.points * self.fraction, 2) if self.manual is None else self.manual
 
     @property
     def untouched(self) -> bool:
-        """Whether what was run is still the stub."""
+        """True if every error is the stub's NotImplementedError."""
         return bool(self.errors) and all(error.startswith("NotImplementedError") for error in self.errors)
 
     @property
     def passed(self) -> bool:
-        """Whether no check says otherwise."""
+        """True if all checks pass."""
         return all(check.passed for check in self.checks)
 
     @property
     def waits(self) -> bool:
-        """Whether a person must mark it: by its rubric, or as a check with a share of its points raised."""
+        """True if a person must mark it: by its rubric, or as a check with a share of its points raised."""
         is_broken = any(check.broken and check.weight for check in self.checks)
         return self.manual is None and (bool(self.rubric) or is_broken)
 
@@ -191,7 +191,7 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
 
 
 class _Judge:
-    """Judges the runs of one task, within the processor time that one task may take."""
+    """The judge of one task, with a limit of processor time for all of its checks."""
 
     def __init__(self) -> None:
         self._left = TASK_SECONDS
@@ -250,7 +250,7 @@ AGAIN = 1.0  # [s] of processor time: code that swallows the exception gets anot
 
 
 class _OverError(BaseException):
-    """Ends what takes too long; no `except Exception` on its way can take it for a fault of the data."""
+    """The end of a time limit; no `except Exception` catches it."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Before a class is graded: the solution gets full marks and the stub none, in the same jail."""
+"""A trial before grading: in the same jail, the solution gets full marks and the stub none."""
 
 import os
 import platform
@@ -27,7 +27,7 @@ MOST_SHOWN = 3  # in a message
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A notebook of ours with the mark that it must get.
+    """A solution or a stub, to be graded like a submission.
 
     Args:
         exercise: "week01_exercise".

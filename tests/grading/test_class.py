@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.executors import Here, Processes, flow
+from course_lib.grading.executors import Here, ProcessPool, flow
 from course_lib.grading.grade import grade
 from course_lib.grading.marks.mark import results_in
 from course_lib.grading.records import Course, catalog_of, rules_of
@@ -153,7 +153,7 @@ def die(number: int) -> int:
 
 
 def test_a_process_that_dies_costs_only_its_own_call() -> None:
-    with Processes(2) as processes:
+    with ProcessPool(2) as processes:
         calls = ((number, [number]) for number in range(5))
         ended = {
             number: future.exception() or future.result() for number, future in flow(processes, die, calls, 4)

@@ -1,4 +1,4 @@
-"""`course mark`: stores points and comments of a person, and writes gradebook, index and report."""
+"""`course mark`: points and comments of a person, which gradebook, index and report show."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -24,7 +24,7 @@ def mark_by_hand(
     comment: str = "",
     course: Course | None = None,
 ) -> str:
-    """Keep what a person gives, and return a line with the mark as it is now.
+    """Store the points of a person, and return a line with the new mark.
 
     Args:
         out: The folder that `course grade` wrote.
@@ -39,10 +39,7 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
-    try:
-        number = float(points)
-    except ValueError as error:
-        raise CourseError(f"{points!r} is not a number of points") from error
+    number = _number(points)
     student = _known(student, out / "results", "student")
     exercise = _known(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
@@ -57,6 +54,13 @@ def mark_by_hand(
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
     return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
+
+
+def _number(points: str) -> float:
+    try:
+        return float(points)
+    except ValueError as error:
+        raise CourseError(f"{points!r} is not a number of points") from error
 
 
 def _known(name: str, folder: Path, what: str) -> str:
