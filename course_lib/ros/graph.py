@@ -204,11 +204,11 @@ class NodesOfProgram:
     ids: set[int] = field(default_factory=set)
 
 
-class _Program(threading.local):
+class _ProgramName(threading.local):
     name = ""
 
 
-program = _Program()  # which of the programs that share a graph the calling thread belongs to
+program = _ProgramName()  # which of the programs that share a graph the calling thread belongs to
 _current = Graph()
 
 
