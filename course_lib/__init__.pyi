@@ -12,6 +12,6 @@ from .ros.clock import START_NS as START_NS
 from .ros.driving import spin_for as spin_for
 from .ros.live import run_live as run_live
 from .ros.live import stop_all as stop_all
-from .tools.performance.report import performance_report as performance_report
+from .tools.performance import performance_report as performance_report
 
 def load_ipython_extension(shell: object) -> None: ...

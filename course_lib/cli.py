@@ -147,7 +147,7 @@ def view(
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
     """Show a layout, or play a recording through it, in a browser's tab."""
-    from course_lib.displays.view import view as show
+    from course_lib.displays.render import view as show
 
     show(bag, rviz, port=port, token=token, browser=browser)
 
@@ -248,7 +248,7 @@ def main() -> None:
         what = error.format_message().rstrip(".").replace("Input should be", "expected")
         _fail(f"{what}. See: {context.command_path if context else 'course'} --help", debug)
     except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}. Mend that, or name another file or folder.", debug)
+        _fail(f"{error.filename}: {error.strerror}. Correct that, or name another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(INTERRUPTED)
     sys.exit(code or 0)

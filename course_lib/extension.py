@@ -1,4 +1,4 @@
-"""What `%load_ext course_lib` does to a kernel."""
+"""`%load_ext course_lib`: the stand-in, robot time and the magics in a kernel."""
 
 import asyncio
 from typing import TYPE_CHECKING
@@ -12,16 +12,15 @@ if TYPE_CHECKING:
 
 
 def load(shell: "InteractiveShell") -> None:
-    """Put the stand-in, robot time and the magics in place; loading again changes nothing."""
+    """Install the stand-in, robot time and the magics; a second call changes nothing."""
     standin_path.install()
     virtual_time.install()
-    from course_lib.tools.magic import register  # it imports rclpy, the stand-in's
-    from course_lib.tools.tracebacks import shorten
+    from course_lib.tools.notebook import register, shorten_tracebacks  # imports the stand-in's rclpy
 
     current_graph().notebook = True
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
-    shorten(shell)
+    shorten_tracebacks(shell)
     shell.events.register("post_run_cell", _end_of_cell)
 
 
@@ -30,7 +29,7 @@ def _end_of_cell(*_: object) -> None:
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:
-    """The kernel's loop runs in the main thread, which is the program's while a call of the kit lasts."""
+    """Set the loop's clock: its thread, the main one, is on robot time during a call of the kit."""
     try:
         loop = asyncio.get_running_loop()
     except RuntimeError:  # no kernel: IPython's terminal, or the grader's worker

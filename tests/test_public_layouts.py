@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.displays.layout import read_layout
+from course_lib.displays.layout import parse_yaml, read_layout
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusRow
 from course_lib.displays.writer import save_rviz
-from course_lib.displays.yaml_file import parse_yaml
 from course_lib.viewer.scene import Scene
 
 FOLDER = os.environ.get("COURSE_LAYOUTS")

@@ -1,5 +1,3 @@
-from .first_person import FPS as FPS
-from .first_person import FrameAligned as FrameAligned
 from .layout import Layout as Layout
 from .layout import layout_of as layout_of
 from .layout import read_layout as read_layout
@@ -22,6 +20,8 @@ from .own_display import text as text
 from .own_display import vector as vector
 from .own_display import words as words
 from .viewer import Viewer as Viewer
+from .views import FPS as FPS
+from .views import FrameAligned as FrameAligned
 from .views import Orbit as Orbit
 from .views import ThirdPersonFollower as ThirdPersonFollower
 from .views import TopDownOrtho as TopDownOrtho

@@ -1,21 +1,22 @@
-"""What all displays share: messages in, scene out, properties and statuses by RViz's names."""
+"""The base of all displays: messages in, scene out, properties and statuses; and groups of displays."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Union
 from urllib.parse import quote
 
 from course_lib.arrays import Matrix
 from course_lib.displays.frames import Frames
 from course_lib.displays.properties import Property, PropertyHolder, flag
 from course_lib.displays.statuses import Statuses, StatusRow
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph import Sample
+from course_lib.ros.qos import Qos, incompatible
 from course_lib.viewer.scene import Scene
 
 
 @dataclass(frozen=True)
 class Interest:
-    """What a display wants to hear."""
+    """A display's subscription to a topic."""
 
     topic: str  # fully resolved name
     type_name: str  # ``visualization_msgs/msg/Marker``
@@ -26,14 +27,14 @@ class Interest:
 
 @dataclass
 class Context:
-    """What displays work with, one for all of a session."""
+    """The scene, the frames and the time that all displays of a session share."""
 
     scene: Scene  # what they draw into
     frames: Frames  # where frames are
     now_ns: int = 0  # robot time, [ns]
     # called with new interests, to get what publishers hold for latecomers
     joined: Callable[[Iterable[Interest]], None] = lambda interests: None
-    # called when somebody has changed a property, to show it at once
+    # called when a property has changed, to show it immediately
     touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
 
@@ -79,7 +80,7 @@ class Display(PropertyHolder):
 
     @property
     def enabled(self) -> bool:
-        """Whether the display is ticked in RViz's tree, and all groups that it is in."""
+        """Display and all its groups are ticked in RViz's tree."""
         return bool(self["Enabled"]) and self._grouped
 
     def rows(self) -> list[StatusRow]:
@@ -87,13 +88,13 @@ class Display(PropertyHolder):
         return self.statuses.rows(self.name) if self.enabled else []
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout; what does not fit is left out and shown as a hint."""
+        """Set properties from a layout; values that do not fit are skipped and shown as a hint."""
         wrong = super().load(config)
         self.statuses.hint("Properties", *wrong)
         return wrong
 
     def changed(self, label: str) -> None:
-        """Take note that a property has another value."""
+        """React to a property's new value."""
         if label == "Enabled" and self.started:
             self.start()
 
@@ -105,7 +106,7 @@ class Display(PropertyHolder):
                 self.start()
 
     def start(self) -> None:
-        """Start anew, with the interests that the properties ask for."""
+        """Restart, with the interests that the properties request."""
         self.started = True
         self.reset()
 
@@ -126,3 +127,75 @@ class Display(PropertyHolder):
 def node_name(name: str) -> str:
     """Return a name as one step of a path in the scene."""
     return quote(name, safe=" ()") or "(none)"
+
+
+GROUP = "rviz_common/Group"
+
+
+class Group:
+    """A node of RViz's tree that holds displays and further groups; the root is one without a name."""
+
+    def __init__(self, name: str = "", config: Mapping[str, Any] | None = None, ticked: bool = True) -> None:
+        self.name = name
+        self.config = dict(config or {})  # of the layout it comes from
+        self.ticked = ticked
+        self.members: list[Display | Group] = []
+
+    def tick(self, above: bool = True) -> None:
+        """Show or hide the displays below, as all groups above them are ticked or not."""
+        for member in self.members:
+            if isinstance(member, Group):
+                member.tick(above and self.ticked)
+            else:
+                member.show_in_group(above and self.ticked)
+
+    def displays(self) -> Iterator[Display]:
+        """Iterate over the displays in it, at any depth, in the order of the tree."""
+        for member in self.members:
+            yield from member.displays() if isinstance(member, Group) else (member,)
+
+    def groups(self) -> Iterator["Group"]:
+        """Iterate over this group and all groups in it."""
+        yield self
+        for member in self.members:
+            if isinstance(member, Group):
+                yield from member.groups()
+
+    def holder(self, wanted: Union[Display, "Group"]) -> "Group":
+        """Return the group that holds a member of the tree directly."""
+        return next(group for group in self.groups() if any(m is wanted for m in group.members))
+
+
+def reaches(sample: Sample, interest: Interest, match_qos: bool) -> bool:
+    """Return whether a sample reaches an interest in its topic; add a hint if not."""
+    topic, policy, problem = sample.topic, None, None
+    if sample.type_name != interest.type_name:
+        problem = f"{topic} carries {sample.type_name}; this display takes {interest.type_name}."
+    elif match_qos and (policy := incompatible(sample.qos, interest.qos)):
+        problem = (
+            f"{topic} is published with another {policy} than this display asks for, so nothing arrives. "
+            "Change the display's policy below Topic, or the publisher's QoS."
+        )
+    interest.statuses.hint(f"Topic {topic}", *([problem] if problem else []))
+    return problem is None
+
+
+def hint_at_held(interest: Interest) -> None:
+    """Add the hint that a publisher holds a message for latecomers, which this display does not request."""
+    topic = interest.topic
+    text = (
+        f"{topic} was published before this display was here, and its publisher holds it for latecomers; "
+        "ask for it with Durability Policy: Transient Local."
+    )
+    interest.statuses.hint(f"Topic {topic}", text)
+
+
+def silence(display: Display, types: Mapping[str, str]) -> list[StatusRow]:
+    """List the topics, of those with messages, that a display without messages could subscribe to."""
+    topics = {interest.topic for interest in display.interests}
+    wanted = {interest.type_name for interest in display.interests}
+    others = sorted(topic for topic, name in types.items() if name in wanted)
+    if not topics or topics & types.keys() or not others:
+        return []
+    text = f"nothing has come on {min(topics)}; messages of its type come on {', '.join(others)}."
+    return [StatusRow(display.name, "Topic", "hint", text)]

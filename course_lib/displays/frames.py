@@ -1,4 +1,4 @@
-"""Where frames are in the fixed frame, with RViz's words when that is not known.
+"""Poses of frames in the fixed frame, with RViz's words if one is not known.
 
 The rules are RViz2's FrameManager and TFFrameTransformer, and tf2_geometry_msgs for poses (by way of KDL).
 """
@@ -11,8 +11,7 @@ import numpy as np
 from course_lib.arrays import Matrix
 from course_lib.displays.statuses import Level
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 
 NS = 1_000_000_000  # [ns] in a second
 FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is
@@ -60,7 +59,7 @@ class Frames:
         return self._known[key]
 
     def problem(self, frame: str, stamp_ns: int = 0) -> str | None:
-        """Say in RViz's words why a frame cannot be placed; None if it can."""
+        """Return RViz's reason for not placing a frame; None if its pose is known."""
         error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)
         if error is None:
             return None
@@ -72,7 +71,7 @@ class Frames:
         return f"No transform to fixed frame [{self.fixed_frame}]. TF error: [{error}]"
 
     def global_status(self) -> tuple[Level, str]:
-        """Say in RViz's words whether the fixed frame is known."""
+        """Return RViz's status of the fixed frame."""
         known = self.buffer.frames()
         if self.fixed_frame in known:
             return "ok", "OK"
@@ -101,7 +100,7 @@ def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
 
 
 def is_unit(q: Any, tolerance: float = 1e-6) -> bool:
-    """Say whether a geometry_msgs/msg/Quaternion has length 1; the tolerance is that of its square."""
+    """Return whether a geometry_msgs/msg/Quaternion has length 1; the tolerance is that of its square."""
     return bool(abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) < tolerance)
 
 

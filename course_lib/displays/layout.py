@@ -1,13 +1,131 @@
-"""RViz's layout files, .rviz: what is shown, and from where."""
+"""RViz's layout files, .rviz, in the YAML that RViz reads and writes (yaml_config_reader.cpp, _writer.cpp).
 
-from collections.abc import Mapping
+All values are read as text, so that unknown ones are written as they came: ``1.0`` stays ``1.0``.
+"""
+
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from course_lib.displays.group import GROUP
-from course_lib.displays.yaml_file import Parsed, parse_yaml
+from course_lib.displays.display import GROUP
+from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer
 from course_lib.errors import CourseError
+
+_NULLS = ("", "~", "null", "Null", "NULL")
+_NULL = "tag:yaml.org,2002:null"
+_MOST = 1_000_000  # labels of all paths in a file, its aliases written out: 100,000 values ten levels deep
+_Place: TypeAlias = tuple[str | int, ...]  # of keys and indices
+
+
+@dataclass
+class Parsed:
+    """The value of a file, and where its parts are written."""
+
+    value: Any = None
+    places: dict[_Place, tuple[int, int]] = field(default_factory=dict)  # line and column, from 1
+    room: int = _MOST
+
+    def take(self, node: Any, path: _Place = ()) -> Any:
+        """Return a node of YAML as plain values; of a key that comes twice, the last one counts.
+
+        Raises:
+            CourseError: With its aliases written out, it is larger than any layout.
+        """
+        self.room -= 1 + len(path)
+        if self.room < 0:
+            line, column = node.start_mark.line + 1, node.start_mark.column + 1
+            what = "with its aliases (*name) written out the file has too many values for a layout"
+            raise CourseError(f"line {line}, column {column}: {what}. RViz writes no aliases: remove them.")
+        self.places[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
+        if node.id == "mapping":
+            named = {str(key.value): value for key, value in node.value}
+            return {name: self.take(value, (*path, name)) for name, value in named.items()}
+        if node.id == "sequence":
+            return [self.take(value, (*path, index)) for index, value in enumerate(node.value)]
+        return None if node.tag == _NULL else node.value
+
+
+def parse_yaml(text: str) -> Parsed:
+    """Read the first document of a text.
+
+    Raises:
+        CourseError: If it is not YAML; the text begins with line and column.
+    """
+    from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
+    from ruamel.yaml.reader import ReaderError
+
+    parsed = Parsed()
+    try:
+        node = next(_yaml().compose_all(text), None)
+        parsed.value = None if node is None else parsed.take(node)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise _no_yaml(mark.line, mark.column, error.problem or error.context) from None
+    except ReaderError as error:
+        before = text[: error.position]
+        character = f"the character {error.character!r} cannot be there"
+        raise _no_yaml(before.count("\n"), len(before) - before.rfind("\n") - 1, character) from None
+    except (RecursionError, YAMLStreamError, ValueError) as error:
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise _no_yaml(0, 0, reason) from None
+    return parsed
+
+
+def yaml_text(value: Any) -> str:
+    """Write maps, lists and values as yaml-cpp does for RViz."""
+    stream = StringIO()
+    _yaml().dump(_texts(value), stream)
+    empty = re.compile(r"^([ -]*)(\S.*:) \{\}$", re.M)  # which goes to the next line
+    return empty.sub(lambda found: f"{found[0][:-3]}\n{' ' * len(found[1])}  {{}}", stream.getvalue())
+
+
+def _yaml() -> Any:
+    """Create a reader and writer that knows text and nulls only."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.emitter import Emitter
+    from ruamel.yaml.nodes import ScalarNode
+    from ruamel.yaml.resolver import VersionedResolver
+    from ruamel.yaml.tag import Tag
+
+    class TextResolver(VersionedResolver):
+        def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
+            """Resolve everything without quotes to text, except null."""
+            if kind is ScalarNode and implicit[0] and value in _NULLS:
+                return Tag(suffix=_NULL)
+            return super().resolve(kind, "text" if kind is ScalarNode else value, implicit)
+
+    class RvizEmitter(Emitter):
+        def choose_scalar_style(self) -> Any:
+            """Quote with two strokes what needs quotes."""
+            style = super().choose_scalar_style()
+            return '"' if style == "'" else style
+
+    yaml: Any = YAML(typ="safe", pure=True)
+    yaml.Emitter, yaml.Resolver = RvizEmitter, TextResolver
+    yaml.default_flow_style, yaml.width = False, 10**9
+    yaml.sort_base_mapping_type_on_output = False  # sorted already
+    yaml.representer.add_representer(type(None), lambda rep, _: rep.represent_scalar(_NULL, "~"))
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    return yaml
+
+
+def _texts(value: Any) -> Any:
+    """Return plain maps and lists of text and nulls; numbers and flags as RViz writes them."""
+    if isinstance(value, Mapping):
+        return {str(key): _texts(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_texts(part) for part in value]
+    if isinstance(value, bool):
+        return str(value).lower()
+    return None if value is None else str(value)
+
+
+def _no_yaml(line: int, column: int, reason: str) -> CourseError:
+    return CourseError(f"line {line + 1}, column {column + 1}: this is not YAML: {reason}.")
+
 
 Config: TypeAlias = Mapping[str, Any]  # of one thing in a layout, by RViz's labels
 
@@ -25,18 +143,49 @@ class Layout:
     problems: tuple[str, ...] = ()  # what was left out, with line and column
 
 
+class Options(PropertyHolder):
+    """RViz's Global Options.
+
+    Args:
+        values: Of the three properties.
+        config: Their part of the layout that was taken over last.
+        set_option: Called with the label and the value of a property that is changed.
+    """
+
+    properties = (
+        Property("Fixed Frame", "base_link", frame),
+        Property("Background Color", (48, 48, 48), color),
+        Property("Frame Rate", 30, integer(1)),  # [Hz]
+    )
+
+    def __init__(
+        self, values: tuple[Any, ...], config: Config, set_option: Callable[[str, Any], None]
+    ) -> None:
+        super().__init__()
+        self._values = dict(zip(self._values, values, strict=True))
+        self._set_option = set_option
+        self.config = config
+
+    def __repr__(self) -> str:
+        return "Global Options"
+
+    def changed(self, label: str) -> None:
+        """Pass the new value on."""
+        self._set_option(label, self[label])
+
+
 def read_layout(path: str | Path) -> Layout:
     """Read an .rviz file; like RViz, take of any YAML what is there.
 
     Raises:
-        CourseError: If there is no such file, or if it is no YAML; with line and column.
+        CourseError: If there is no such file, or if it is not YAML; with line and column.
     """
     try:
         return layout_of(Path(path).read_text(encoding="utf-8"), Path(path).name)
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:
-        raise CourseError(f"{path} is no .rviz file: it is not even text.") from None
+        raise CourseError(f"{path} is not an .rviz file: it is not even text.") from None
     except CourseError as error:
         raise CourseError(f"{path}, {error}") from None
 
@@ -45,7 +194,7 @@ def layout_of(text: str, name: str) -> Layout:
     """Read the text of an .rviz file; problems in it call it by a name.
 
     Raises:
-        CourseError: If it is no YAML; begins with line and column.
+        CourseError: If it is not YAML; begins with line and column.
     """
     return _Parts(parse_yaml(text)).layout(name)
 
@@ -57,7 +206,7 @@ def text_at(config: Config, label: str) -> str:
 
 
 class _Parts:
-    """Looks up the parts of a file, and remembers which are not as RViz writes them."""
+    """The parts of a parsed file, and the problems of those that are not as RViz writes them."""
 
     def __init__(self, parsed: Parsed) -> None:
         self._parsed = parsed
@@ -66,7 +215,7 @@ class _Parts:
     def layout(self, name: str) -> Layout:
         document = self._parsed.value if isinstance(self._parsed.value, dict) else {}
         if not isinstance(document.get("Visualization Manager"), dict):
-            self._problems.append(f"{name} is no .rviz file: it has no map 'Visualization Manager'.")
+            self._problems.append(f"{name} is not an .rviz file: it has no map 'Visualization Manager'.")
             return Layout(document=document, problems=tuple(self._problems))
         above = "Visualization Manager"
         return Layout(
@@ -80,7 +229,7 @@ class _Parts:
         )
 
     def _displays(self, *group: str | int) -> tuple[Config, ...]:
-        """Return the displays and groups that are directly in a group; what is in those is looked at, too."""
+        """Return the displays and groups that are directly in a group, with their own displays checked."""
         displays = self._maps(*group, "Displays")
         for index, display in enumerate(displays):
             if display.get("Class") == GROUP:

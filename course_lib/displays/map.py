@@ -7,12 +7,11 @@ import numpy as np
 
 from course_lib.arrays import Bytes
 from course_lib.displays.display import Interest
-from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import nanoseconds, placed
-from course_lib.displays.poses.arrow import numbers_of
+from course_lib.displays.poses.shapes import numbers_of
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.statuses import Level
-from course_lib.displays.topic_display import qos_of, with_qos
+from course_lib.displays.topic_display import INVALID, DrawnDisplay, qos_of, with_qos
 from course_lib.viewer.drawables import Drawable, Sheet
 
 # Of binary maps: the colours of cells below the threshold, and from there on.
@@ -60,7 +59,7 @@ def _with_illegal(colors: Bytes) -> Bytes:
 
 
 class MapDisplay(DrawnDisplay):
-    """Shows an occupancy grid, and what changes in parts of it."""
+    """An occupancy grid, and updates of parts of it."""
 
     class_name = "rviz_default_plugins/Map"
     type_name = "nav_msgs/msg/OccupancyGrid"
@@ -79,7 +78,7 @@ class MapDisplay(DrawnDisplay):
     _cells: Bytes = np.empty((0, 0), np.uint8)  # shape (height, width)
 
     def changed(self, label: str) -> None:
-        """Listen to other topics, or draw anew; updates come beside the map unless said otherwise."""
+        """Subscribe to other topics, or redraw; the topic of updates is beside that of the map by default."""
         super().changed(label)
         if label == "Topic":
             self[_UPDATES] = f"{self['Topic']}_updates"
@@ -162,7 +161,7 @@ class MapDisplay(DrawnDisplay):
 
 
 def _verdict(message: Any) -> tuple[Level, str]:
-    """Say in RViz's words whether a nav_msgs/msg/OccupancyGrid can be shown; no word for one without data."""
+    """Return RViz's status of a nav_msgs/msg/OccupancyGrid; None for one without data."""
     info, size = message.info, len(message.data)
     if not size:
         return "error", ""

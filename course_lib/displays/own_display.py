@@ -29,12 +29,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import DrawnDisplay
 from course_lib.displays.marker.drawables import placement
-from course_lib.displays.poses.arrow import rgba_of
+from course_lib.displays.poses.shapes import rgba_of
 from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
 from course_lib.displays.registry import PACKAGE, REGISTRY
-from course_lib.displays.topic_display import TopicDisplay
+from course_lib.displays.topic_display import DrawnDisplay, TopicDisplay
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
 
@@ -46,14 +45,14 @@ AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
 
 
 class OwnDisplay(DrawnDisplay):
-    """Shows the last message of a topic, in the frame of its header; without one, in the fixed frame."""
+    """Base of displays of one's own: the last message, in the frame of its header or in the fixed frame."""
 
     def drawing(self, message: Any) -> Mapping[str, Drawable]:
         """Return what is to be seen of a message, by name, in the frame of its header; lengths in [m]."""
         raise NotImplementedError
 
     def take(self, message: Any) -> None:
-        """Let a message with a header wait for its transform."""
+        """Queue a message with a header until its transform is known."""
         taker = DrawnDisplay if hasattr(message, "header") else TopicDisplay
         taker.take(self, message)
 
@@ -68,7 +67,7 @@ class OwnDisplay(DrawnDisplay):
         return self.drawing(self.kept[0][0]) if self.kept else {}
 
     def draw(self) -> None:
-        """Draw anew; what goes wrong there is a status, and all else goes on."""
+        """Redraw; an error of the student's code becomes a status."""
         if not self.kept:
             return
         self.context.scene.set_transform(f"{self.path}/drawn", self.kept[0][1])
@@ -87,7 +86,7 @@ class OwnDisplay(DrawnDisplay):
 
 
 def register(display: AnyDisplay) -> AnyDisplay:
-    """Have viewers know a class of displays by its `class_name`, in place of an earlier one of that name.
+    """Add a class of displays to the registry, in place of an earlier one of its `class_name`.
 
     Raises:
         CourseError: If it has no name of the form ``my_package/Name``, or one of RViz's.

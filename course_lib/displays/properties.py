@@ -31,13 +31,13 @@ class Property:
 
     @property
     def is_read_only(self) -> bool:
-        """Whether it only shows something; layouts do not keep it."""
+        """The value is shown but never set; layouts do not keep it."""
         return self.convert is read_only
 
 
 @dataclass(frozen=True)
 class Limited:
-    """A conversion that tells its limits, for who makes a control of it."""
+    """A conversion with its limits, for the control of a property."""
 
     convert: Convert
     editor: Literal["number", "integer", "enum"]
@@ -51,7 +51,7 @@ class Limited:
 
 
 def number(low: float = -math.inf, high: float = math.inf) -> Limited:
-    """Take a finite number; RViz keeps it within the bounds."""
+    """Return a conversion to a finite number, which RViz keeps within the bounds."""
 
     def convert(value: Any) -> float:
         return min(max(_finite(value), low), high)
@@ -60,7 +60,7 @@ def number(low: float = -math.inf, high: float = math.inf) -> Limited:
 
 
 def integer(low: int, high: int = 2**31 - 1) -> Limited:
-    """Take a whole number; RViz keeps it within the bounds."""
+    """Return a conversion to a whole number, which RViz keeps within the bounds."""
 
     def convert(value: Any) -> int:
         whole = int(value) if isinstance(value, int) else int(float(value))
@@ -72,7 +72,7 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
 
 
 def flag(value: Any) -> bool:
-    """Take True or False, or one of these as layouts write it."""
+    """Convert True or False, or one of these as layouts write it."""
     value = {"true": True, "false": False}.get(value.lower(), value) if isinstance(value, str) else value
     if not isinstance(value, bool):
         raise ValueError("True or False")
@@ -80,19 +80,19 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Take text; YAML's null is the empty one."""
+    """Convert text; YAML's null is the empty one."""
     if isinstance(value, list | dict):
         raise ValueError("text")
     return "" if value is None else str(value)
 
 
 def frame(value: Any) -> str:
-    """Take the name of a frame, without the leading slash that tf2 does not know."""
+    """Convert the name of a frame, without the leading slash that tf2 does not know."""
     return text(value).removeprefix("/")
 
 
 def words(*options: str) -> Limited:
-    """Take one of some words."""
+    """Return a conversion that accepts one of the options."""
 
     def convert(value: Any) -> str:
         if value not in options:
@@ -103,7 +103,7 @@ def words(*options: str) -> Limited:
 
 
 def color(value: Any) -> Color:
-    """Take a colour as RViz does: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
+    """Convert a colour as RViz does: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
     from PIL import ImageColor
 
     try:
@@ -116,7 +116,7 @@ def color(value: Any) -> Color:
 
 
 def vector(value: Any) -> Vector:
-    """Take three numbers, or a map with X, Y and Z."""
+    """Convert three numbers, or a map with X, Y and Z."""
     try:
         x, y, z = (
             _finite(part)
@@ -128,14 +128,14 @@ def vector(value: Any) -> Vector:
 
 
 def booleans(value: Any) -> dict[str, bool]:
-    """Take a map from names to True or False."""
+    """Convert a map from names to True or False."""
     if not isinstance(value, Mapping):
         raise ValueError("a map like {'name': False}")
     return {str(name): flag(on) for name, on in value.items()}
 
 
 def read_only(value: Any) -> Any:
-    """Take nothing: the property shows what the display has found out."""
+    """Refuse every value: the property shows what the display has found out."""
     raise ValueError("nothing: it only shows what is there")
 
 
@@ -192,10 +192,10 @@ class PropertyHolder:
             self.changed(prop.label)
 
     def changed(self, label: str) -> None:
-        """Take note that a property has another value."""
+        """React to a property's new value."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the values of a layout; what it does not name keeps its value.
+        """Set values from a layout; a property that it does not name keeps its value.
 
         Returns:
             What was wrong with values that were left out.

@@ -46,12 +46,12 @@ class ReferenceDisplay(Display):
         raise NotImplementedError
 
     def changed(self, label: str) -> None:
-        """Draw anew in the next frame."""
+        """Redraw in the next frame."""
         super().changed(label)
         self._drawn = False
 
     def reset(self) -> None:
-        """Draw anew in the next frame."""
+        """Redraw in the next frame."""
         super().reset()
         self._drawn = False
 
@@ -110,7 +110,7 @@ class AxesDisplay(ReferenceDisplay):
         return axes(self["Length"], self["Radius"])
 
     def said(self, reference: str, is_known: bool) -> tuple[Level, str]:
-        """Say why the frame is not known, or that it is."""
+        """Return RViz's status of the reference frame, with tf2's reason if it is not known."""
         return ("ok", "Transform OK") if is_known else ("error", self.context.frames.problem(reference) or "")
 
 
@@ -150,7 +150,7 @@ class GridDisplay(ReferenceDisplay):
         return plane
 
     def said(self, reference: str, is_known: bool) -> tuple[Level, str]:
-        """Say whether the frame is known."""
+        """Return RViz's status of the reference frame."""
         problem = f"Could not transform from [{reference}] to [{self.context.frames.fixed_frame}]"
         return ("ok", "Ok") if is_known else ("error", problem)
 

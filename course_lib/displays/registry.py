@@ -1,11 +1,18 @@
-"""Which class of display is made by what; the table to add one to."""
+"""The classes of displays by RViz's names; a new display is added to this table."""
 
 from difflib import get_close_matches
 
 from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
 from course_lib.displays.clouds.display import LaserScanDisplay, PointCloud2Display
 from course_lib.displays.display import Context, Display
-from course_lib.displays.geometry import PointStampedDisplay, PolygonDisplay, RangeDisplay
+from course_lib.displays.geometry import (
+    AccelStampedDisplay,
+    PointStampedDisplay,
+    PolygonDisplay,
+    RangeDisplay,
+    TwistStampedDisplay,
+    WrenchDisplay,
+)
 from course_lib.displays.images.camera import CameraDisplay, CameraInfoDisplay
 from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.map import MapDisplay
@@ -19,7 +26,6 @@ from course_lib.displays.poses.pose import (
 )
 from course_lib.displays.reference_display import AxesDisplay, GridDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
-from course_lib.displays.screws import AccelStampedDisplay, TwistStampedDisplay, WrenchDisplay
 from course_lib.displays.tf import TfDisplay
 
 PACKAGE = "rviz_default_plugins"
@@ -68,14 +74,14 @@ RVIZ_ONLY = {
 
 
 class FailedDisplay(Display):
-    """Stands for a display that cannot be made; its configuration is kept as it came."""
+    """A display of an unknown class; its configuration is kept as it came."""
 
     def __init__(self, context: Context, name: str, path: str, wanted: str) -> None:
         super().__init__(context, name, path)
         self.wanted = wanted
 
     def reset(self) -> None:
-        """Say why nothing is drawn: in RViz's words, if RViz would not draw it either."""
+        """Show the reason for an empty picture: in RViz's words, if RViz would not draw it either."""
         super().reset()
         if self.wanted in RVIZ_ONLY:
             self.statuses.hint("Class", not_drawn(self.wanted))
@@ -93,13 +99,13 @@ class FailedDisplay(Display):
 
 
 def make_display(context: Context, class_name: str, name: str, path: str) -> Display:
-    """Make a display by its class name, ``rviz_default_plugins/Marker``."""
+    """Create a display by its class name, ``rviz_default_plugins/Marker``."""
     known = REGISTRY.get(class_name)
     return known(context, name, path) if known else FailedDisplay(context, name, path, class_name)
 
 
 def not_drawn(class_name: str) -> str:
-    """Say of a class that only RViz2 draws it."""
+    """Return the hint at a class that only RViz2 draws."""
     shows = f"{short_name(class_name)} ({RVIZ_ONLY[class_name]})"
     return f"RViz2 draws {shows}; this viewer does not, and keeps its settings."
 

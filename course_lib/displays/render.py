@@ -1,22 +1,30 @@
-"""Recordings drawn as RViz would draw them."""
+"""Recordings through RViz's displays: as a scene, as a film, or in a browser's tab (`course view`)."""
 
+import asyncio
+import sys
+import webbrowser
 from collections import Counter
 from collections.abc import Mapping
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
 from course_lib.displays.marker.store import ADD
-from course_lib.displays.panel.time_panel import Playback
+from course_lib.displays.panel.desk import Desk
+from course_lib.displays.panel.time_panel import Playback, TimePanel
 from course_lib.displays.session import TF, RvizSession
 from course_lib.recording import Recording, read_bag
+from course_lib.ros import wall
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
+
+if TYPE_CHECKING:
+    from course_lib.viewer.page_server import PageServer
 
 _DISPLAYS = {MARKER: "Marker", MARKER_ARRAY: "MarkerArray"}
 
@@ -35,7 +43,7 @@ def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: floa
 def replayed(
     recording: Recording, rviz_path: str | Path | None = None, at: float | None = None
 ) -> RvizSession:
-    """Let a session hear a recording up to a time; its statuses say what RViz would, see `scene_of`."""
+    """Play a recording to a session up to a time; its statuses are those of RViz, see `scene_of`."""
     session = session_for(recording, rviz_path)
     Playback(session, recording).go_to(_end_ns(recording, at))
     return session
@@ -61,7 +69,7 @@ def film_of(
 
 
 def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
-    """Return a session with a layout, or one that fits a recording, which has heard nothing yet."""
+    """Return a session with a layout, or one that fits a recording, before its first message."""
     session = RvizSession(Scene(), start_ns=recording.start_ns, match_qos=False)
     if rviz_path is None:
         _show_all(session, recording)
@@ -137,3 +145,53 @@ def _root(frame: str, parents: Mapping[str, str]) -> str:
     for _ in parents:
         frame = parents.get(frame, frame)
     return frame
+
+
+def view(
+    bag: Path | None = None,
+    rviz: Path | None = None,
+    *,
+    port: int = 0,
+    token: str | None = None,
+    browser: bool = True,
+) -> None:
+    """Show a layout, and play a bag through it, until Ctrl+C.
+
+    The bag plays as soon as a page is open; without a layout a grid is shown, and all its topics of markers.
+    `port` and `token` make the address: 0 lets the system choose a free port, None makes a secret part up.
+
+    Raises:
+        CourseError: If the bag or the layout cannot be read, or the port is taken.
+    """
+    from course_lib.viewer.page_server import PageServer  # here: tornado is slow to load
+
+    recording = Recording(()) if bag is None else read_bag(bag)
+    session = session_for(recording, rviz)
+    session.refresh()
+    server = PageServer(session.context.scene, f"course view: {bag or rviz or 'a grid'}", port, token)
+    Desk(session, server.link)
+    playback = Playback(session, recording)
+    time_panel = TimePanel(session, server.link, playback) if bag else None
+    server.listen()
+    sys.stdout.write(f"The viewer is at {server.url}\nCtrl+C ends it.\n")
+    sys.stdout.flush()
+    if browser:
+        webbrowser.open(server.url)
+    try:
+        asyncio.run(_serve(server, playback, time_panel))
+    except KeyboardInterrupt:
+        sys.stdout.write("\nThe viewer has ended.\n")
+
+
+async def _serve(server: "PageServer", playback: Playback, time_panel: TimePanel | None) -> None:
+    """Serve for ever, and let time go on while a page is open."""
+    serving = asyncio.create_task(server.serve())
+    last = wall.monotonic()
+    while not serving.done():
+        await asyncio.sleep(1 / 30)
+        before, last = last, wall.monotonic()
+        if server.link.ready:
+            playback.advance(last - before)
+            if time_panel:
+                time_panel.refresh()
+    await serving

@@ -1,15 +1,23 @@
 """RViz without a window: its displays, and the order in which messages change the scene."""
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from itertools import chain
 from typing import Any
 
-from course_lib.displays.delivery import hint_at_held, reaches, silence
-from course_lib.displays.display import Context, Display, Interest, node_name
+from course_lib.displays.display import (
+    GROUP,
+    Context,
+    Display,
+    Group,
+    Interest,
+    hint_at_held,
+    node_name,
+    reaches,
+    silence,
+)
 from course_lib.displays.frames import NS, Frames
-from course_lib.displays.group import GROUP, Group
-from course_lib.displays.layout import Layout, text_at
-from course_lib.displays.options import Options
+from course_lib.displays.layout import Layout, Options, text_at
 from course_lib.displays.panel.tools import all_tools, load_tools
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
@@ -17,15 +25,14 @@ from course_lib.displays.views import Orbit, ViewController, view_of
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.scene import Scene
-from course_lib.viewer.summary import summary
+from course_lib.viewer.scene import Scene, summary
 
 TF = "tf2_msgs/msg/TFMessage"
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 
 
 class RvizSession:
-    """Takes messages and keeps a scene of them, frame by frame as RViz does.
+    """RViz's displays without a window: messages come in, and a scene is kept of them frame by frame.
 
     What has come waits for the next frame; then it is placed, expired things go, what follows a frame of the
     robot moves. A frame is due 1/30 s of robot time after the first thing that waits, or when somebody looks.
@@ -53,12 +60,14 @@ class RvizSession:
         self.tools = all_tools()
         self.after_frame: list[Callable[[], None]] = []
         self._match_qos = match_qos
-        self.types: dict[str, str] = {}  # of the topics that were heard
+        self.types: dict[str, str] = {}  # of the topics with messages
         self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
         self._last_ns = start_ns  # of the last message
         self._frame_ns = start_ns  # of the last frame
         self.transforms = [
-            Interest(topic, TF, qos, self._take_transforms(topic == "/tf_static"), self.statuses)
+            Interest(
+                topic, TF, qos, partial(self._take_transforms, is_static=topic == "/tf_static"), self.statuses
+            )
             for topic, qos in _TF_TOPICS.items()
         ]
 
@@ -84,11 +93,20 @@ class RvizSession:
     @property
     def options(self) -> Options:
         """RViz's Global Options, as they are now."""
-        return Options(self)
+        values = (self.fixed_frame, self.context.scene.background, self.frame_rate)
+        return Options(values, self.layout.options, self._set_option)
+
+    def _set_option(self, label: str, value: Any) -> None:
+        if label == "Fixed Frame":
+            self.fixed_frame = value
+        elif label == "Background Color":
+            self.context.scene.background = value
+        else:
+            self.frame_rate = value
 
     @property
     def view(self) -> ViewController:
-        """Where the scene is looked at from."""
+        """The current view controller."""
         return self._view
 
     @view.setter
@@ -98,7 +116,7 @@ class RvizSession:
         self.refresh()
 
     def turned(self, camera: Camera) -> None:
-        """Take over where a page's view was turned to by hand."""
+        """Set the view from a camera that was turned by hand in a page."""
         self._view.take(camera)
         self.context.scene.remember_camera(self._view.camera(self.context.frames))
 
@@ -148,7 +166,7 @@ class RvizSession:
         return made
 
     def apply(self, layout: Layout) -> None:
-        """Take over a layout, in place of all displays."""
+        """Apply a layout, in place of all displays."""
         for display in self.displays:
             self.remove(display)
         self.tree, self.layout = Group(), layout
@@ -182,7 +200,7 @@ class RvizSession:
         self._tell()
 
     def receive(self, sample: Sample) -> None:
-        """Take a published message, after the frames that were due before it."""
+        """Deliver a published message, after the frames that were due before it."""
         if sample.stamp_ns < self._last_ns:
             self._jump_back()
         if self._due_ns is not None and self._due_ns <= sample.stamp_ns:
@@ -192,24 +210,24 @@ class RvizSession:
         self._deliver(sample, chain(self.transforms, *(display.interests for display in self.displays)))
 
     def tick(self, now_ns: int) -> None:
-        """Make a frame if one is due at a robot time, [ns]; things expire without a message."""
+        """Update the scene if a frame is due at a robot time, [ns]; things expire without a message."""
         due_ns = self._frame_ns + NS // self.frame_rate if self._due_ns is None else self._due_ns
         if now_ns >= due_ns:
             self.update(now_ns)
 
     def refresh(self) -> None:
-        """Make a frame now."""
+        """Update the scene now."""
         self.update(self.context.now_ns)
 
     def update(self, now_ns: int) -> None:
-        """Make a frame at a robot time, [ns]."""
+        """Update the scene at a robot time, [ns]."""
         self.context.now_ns = self._frame_ns = max(now_ns, self.context.now_ns)
         self._due_ns = None
         for display in self.displays:
             if display.enabled:
                 display.update()
         camera = self.view.camera(self.context.frames)
-        if camera != self._camera:  # another one than before: whoever moved the scene's own is left alone
+        if camera != self._camera:  # a camera set in the scene itself stays
             self._camera = self.context.scene.camera = camera
         self._tell()
 
@@ -218,7 +236,7 @@ class RvizSession:
         return [*self.global_rows(), *(row for display in self.displays for row in self.rows_of(display))]
 
     def global_rows(self) -> list[StatusRow]:
-        """List what RViz's Global Status says, with our hints."""
+        """List RViz's Global Status, with our hints."""
         level, text = self.context.frames.global_status()
         self.statuses.set(level, "Fixed Frame", text)
         self.statuses.hint("Target Frame", *self.view.lost(self.context.frames))
@@ -229,13 +247,13 @@ class RvizSession:
         return [*display.rows(), *silence(display, self.types)]
 
     def summary(self) -> str:
-        """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
+        """Describe in words the objects drawn, their places in the fixed frame, and the statuses."""
         names = [f"{display.name}{'' if display.enabled else ' (off)'}" for display in self.displays]
         head = f"Fixed frame {self.fixed_frame}. Displays: {', '.join(names) or 'none'}. Positions in metres."
         return "\n".join([head, *summary(self.context.scene), str(StatusTable(self.rows()))])
 
     def catch_up(self, interests: Iterable[Interest]) -> None:
-        """Take what publishers hold for latecomers that ask for it, and tell those that do not of it."""
+        """Deliver the messages held for latecomers to interests that request them; add a hint to others."""
         held = list(self.latched())
         wanting = [s for s in interests if s.qos.durability == "transient_local"]
         for sample in held:
@@ -260,16 +278,13 @@ class RvizSession:
         if self._due_ns is None:
             self._due_ns = self.context.now_ns + NS // self.frame_rate
 
-    def _take_transforms(self, is_static: bool) -> Callable[[Any], None]:
-        def take(message: Any) -> None:
-            complaints = self.context.frames.take(message.transforms, is_static)
-            if complaints:
-                self.statuses.hint("TF", *complaints)
-
-        return take
+    def _take_transforms(self, message: Any, *, is_static: bool) -> None:
+        complaints = self.context.frames.take(message.transforms, is_static)
+        if complaints:
+            self.statuses.hint("TF", *complaints)
 
     def _jump_back(self) -> None:
-        """Start anew when time runs backwards, as RViz does."""
+        """Restart when time runs backwards, as RViz does."""
         self.context.frames.buffer.clear()
         for display in self.displays:
             display.reset()

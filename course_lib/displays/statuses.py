@@ -1,4 +1,4 @@
-"""Statuses of a display, as RViz shows them, and our hints where RViz says nothing."""
+"""Statuses of a display, as RViz shows them, and hints where RViz has no status."""
 
 from collections.abc import Mapping
 from html import escape
@@ -26,22 +26,22 @@ class StatusRow(NamedTuple):
 
 
 class Statuses:
-    """What a display says of itself, by name; of one name the last word counts."""
+    """A display's statuses and hints by name; the last one of a name counts."""
 
     def __init__(self) -> None:
         self._said: dict[str, tuple[Level, str]] = {}
         self._hints: dict[str, tuple[str, ...]] = {}
 
     def set(self, level: Level, name: str, text: str) -> None:
-        """Say something in RViz's words."""
+        """Set the status of a name, in RViz's words."""
         self._said[name] = (level, text)
 
     def hint(self, name: str, *texts: str) -> None:
-        """Say what RViz does not, in place of earlier hints of that name; no text takes them back."""
+        """Set the hints of a name, in place of earlier ones; without a text there is none."""
         self._hints[name] = texts
 
     def delete(self, name: str) -> None:
-        """Forget all that was said under a name."""
+        """Remove the status and the hints of a name."""
         self._said.pop(name, None)
         self._hints.pop(name, None)
 
@@ -58,7 +58,7 @@ class Statuses:
 
 
 class StatusTable(list[StatusRow]):
-    """What RViz's Displays panel says, row by row, for cells, pages and terminals."""
+    """The statuses of RViz's Displays panel as a table, for cells, pages and terminals."""
 
     def __str__(self) -> str:
         rows = [(row.display, row.name, " ".join(LEVELS[row.level][:2]), row.text) for row in self]
@@ -72,7 +72,7 @@ class StatusTable(list[StatusRow]):
 
 
 def _row(row: StatusRow) -> str:
-    """Return one row in HTML; that of a hint says that RViz2 is silent there."""
+    """Return one row in HTML; that of a hint has a title about it."""
     icon, word, color = LEVELS[row.level]
     title = ' title="from this viewer; RViz2 says nothing here"' if row.level == "hint" else ""
     return (

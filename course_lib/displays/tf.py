@@ -14,7 +14,7 @@ from course_lib.displays.frames import NS
 from course_lib.displays.marker.drawables import placement, turned_to
 from course_lib.displays.properties import Property, flag, number, read_only, text
 from course_lib.displays.reference_display import AXIS_COLORS, axes
-from course_lib.ros.tf2_errors import TransformException
+from course_lib.ros.tf2_transform import TransformException
 from course_lib.viewer.drawables import Solids, Text
 from course_lib.viewer.scene import Scene
 
@@ -33,7 +33,7 @@ _MEASURED = ("Parent", "Position", "Orientation", "Relative Position", "Relative
 
 
 class Look(NamedTuple):
-    """How a frame is drawn."""
+    """The picture of a frame."""
 
     age: float  # since its last transform, in timeouts; it goes grey from 1/3 to 2/3, and fades until 1
     scale: float  # Marker Scale
@@ -109,7 +109,7 @@ def _faded(color: Matrix, age: float) -> Matrix:
 
 
 def _regex(value: Any) -> str:
-    """Take a regular expression."""
+    """Convert a regular expression."""
     try:
         re.compile(text(value))
     except re.error as error:
@@ -118,7 +118,7 @@ def _regex(value: Any) -> str:
 
 
 class _Heard(NamedTuple):
-    """When a frame got the transform to the fixed frame that it has."""
+    """The latest transform of a frame to the fixed frame, and the time of its arrival."""
 
     transform: Matrix | None
     stamp_ns: int  # 0 if it never changes, or is not known
@@ -126,7 +126,7 @@ class _Heard(NamedTuple):
 
 
 class TfDisplay(Display):
-    """Shows the frames that tf2 knows, and fades those that nobody publishes any more."""
+    """The frames that tf2 knows; those without new transforms fade."""
 
     class_name = "rviz_default_plugins/TF"
     properties = (

@@ -1,8 +1,11 @@
-"""Displays of a topic, with and without RViz's filter that waits for transforms."""
+"""Displays of a topic: with RViz's filter that waits for transforms, and with a picture of what they keep."""
 
 from collections import deque
 from collections.abc import Mapping
 from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
 
 from course_lib.arrays import Matrix
 from course_lib.displays.display import Display, Interest
@@ -10,8 +13,9 @@ from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, integer, text, words
 from course_lib.errors import counted
 from course_lib.ros.qos import Qos
+from course_lib.viewer.drawables import Drawable
 
-PATIENCE = NS // 2  # [ns] that a message waits before a hint says so, if its frame is known at all
+HINT_AFTER = NS // 2  # [ns] that a message waits for a known frame before a hint is added
 # By the fields of Qos; in RViz's words, its default first.
 _POLICIES = {
     "history": ("Keep Last", "Keep All"),
@@ -49,7 +53,7 @@ class TopicDisplay(Display):
 
     type_name: ClassVar[str]
     topic_label: ClassVar[str] = "Topic"
-    status_label: ClassVar[str] = "Topic"  # of what it says of its messages
+    status_label: ClassVar[str] = "Topic"  # name of the status of its messages
     properties = topic_properties()
 
     def __init__(self, *args: Any) -> None:
@@ -58,7 +62,7 @@ class TopicDisplay(Display):
         self._since_ns = 0
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout; before Galactic it says ``Topic: /x``, ``Unreliable: true``."""
+        """Set properties from a layout; older than Galactic, it has ``Topic: /x``, ``Unreliable: true``."""
         topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
             unreliable = str(config.get("Unreliable")).lower() == "true"
@@ -67,7 +71,7 @@ class TopicDisplay(Display):
         return super().load({**config, self.topic_label: topic})
 
     def changed(self, label: str) -> None:
-        """Subscribe anew when the topic or its quality of service changes."""
+        """Resubscribe when the topic or its quality of service changes."""
         super().changed(label)
         if label.startswith(self.topic_label) and self.started:
             self.start()
@@ -110,7 +114,7 @@ class TopicDisplay(Display):
         self.process(message)
 
     def received(self, what: str = "messages") -> str:
-        """Say in RViz's words how many messages have come, and how often."""
+        """Return RViz's status of the number of messages, and of their rate."""
         elapsed = (self.context.now_ns - self._since_ns) / NS  # [s]
         rate = self._received / elapsed if elapsed else float("inf")
         return f"{self._received} {what} received at {rate:.1f} hz."
@@ -140,7 +144,7 @@ class TopicDisplay(Display):
 class FilteredDisplay(TopicDisplay):
     """A display whose messages wait until tf2 knows their frame at their stamp (MessageFilterDisplay)."""
 
-    queue_label: ClassVar[str] = "Topic/Filter size"  # of the property that says how many may wait
+    queue_label: ClassVar[str] = "Topic/Filter size"  # of the property with the length of the queue
     properties = (*topic_properties(), Property(queue_label, 10, integer(1)))
 
     def __init__(self, *args: Any) -> None:
@@ -153,7 +157,7 @@ class FilteredDisplay(TopicDisplay):
         self._waiting.clear()
 
     def take(self, message: Any) -> None:
-        """Let a message wait for its transform; the oldest one is dropped when too many wait."""
+        """Queue a message until its transform is known; the oldest is dropped when too many wait."""
         if not message.header.frame_id.removeprefix("/"):
             self._dropped(message, "the frame id of the message is empty")
             return
@@ -181,12 +185,12 @@ class FilteredDisplay(TopicDisplay):
         )
 
     def _waits_long(self, message: Any) -> bool:
-        """Tell a wait that may last from that for the next transform, which every driving robot has."""
+        """Return whether a message is too far from robot time to be waiting for just the next transform."""
         known = self.context.frames.transform(message.header.frame_id) is not None
-        return not known or abs(self.context.now_ns - nanoseconds(message.header.stamp)) > PATIENCE
+        return not known or abs(self.context.now_ns - nanoseconds(message.header.stamp)) > HINT_AFTER
 
     def problem(self, message: Any) -> str | None:
-        """Say why a message has to wait; None if it need not."""
+        """Return the reason for a message to wait; None if it can be drawn."""
         frame = message.header.frame_id.removeprefix("/")
         return self.context.frames.problem(frame, nanoseconds(message.header.stamp))
 
@@ -199,3 +203,70 @@ class FilteredDisplay(TopicDisplay):
             f"RViz's log: Message Filter dropping message: frame '{header.frame_id}' at time {stamp:.3f} "
             f"for reason '{reason}'",
         )
+
+
+INVALID = "Message contained invalid floating point values (nans or infs)"
+
+
+class DrawnDisplay(FilteredDisplay):
+    """A display whose picture is made of its properties and of what it keeps: of one message, or of more."""
+
+    length_label: ClassVar[str] = ""  # of the property with the number of kept messages; 0 keeps all
+    in_frame: ClassVar[bool] = (
+        False  # whether the parts lie in the last message's frame, not in the fixed one
+    )
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.kept: deque[Any] = deque(maxlen=(self[self.length_label] or None) if self.length_label else 1)
+
+    def numbers(self, message: Any) -> npt.ArrayLike:
+        """Return those numbers of a message that must be finite."""
+        return ()
+
+    def made(self, message: Any, transform_frame_to_fixed: Matrix) -> Any:
+        """Return what is to be kept of a message."""
+        raise NotImplementedError
+
+    def parts(self) -> Mapping[str, Drawable]:
+        """Return what is to be seen, by name; nothing before the first message."""
+        raise NotImplementedError
+
+    def process(self, message: Any) -> None:
+        """Show a message, if its numbers are finite and its frame is known."""
+        if not np.isfinite(self.numbers(message)).all():
+            self.statuses.set("error", "Topic", INVALID)
+            return
+        transform = self.transform_at(message.header)
+        if transform is not None and self.in_frame:
+            self.context.scene.set_transform(f"{self.path}/drawn", transform)
+        if transform is not None:
+            self.keep(self.made(message, transform))
+
+    def keep(self, thing: Any) -> None:
+        """Keep one more, and draw."""
+        self.kept.append(thing)
+        self.draw()
+
+    def reset(self) -> None:
+        """Forget all that was kept."""
+        super().reset()
+        self.kept.clear()
+
+    def changed(self, label: str) -> None:
+        """Redraw; RViz empties its buffers when their length changes, and cuts its histories."""
+        if label == self.length_label:
+            self.kept = deque(() if label == "Buffer Length" else self.kept, self[label] or None)
+        super().changed(label)
+        if self.started:
+            self.draw()
+
+    def draw(self) -> None:
+        """Put the parts into the scene, in place of those that are there."""
+        scene, node, parts = self.context.scene, f"{self.path}/drawn", self.parts()
+        old = scene.find(node)
+        gone = {path.rpartition("/")[2] for path in old.children} - parts.keys() if old else ()
+        for name in gone:
+            scene.delete(f"{node}/{name}")
+        for name, drawable in parts.items():
+            scene.set_object(f"{node}/{name}", drawable)

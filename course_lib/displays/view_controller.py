@@ -1,4 +1,4 @@
-"""What all of RViz's view controllers share: from their properties to a camera."""
+"""The base of RViz's view controllers: from properties to a camera."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -50,12 +50,12 @@ class ViewController(PropertyHolder):
         self._target: Matrix = np.eye(4)
         self._followed = ""  # the target frame that the camera was last placed with
         self.name = "Current View"
-        self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
+        self.touched: Callable[[], None] = lambda: None  # called when a property has changed
         for label, value in properties.items():
             self[label] = value
 
     def changed(self, label: str) -> None:
-        """Have the change shown."""
+        """Show the change."""
         self.touched()
 
     def __repr__(self) -> str:
@@ -73,7 +73,7 @@ class ViewController(PropertyHolder):
         return self._camera(self._target)
 
     def lost(self, frames: Frames) -> tuple[str, ...]:
-        """Say that the target frame is not known, if that is so; RViz is silent there."""
+        """Return the hint at an unknown target frame, of which RViz is silent."""
         name, known = self["Target Frame"], frames.buffer.frames()
         if name == FIXED_FRAME or frames.transform(name) is not None:
             return ()
@@ -81,7 +81,7 @@ class ViewController(PropertyHolder):
         return (f"tf2 knows no way to the view's Target Frame {name!r}, so the view stays{meant}",)
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout, and keep it."""
+        """Set properties from a layout, and keep it."""
         self.config, self._followed = config, ""
         return super().load(config)
 
@@ -96,7 +96,7 @@ class ViewController(PropertyHolder):
         self.touched()
 
     def take(self, camera: Camera) -> None:
-        """Have the properties that look as a view does which was turned by hand; nobody is told."""
+        """Set the properties from a camera that was turned by hand, without showing it again."""
         taken = self._taken(camera, np.subtract(camera.target, camera.eye), self._target)
         self._values |= {label: self._property(label).convert(value) for label, value in taken.items()}
 
@@ -107,7 +107,7 @@ class ViewController(PropertyHolder):
         self.take(other.camera(frames))
 
     def _keep_place(self, moved: Floats) -> None:
-        """Have the camera stay where it is when another target frame is chosen, which is [m] away."""
+        """Keep the camera's place when another target frame is chosen, which is [m] away."""
         for label in ("Focal Point", "Position"):
             if label in self._values:
                 self._values[label] = point(np.add(self[label], moved))

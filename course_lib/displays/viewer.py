@@ -13,9 +13,8 @@ import numpy.typing as npt
 
 from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
-from course_lib.displays.layout import read_layout
-from course_lib.displays.options import Options
-from course_lib.displays.panel.cell import Panel
+from course_lib.displays.layout import Options, read_layout
+from course_lib.displays.panel.cell import ViewerCell
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
 from course_lib.displays.session import RvizSession
@@ -51,19 +50,19 @@ class Viewer:
         self.session = RvizSession(self.scene, fixed_frame, graph.now_ns)
         self.session.latched = graph.latched
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._panel = Panel(self.session, graph)
+        self._cell = ViewerCell(self.session, graph)
         stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick))
-        self._end = weakref.finalize(self, _end, stops, self._panel)  # once no name or page holds it
+        self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
         self.session.catch_up(self.session.transforms)
         self.add("Grid")
 
     @classmethod
     def from_rviz(cls, path: str | Path) -> Self:
-        """Make a viewer with the displays, options and view of an .rviz file.
+        """Create a viewer with the displays, options and view of an .rviz file.
 
         Raises:
-            CourseError: If it is no such file; with line and column.
+            CourseError: If it is not an .rviz file; with line and column.
         """
         layout = read_layout(path)
         viewer = cls()
@@ -132,7 +131,7 @@ class Viewer:
 
     @property
     def fixed_frame(self) -> str:
-        """RViz's Fixed Frame; another one makes all displays start anew."""
+        """RViz's Fixed Frame; another one restarts all displays."""
         return self.session.fixed_frame
 
     @fixed_frame.setter
@@ -159,12 +158,12 @@ class Viewer:
     @view.setter
     def view(self, view: ViewController) -> None:
         if not isinstance(view, ViewController):
-            raise CourseError(f"{view!r} is no view; write one like viewer.view = Orbit().")
+            raise CourseError(f"{view!r} is not a view; write one like viewer.view = Orbit().")
         self.session.view = view
 
     @property
     def camera(self) -> Camera:
-        """Where the view puts the camera."""
+        """The camera that results from the view."""
         self.look()
         return self.scene.camera
 
@@ -176,7 +175,7 @@ class Viewer:
         return Visualizer(self.scene)
 
     def statuses(self) -> StatusTable:
-        """Return what RViz's Displays panel says, and hints where RViz is silent."""
+        """Return the statuses of RViz's Displays panel, and hints where RViz is silent."""
         self.look()
         return StatusTable(self.session.rows())
 
@@ -205,12 +204,12 @@ class Viewer:
         save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
-        """Draw the scene into a PNG of a size in [px]; the result says what drew it.
+        """Draw the scene into a PNG of a size in [px]; the result names its renderer.
 
         That is a page that shows the viewer, else Chromium or Chrome, else numpy.
         """
         self.look()
-        png = self._panel.picture(size)
+        png = self._cell.picture(size)
         if png is None:
             return screenshot(self.scene, path, size)
         if path is not None:
@@ -221,27 +220,27 @@ class Viewer:
         """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
 
         Args:
-            browser: Whether to open the page; its address is printed, too.
+            browser: Whether to open the page, besides printing its address.
             port: Where to listen, on this machine only; 0 lets the system choose a free one.
             token: The secret part of the address; None makes one up.
 
         Returns:
             The address.
         """
-        url = self._panel.opened(port, token)
+        url = self._cell.opened(port, token)
         sys.stdout.write(f"The viewer is at {url}\n")
         if browser:
             webbrowser.open(url)
         return url
 
     def summary(self) -> str:
-        """Tell in words what is drawn, where it is in the fixed frame, and what the statuses say."""
+        """Describe in words the objects drawn, their places in the fixed frame, and the statuses."""
         self.look()
         return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
-        """Have a function called with every click into the view: ``@viewer.on_click`` above it."""
-        self._panel.on_click.append(callback)
+        """Register a callback for every click into the view: ``@viewer.on_click`` above it."""
+        self._cell.on_click.append(callback)
         return callback
 
     async def pick(self) -> Click:
@@ -250,7 +249,7 @@ class Viewer:
         Raises:
             CourseError: At once, if no page shows the viewer.
         """
-        return await self._panel.next_click()
+        return await self._cell.next_click()
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""
@@ -262,10 +261,10 @@ class Viewer:
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
-        return self._panel.shown(self, **kwargs)
+        return self._cell.shown(self, **kwargs)
 
 
-def _end(stops: Iterable[Callable[[], None]], panel: Panel) -> None:
+def _end(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
     for stop in stops:
         stop()
-    panel.close()
+    cell.close()

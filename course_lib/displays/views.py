@@ -1,17 +1,17 @@
-"""RViz's view controllers, and the table of them."""
+"""RViz's view controllers: around a point, from above, and from a point."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import asin, atan2, cos, pi, sin
 from typing import Any
 
 import numpy as np
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.displays.first_person import FPS, FrameAligned
 from course_lib.displays.frames import Frames
 from course_lib.displays.layout import text_at
-from course_lib.displays.properties import Property, number, vector
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, ViewController, direction, point
+from course_lib.displays.properties import Property, flag, number, vector, words
+from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Hands, ViewController, direction, point
 from course_lib.viewer.camera import Camera
 
 __all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "ViewController", "XYOrbit"]
@@ -20,7 +20,7 @@ _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
 
 
 class Orbit(ViewController):
-    """Turns around a focal point, and goes along with the target frame's position."""
+    """A camera around a focal point, which follows the target frame's position."""
 
     class_name = "rviz_default_plugins/Orbit"
     properties = (
@@ -71,7 +71,7 @@ class XYOrbit(Orbit):
     lift = 0.2
 
     def mimic(self, other: ViewController, frames: Frames) -> None:
-        """Look from where another view does, if the ground is ahead of that and below it; else start anew."""
+        """Look from where another view does if the ground is ahead of it; else use the defaults."""
         super().mimic(other, frames)
         camera = other.camera(frames)
         eye = np.subtract(camera.eye, self._target[:3, 3])
@@ -94,7 +94,7 @@ class ThirdPersonFollower(XYOrbit):
 
 
 class TopDownOrtho(ViewController):
-    """Looks straight down, without perspective."""
+    """A camera that looks straight down, without perspective."""
 
     class_name = "rviz_default_plugins/TopDownOrtho"
     properties = (
@@ -126,8 +126,96 @@ class TopDownOrtho(ViewController):
         self._values |= {"X": self["X"] + float(moved[0]), "Y": self["Y"] + float(moved[1])}
 
 
+_AXES = {
+    "+x axis": (1, 0, 0), "-x axis": (-1, 0, 0), "+y axis": (0, 1, 0),
+    "-y axis": (0, -1, 0), "+z axis": (0, 0, 1), "-z axis": (0, 0, -1),
+}  # fmt: skip
+
+
+class FPS(ViewController):
+    """A camera that looks around from a point."""
+
+    class_name = "rviz_default_plugins/FPS"
+    properties: tuple[Property, ...] = (
+        *COMMON,
+        Property("Yaw", 1.25 * pi, number()),
+        Property("Pitch", atan2(10.0, 50.0**0.5), number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad] downward
+        Property("Position", (5.0, 5.0, 10.0), vector),  # [m]
+    )
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        turned = self._turned(transform_target_to_fixed)
+        eye = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Position"])
+        target = eye + turned @ direction(self["Yaw"], -self["Pitch"])
+        return Camera(point(eye), point(target), point(turned[:, 2]), near=self["Near Clip Distance"])
+
+    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        turned = self._turned(transform_target_to_fixed)
+        position = point(turned.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
+        return {"Position": position, **_angles(turned.T @ ahead)}
+
+    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
+        """Return how the view is turned with the target frame, shape (3, 3)."""
+        return np.eye(3)
+
+
+class FrameAligned(FPS):
+    """A camera that looks around from a point of the target frame, and follows all of its motion.
+
+    RViz has it from Jazzy 14.1.11 on; it begins at the frame's origin and looks along one of its axes.
+    """
+
+    class_name = "rviz_default_plugins/FrameAligned"
+    properties = (
+        *COMMON,
+        Property("Point towards", "-z axis", words("arbitrary", *_AXES)),
+        Property("Yaw", 0.0, number()),
+        Property("Pitch", PITCH_LIMIT, number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad] downward
+        Property("Position", (0.0, 0.0, 0.0), vector),  # [m]
+        Property("Lock Camera", False, flag),
+    )
+
+    def changed(self, label: str) -> None:
+        """Look along the axis that was chosen, or find out which one it is."""
+        ahead = _AXES.get(self["Point towards"])
+        if label == "Point towards" and ahead:
+            self._values |= {"Position": (0.0, 0.0, 0.0), **_angles(np.array(ahead))}
+        elif label in ("Yaw", "Pitch"):
+            self._name_axis()
+        super().changed(label)
+
+    def take(self, camera: Camera) -> None:
+        """Set the properties from a camera that was turned by hand."""
+        super().take(camera)
+        self._name_axis()
+
+    def hands(self) -> Hands:
+        """Return the rules by which a page turns the view."""
+        return replace(super().hands(), aligned=True, locked=self["Lock Camera"])
+
+    def _name_axis(self) -> None:
+        ahead = direction(self["Yaw"], -self["Pitch"])
+        near = (name for name, axis in _AXES.items() if ahead @ axis > 0.999)
+        self._values["Point towards"] = next(near, "arbitrary")
+
+    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
+        return transform_target_to_fixed[:3, :3]
+
+    def _keep_place(self, moved: Floats) -> None:
+        """Jump to the new frame."""
+
+
+def _angles(ahead: Floats) -> dict[str, float]:
+    """Return where a direction points to, [rad]; pitch is downward."""
+    x, y, z = ahead / np.linalg.norm(ahead)
+    return {
+        "Yaw": atan2(y, x) % (2 * pi),
+        "Pitch": min(max(-asin(min(max(z, -1.0), 1.0)), -PITCH_LIMIT), PITCH_LIMIT),
+    }
+
+
 class FailedView(Orbit):
-    """Stands for a view controller that cannot be made; its configuration is kept as it came."""
+    """A view controller of an unknown class; its configuration is kept as it came."""
 
 
 VIEWS: dict[str, type[ViewController]] = {

@@ -6,16 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.displays.display import Display
-from course_lib.displays.group import GROUP, Group
-from course_lib.displays.layout import text_at
-from course_lib.displays.options import Options
+from course_lib.displays.display import GROUP, Display, Group
+from course_lib.displays.layout import Options, text_at, yaml_text
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.properties import booleans, color, vector
 from course_lib.displays.registry import FailedDisplay
 from course_lib.displays.session import RvizSession
 from course_lib.displays.views import FailedView, ViewController
-from course_lib.displays.yaml_file import yaml_text
 from course_lib.errors import CourseError
 
 _Configured = Display | ViewController | Tool | Options
@@ -93,7 +90,7 @@ def view_config(view: ViewController) -> dict[str, Any]:
 
 
 def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a holder's part of a layout, over what its former layout said."""
+    """Return a holder's part of a layout, over its part of the former layout."""
     config: dict[str, Any] = {**holder.config, **known}
     parents = {prop.path[:-1] for prop in holder.properties}
     for prop in holder.properties:

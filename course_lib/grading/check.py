@@ -12,9 +12,10 @@ from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import Run, TaskResult, judge_task
+from course_lib.grading.judge import TaskResult, judge_task
 from course_lib.grading.personal import personal_values
 from course_lib.grading.reports.table import Table
+from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import printed
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import HINTS, Task
@@ -32,7 +33,7 @@ _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
 
 class CheckFailedError(CourseError):
-    """With COURSE_STRICT=1: a check did not pass."""
+    """A check that did not pass, raised with COURSE_STRICT=1."""
 
 
 def check(task_id: str, subject: Any = MISSING) -> None:
@@ -55,7 +56,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
         )
     task = catalog.task(task_id)
     if subject is MISSING:
-        raise CourseError(f"check needs your object, too. Write: {_call(task)}")
+        raise CourseError(f"check needs your object as its second argument. Write: {_call(task)}")
     personal = personal_values(task, student)
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
     result = judge_task(task, *catalog.points(task), runs)
@@ -70,7 +71,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
 
 
 def bind_only(bind: Callable[[str, Any], None]) -> None:
-    """From now on `check` hands the object over and runs nothing: for the grader's worker."""
+    """Hand objects to `bind` instead of checking them, in the grader's worker."""
     global _bind
     _bind = bind
 

@@ -9,21 +9,22 @@ from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import CodeCell, parse_notebook
 from course_lib.grading.handin.submission import NO_EXERCISE, unpack
-from course_lib.grading.handin.working_files import working_files
-from course_lib.grading.judge import TaskResult
+from course_lib.grading.judge import TaskResult, judge
+from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.outcome import NOT_MADE
-from course_lib.grading.run.run import run_exercise
+from course_lib.grading.run.run import run_scenarios
 
 NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 
 
 def check_file(path: Path) -> bool:
-    """Run a notebook from top to bottom, print a table per task; says whether everything passed.
+    """Run a notebook, print a table per task, and return whether everything passed.
 
     Raises:
-        CourseError: It can't be read, or is no exercise of the course.
+        CourseError: It can't be read, or is not an exercise of the course.
     """
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
@@ -32,14 +33,14 @@ def check_file(path: Path) -> bool:
         raise CourseError(f"{path} {NO_EXERCISE}")
     own = current_identity()
     student = notebook.student or own
-    run = run_exercise(
-        notebook.cells, tasks, catalog, student, hidden=False, files=working_files(path, notebook.cells)
-    )
-    causes = Causes(run.cell_errors, notebook.cells)
+    steps, files = plan(tasks, catalog, hidden=False), working_files(path, notebook.cells)
+    made = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
+    judgement = judge(made, tasks, catalog)
+    causes = Causes(judgement.cell_errors, notebook.cells)
     said: list[object] = [*causes.lines()]
-    for task, result in zip(tasks, run.results, strict=True):
+    for task, result in zip(tasks, judgement.tasks, strict=True):
         remember(task, result, notebook.cells)
-        evidence = [one.evidence for one in run.runs if one.evidence.task == task.id]
+        evidence = [one.evidence for one in made.runs if one.evidence.task == task.id]
         follows = causes.explain(result)
         said.append(NOT_CHECKED.format(task) if follows else table_of(task, result, evidence, student))
     if own and student != own:
@@ -47,7 +48,7 @@ def check_file(path: Path) -> bool:
             f"{path.name} names the student {student}, you are {own}. set_identity('{own}') stamps it."
         )
     print(*said, sep="\n\n")  # noqa: T201  the terminal is its page
-    return all(result.passed for result in run.results)
+    return all(result.passed for result in judgement.tasks)
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")
@@ -56,7 +57,7 @@ MANY = 3  # names that no cell makes: a cell is missing, not a letter
 
 
 class Causes:
-    """What kept a notebook's cells from running.
+    """The errors of a notebook's cells, without those that only follow from an earlier one.
 
     Args:
         errors: Of the cells, in their order, as `describe` words them.
@@ -95,7 +96,7 @@ class Causes:
         return found
 
     def explain(self, result: TaskResult) -> bool:
-        """Whether a task only failed because of these errors, so that its checks would say them again."""
+        """Return whether these errors are the only reason why a task failed."""
         return bool(self._kept and result.errors) and all(map(self._follows, result.errors))
 
     def _follows(self, error: str) -> bool:

@@ -1,4 +1,4 @@
-"""What came out of a run, and what checks say about it."""
+"""Evidence of a run, checks, and their verdicts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LIGHT = 0.05  # of a check's weight, where students can read its inputs
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one scenario of one task brought out, all of it data.
+    """Messages, returned values, output and errors of one scenario of one task, all of it data.
 
     Args:
         task: The task's id.
@@ -53,11 +53,11 @@ class Evidence:
 
     @cached_property
     def topics(self) -> dict[str, str]:
-        """Topic to message type, of what was published."""
+        """Message types by topic."""
         return {sample.topic: sample.type_name for sample in self.samples}
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
-        """([s] since the start, message) of one topic; bytes that are no such message are left out."""
+        """Return ([s] since the start, message) pairs of one topic, without bytes of another type."""
         if topic not in self._decoded:
             pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
@@ -101,12 +101,12 @@ class Verdict:
 
 
 def passed(message: str) -> Verdict:
-    """Full score."""
+    """Return the full score."""
     return Verdict(1.0, message)
 
 
 def failed(message: str, mistake: str) -> Verdict:
-    """No score, with the public wording and the hidden one."""
+    """Return no score, with the reason for a public check and the one for a hidden check."""
     return Verdict(0.0, message, mistake)
 
 
@@ -127,15 +127,15 @@ class Check:
     requires: tuple[Check, ...] = ()
 
     def titled(self, title: str) -> Check:
-        """The same check under another title."""
+        """Return the check under another title."""
         return replace(self, title=title)
 
     def worth(self, weight: float) -> Check:
-        """The same check with another share of the task's points; 0 only reports."""
+        """Return the check with another share of the task's points; 0 only reports."""
         return replace(self, weight=weight)
 
     def requiring(self, *checks: Check) -> Check:
-        """The same check, which scores only where `checks` have full score.
+        """Return a check that scores only where `checks` have full score.
 
         A rate, a stamp or a frame is worth nothing as long as the published shape is wrong.
         """

@@ -1,4 +1,4 @@
-"""Where submissions are run and judged: in this process, in some of its own, or on a Dask cluster."""
+"""Executors that run and judge submissions: this process, several processes, or a Dask cluster."""
 
 import multiprocessing
 import os
@@ -20,10 +20,10 @@ CONNECT_SECONDS = 10  # [s]
 
 
 class Here(Executor):
-    """Calls at once, in this process."""
+    """An executor that calls in this process."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
-        """Call, and return what is done already."""
+        """Call, and return a future that is done."""
         future: Future[Any] = Future()
         try:
             future.set_result(fn(*args, **kwargs))
@@ -32,8 +32,8 @@ class Here(Executor):
         return future
 
 
-class Processes(Threads):
-    """Some processes, each looked after by a thread: one that dies is replaced, and its call tried again.
+class ProcessPool(Threads):
+    """Processes with one thread each, which replaces its process when that dies and repeats the call.
 
     A pool of several would lose all that is under way when one of them dies.
     """
@@ -72,7 +72,7 @@ class Processes(Threads):
 
 
 def _end_with_parent() -> None:
-    """Let this process die at Ctrl+C without a word, and at once when its parent is gone."""
+    """End this process on Ctrl+C without a message, and when its parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     _mask_interrupts(signal.SIG_UNBLOCK)
     parent = multiprocessing.parent_process()
@@ -91,7 +91,7 @@ def _mask_interrupts(how: int) -> None:
 
 @contextmanager
 def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
-    """Where to run and where to judge, and how many submissions may be under way.
+    """Open executors for running and judging, with the number of submissions that may be in progress.
 
     Args:
         jobs: Processes of this machine.
@@ -100,7 +100,7 @@ def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor,
     Raises:
         CourseError: There is no scheduler.
     """
-    local: Executor = Here() if jobs == 1 else Processes(jobs)
+    local: Executor = Here() if jobs == 1 else ProcessPool(jobs)
     try:
         if dask is None:
             yield local, local, 1 if jobs == 1 else 2 * jobs

@@ -1,50 +1,55 @@
-"""`course grade`: a folder of submissions into evidence, results, gradebook and reports."""
+"""`course grade`: a folder of submissions through five stages, hand-in, run, judge, mark and report.
 
-import fnmatch
+Each stage is one function from records to records, and each record is a file with the digest of what it
+depends on. A record that is there already is not made again.
+
+| stage | function | record |
+|---|---|---|
+| hand-in | `handin.hand_in.hand_in` | the submission itself |
+| run | `run.run.run` | OUT/evidence/DIGEST.msgpack.gz |
+| judge | `judge.judge` | in OUT/results/STUDENT/EXERCISE.json |
+| mark | `marks.mark.mark` | OUT/results/STUDENT/EXERCISE.json |
+| report | `reports.report.report` | OUT/reports/STUDENT/EXERCISE.html |
+"""
+
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import groupby
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
 from course_lib.grading.executors import executors, flow
-from course_lib.grading.grade_one import (
-    Course,
-    catalog_of,
-    demand,
-    evidence_path,
-    identity,
-    judge_one,
-    keep_evidence,
-    prepared,
-    rules_of,
-    run_job,
-)
 from course_lib.grading.handin.copies import compare_class
+from course_lib.grading.handin.hand_in import Attempts, hand_in
 from course_lib.grading.handin.ids import with_ids
 from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
-from course_lib.grading.marks.mark import read_result, result_path, results_in
-from course_lib.grading.out_folder import OutError, sole_use, writing
+from course_lib.grading.judge import Judgement, judge
+from course_lib.grading.marks.mark import Fault, Result, mark, read_result, results_in, row_of
+from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.preflight import try_out
-from course_lib.grading.reports.table import Row, broken_lines, counts, say, task_lines, watched
+from course_lib.grading.records import (
+    Course,
+    OutError,
+    catalog_of,
+    evidence_path,
+    marks_path,
+    report_path,
+    result_path,
+    sole_use,
+    writing,
+)
+from course_lib.grading.reports.report import is_current, page_digest, report
+from course_lib.grading.reports.table import Line, broken_lines, counts, say, task_lines, watched
 from course_lib.grading.reports.tables import concerns, write_tables
-from course_lib.grading.run.job import Job
+from course_lib.grading.run.job import Job, plan
+from course_lib.grading.run.run import Ran, demand, keep, run, unpack
 
 GRADED = ("graded", "needs_marking", "limit")
-
-
-@dataclass
-class Batch:
-    """One student's attempts at one exercise, and what is still missing before they can be judged."""
-
-    attempts: list[Submission]
-    missing: set[str] = field(default_factory=set)  # keys of evidence
-    fault: str = ""
+Faults = Mapping[str, Fault]  # by the key of the evidence that is missing
 
 
 def grade(
@@ -59,181 +64,203 @@ def grade(
     need: Need = "partial",
     course: Course | None = None,
 ) -> bool:
-    """Grade all submissions of a folder.
+    """Grade a folder of submissions, and return whether every one could be graded.
 
     Args:
         submissions: One folder per student, or files that `course submit` wrote.
-        out: Where results, evidence, reports and gradebook.csv go.
+        out: The folder of records, which also gets gradebook.csv.
         jobs: Submissions at a time; default: the number of processors.
         dask: Address of a scheduler, on whose workers submissions are run then.
         only: Pattern of STUDENT/EXERCISE, to grade some.
-        resume: Leave out what has been graded already.
-        rejudge: Judge stored evidence again, run nothing.
-        need: The sandbox without which nothing is run.
-        course: Where tasks and hidden checks are; default: this checkout.
-
-    Returns:
-        Whether every submission could be graded.
+        resume: Use all records that are there.
+        rejudge: Use the evidence that is there, and run nothing.
+        need: The least isolation in which submissions are run.
+        course: Default: the one of this checkout.
 
     Raises:
         OutError: `out` can't be written.
-        CourseError: Too little of a sandbox, no submissions, broken check files, `out` is in use, or
-            a solution or a stub does not get its mark here.
+        CourseError: Nothing can be graded.
     """
     course = course or Course(exercises_dir(), solutions_dir())
     course = replace(course, sandbox=need, handed_in=(submissions, out))
     found = _found(submissions, course)
-    batches, work = _plan(_chosen(found, only), course)
+    line = hand_in(found, course, only)
     with sole_use(out):
-        if resume:
-            batches = [batch for batch in batches if not _is_done(batch, out, course)]
-        _look_for_evidence(batches, out, wanted=resume or rejudge)
-        if rejudge:
-            batches = _with_evidence(batches)
-        graded = _graded(batches, work, course, out, jobs or os.cpu_count() or 1, dask, may_run=not rejudge)
-        try:
-            rows = list(watched(graded, len(batches)))
-        except KeyboardInterrupt:
-            say("Interrupted. Nothing is lost: the same command with --resume goes on.")
-            raise
-        _finish(rows, batches, found, out, course)
+        work = _pending(line, course, out, resume=resume, rejudge=rejudge)
+        rows = _watched(work, jobs or os.cpu_count() or 1, dask)
+        _finish(rows, work, found)
     return all(row["status"] in GRADED for row in rows)
 
 
+@dataclass(frozen=True)
+class Pending:
+    """The students and exercises whose records are missing.
+
+    Args:
+        line: The attempts of each student and exercise.
+        missing: By the key of its evidence, each job that must be run.
+        course: The tasks and hidden checks.
+        out: The folder of records.
+        resume: Use results that are there.
+        rejudge: Run nothing.
+    """
+
+    line: Sequence[Attempts]
+    missing: Mapping[str, Job]
+    course: Course
+    out: Path
+    resume: bool
+    rejudge: bool
+
+
 def _found(submissions: Path, course: Course) -> list[Submission]:
-    """Return what counts of the submissions, and tell the zone of local times where nobody has chosen it."""
+    """Find all submissions; print the zone of local times if nobody has chosen one."""
     settings = catalog_of(course).course
     if settings.zone_note:
         say(settings.zone_note)
     return with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
 
 
-def _chosen(found: Sequence[Submission], only: str) -> list[Submission]:
-    chosen = [one for one in found if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
-    if not chosen:
-        one = f"{found[0].student}/{found[0].exercise}"
-        raise CourseError(f"--only {only} fits no submission: write a pattern like 'ada/*'; one is {one}")
-    return chosen
+def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool) -> Pending:
+    """Find the missing records, and print which submissions --rejudge cannot judge."""
+    if resume:
+        line = [one for one in line if not _is_done(one, out)]
+    jobs = {key: job for one in line for key, job in one.jobs.items()}
+    reuse = resume or rejudge
+    missing = {key: job for key, job in jobs.items() if not (reuse and evidence_path(out, key).is_file())}
+    if rejudge:
+        for one in (one for one in line if one.jobs.keys() & missing.keys()):
+            say(f"{one.student}  {one.exercise}  no evidence of today's inputs: grade it without --rejudge")
+        line = [one for one in line if not one.jobs.keys() & missing.keys()]
+        missing = {}
+    return Pending(line, missing, course, out, resume, rejudge)
 
 
-def _plan(chosen: Sequence[Submission], course: Course) -> tuple[list[Batch], dict[str, Job]]:
-    """What to judge, and by the key of its evidence, what to run for it: identical files once."""
-    work: dict[str, Job] = {}
-    owners = defaultdict[str, set[str]](set)
-    attempts = []
-    for submission in chosen:
-        attempt, job = prepared(submission, course)
-        attempts.append(attempt)
-        owners[attempt.sha256].add(attempt.student)
-        if job is not None:
-            work[attempt.key] = job
-    batches = []
-    for _, group in groupby(attempts, lambda one: (one.student, one.exercise)):
-        batches.append(Batch([replace(a, twins=_twins(a, owners[a.sha256])) for a in group]))
-    return batches, work
-
-
-def _twins(attempt: Submission, owners: set[str]) -> tuple[str, ...]:
-    return tuple(sorted(owners - {attempt.student})) if attempt.sha256 else ()
-
-
-def _is_done(batch: Batch, out: Path, course: Course) -> bool:
-    """Whether there is a result of these files, by the checks of today."""
-    last = batch.attempts[-1]
-    try:
-        kept = read_result(result_path(out, last.student, last.exercise))
-    except CourseError:  # not there, or written by something else
+def _is_done(attempts: Attempts, out: Path) -> bool:
+    """Return whether result and report are there, of these files, these checks and these points."""
+    result = _kept(attempts, out)
+    if result is None or result.judgement is None:
         return False
-    known = [{name: attempt.get(name) for name in identity(last)} for attempt in kept["attempts"]]
-    is_same = known == [identity(attempt) for attempt in batch.attempts]
-    is_current = kept.get("rules") == rules_of(course, last.exercise)
-    return is_same and is_current and kept["row"]["status"] in GRADED
+    marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
+    page = report_path(out, attempts.student, attempts.exercise)
+    return is_current(page, page_digest(result.digest, marks))
 
 
-def _look_for_evidence(batches: Iterable[Batch], out: Path, *, wanted: bool) -> None:
-    for batch in batches:
-        keys = {attempt.key for attempt in batch.attempts if attempt.key}
-        batch.missing = {key for key in keys if not (wanted and evidence_path(out, key).is_file())}
+def _kept(attempts: Attempts, out: Path) -> Result | None:
+    try:
+        content = read_result(result_path(out, attempts.student, attempts.exercise))
+    except CourseError:  # it is missing, or damaged
+        return None
+    return Result.from_plain(content) if content.get("digest") == attempts.digest else None
 
 
-def _with_evidence(batches: Iterable[Batch]) -> list[Batch]:
-    """Those that can be judged again; the others keep the result that they have."""
-    complete = []
-    for batch in batches:
-        if batch.missing:
-            last = batch.attempts[-1]
-            say(f"{last.student}  {last.exercise}  no evidence of today's inputs: grade it without --rejudge")
-        else:
-            complete.append(batch)
-    return complete
+def _watched(work: Pending, jobs: int, dask: str | None) -> list[Line]:
+    """Grade with a progress bar, and return the lines of the gradebook."""
+    try:
+        return list(watched(_graded(work, min(jobs, max(len(work.line), 1)), dask), len(work.line)))
+    except KeyboardInterrupt:
+        say("Interrupted. Nothing is lost: the same command with --resume goes on.")
+        raise
 
 
-def _graded(
-    batches: Sequence[Batch],
-    work: dict[str, Job],
-    course: Course,
-    out: Path,
-    jobs: int,
-    dask: str | None,
-    *,
-    may_run: bool,
-) -> Iterator[Row]:
-    """Run what has to be run, judge as soon as the evidence is there; yields lines of the gradebook."""
-    needed = {key: work[key] for batch in batches for key in sorted(batch.missing)}
-    if not needed:
-        dask = None
-    jobs = min(jobs, max(len(batches), 1))
-    with executors(jobs, dask) as (run, judge, window):
-        if needed:
-            run.submit(demand, course.sandbox, course.refused).result()
-        exercises = {attempt.exercise for batch in batches for attempt in batch.attempts if attempt.key}
-        for note in try_out(exercises, course, out, run, judge, may_run=may_run):
+def _graded(work: Pending, jobs: int, dask: str | None) -> Iterator[Line]:
+    """Run each missing job, then judge, mark and report as soon as a student's evidence is stored."""
+    course, out = work.course, work.out
+    with executors(jobs, dask if work.missing else None) as (away, here, window):
+        if work.missing:
+            away.submit(demand, course.sandbox, course.refused).result()
+        exercises = {one.exercise for one in work.line if one.jobs}
+        for note in try_out(exercises, course, out, away, here, may_run=not work.rejudge):
             say(note)
-        ready = _ready(batches, flow(run, run_job, ((k, [job]) for k, job in needed.items()), window), out)
-        calls = ((batch, (batch.attempts, course, out, batch.fault)) for batch in ready)
-        for batch, future in flow(judge, judge_one, calls, window):
+        ran = flow(away, run, ((key, [job]) for key, job in work.missing.items()), window)
+        ready = _with_evidence(work, ran)
+        calls = ((one, (one, faults, course, out, work.resume)) for one, faults in ready)
+        for one, future in flow(here, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except OutError:
                 raise
             except Exception as error:  # the judging process died of it
-                yield judge_one(batch.attempts, course, out, f"{type(error).__name__}: {error}")
+                faults = dict.fromkeys((s.key for s in one.submissions), Fault.of(error))
+                yield judge_mark_report(one, faults, course, out)
 
 
-def _ready(batches: Sequence[Batch], runs: Iterable[tuple[str, Any]], out: Path) -> Iterator[Batch]:
-    """Batches as soon as all their evidence is stored."""
-    waiting = defaultdict[str, list[Batch]](list)
-    for batch in batches:
-        for key in batch.missing:
-            waiting[key].append(batch)
-    yield from [batch for batch in batches if not batch.missing]
-    for key, future in runs:
-        fault = ""
+def _with_evidence(
+    work: Pending, ran: Iterable[tuple[str, Future[Ran]]]
+) -> Iterator[tuple[Attempts, Faults]]:
+    """Store evidence as it comes; yield each student's attempts when they have all of theirs."""
+    waiting = defaultdict[str, list[Attempts]](list)
+    absent = {id(one): one.jobs.keys() & work.missing.keys() for one in work.line}
+    faults: dict[str, Fault] = {}
+    for one in work.line:
+        for key in absent[id(one)]:
+            waiting[key].append(one)
+        if not absent[id(one)]:
+            yield replace(one, jobs={}), {}
+    for key, future in ran:
         try:
-            keep_evidence(out, key, future.result())
+            keep(work.out, key, future.result())
         except OutError:
             raise
-        except Exception as error:  # it could not be run: our fault, and the class goes on
-            fault = f"{type(error).__name__}: {error}"
-        for batch in waiting[key]:
-            batch.missing.remove(key)
-            batch.fault = batch.fault or fault
-            if not batch.missing:
-                yield batch
+        except Exception as error:  # a fault of ours: the class goes on
+            faults[key] = Fault.of(error)
+        for one in waiting.pop(key):
+            absent[id(one)] -= {key}
+            if not absent[id(one)]:
+                yield replace(one, jobs={}), {key: faults[key] for key in one.jobs if key in faults}
 
 
-def _finish(
-    rows: Sequence[Row],
-    batches: Sequence[Batch],
-    found: Sequence[Submission],
-    out: Path,
-    course: Course,
-) -> None:
-    """Compare the class, write what is derived from all results, and tell what was done."""
-    zone = catalog_of(course).course.zone
+def judge_mark_report(
+    attempts: Attempts, faults: Faults, course: Course, out: Path, resume: bool = False
+) -> Line:
+    """Apply the last three stages to one student's attempts, whose evidence is stored.
+
+    Args:
+        attempts: Without jobs.
+        faults: By key, why evidence is missing.
+        course: The tasks and hidden checks.
+        out: The folder of records.
+        resume: Use the result that is there, if its digest is that of the attempts.
+
+    Raises:
+        OutError: The folder can't be written.
+    """
+    result, catalog = _kept(attempts, out) if resume else None, catalog_of(course)
+    if result is None:
+        judged = [_judged(one, faults, course, out) for one in attempts.submissions]
+        result = mark(attempts.submissions, judged, catalog.course, attempts.digest)
+    marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
-        compare_class(found, out, course.exercises, zone)
-    for last in (batch.attempts[-1] for batch in batches):
+        try:
+            report(result, marks, out, catalog)
+        except OSError:
+            raise
+        except Exception as error:  # the marks are right without a report, and must not be lost with it
+            problem = f"no report: {type(error).__name__}: {error}"
+            result = replace(result, notes=(*result.notes, problem))
+        result.write(out)
+    return row_of(result.as_plain(), marks)
+
+
+def _judged(submission: Submission, faults: Faults, course: Course, out: Path) -> Judgement | Fault | None:
+    """Judge stored evidence; a fault of the kit costs the student nothing, and the class goes on."""
+    if submission.key in faults or not submission.key:
+        return faults.get(submission.key)
+    try:
+        catalog = catalog_of(course)
+        tasks = catalog.of_week(submission.exercise.split("_")[0])
+        stored = evidence_path(out, submission.key).read_bytes()
+        return judge(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
+    except Exception as error:  # whatever it is, it is no fault of the student
+        return Fault.of(error)
+
+
+def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) -> None:
+    """Compare the class, write the tables of all results, and print a summary."""
+    out, zone = work.out, catalog_of(work.course).course.zone
+    with writing(out):
+        compare_class(found, out, work.course.exercises, zone)
+    for last in (one.submissions[-1] for one in work.line):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):

@@ -13,7 +13,7 @@ from course_lib.ros.clock import START_NS
 
 @dataclass(frozen=True)
 class Found:
-    """One object as a detector reports it.
+    """An object that a detector reports.
 
     Args:
         track: Number of the object.

@@ -1,14 +1,19 @@
-"""From evidence to marks: pure functions, so that the same evidence always gets the same mark."""
+"""The stage `judge`: from evidence to scores, in pure functions: equal evidence gets equal scores."""
 
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
 
+from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Check, Evidence, Verdict
-from course_lib.grading.task import Scenario, Task
+from course_lib.grading.run.job import Run
+from course_lib.grading.task import Row, Task
+
+if TYPE_CHECKING:  # students' kernels judge without a jail
+    from course_lib.grading.run.run import ExerciseRun
 
 CHECK_SECONDS = 5.0  # [s] of processor time for a check
 TASK_SECONDS = 10.0  # [s] of processor time for all checks of a task
@@ -21,17 +26,8 @@ HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too e
 
 
 @dataclass(frozen=True)
-class Run:
-    """A scenario that has been run: what it was, and what came out."""
-
-    scenario: Scenario
-    evidence: Evidence
-    hidden: bool = False
-
-
-@dataclass(frozen=True)
 class CheckResult:
-    """One row of a table.
+    """The result of one check.
 
     Args:
         title: Of the check.
@@ -55,7 +51,7 @@ class CheckResult:
 
     @property
     def passed(self) -> bool:
-        """Whether it has the full score."""
+        """True with the full score."""
         return self.score >= 1
 
 
@@ -73,6 +69,7 @@ class TaskResult:
         stopped: Which limit ended it, or "".
         manual: Points that a person gave; they count instead of the checks'.
         comments: What that person says.
+        rubric: The rows by which a person marks the task.
     """
 
     task: str
@@ -84,6 +81,7 @@ class TaskResult:
     stopped: str = ""
     manual: float | None = None
     comments: tuple[str, ...] = ()
+    rubric: tuple[Row, ...] = ()
 
     @property
     def fraction(self) -> float:
@@ -93,23 +91,88 @@ class TaskResult:
 
     @property
     def score(self) -> float:
-        """In points."""
+        """Points: those of a person, else those of the checks."""
         return round(self.points * self.fraction, 2) if self.manual is None else self.manual
 
     @property
     def untouched(self) -> bool:
-        """Whether what was run is still the stub."""
+        """True if every error is the stub's NotImplementedError."""
         return bool(self.errors) and all(error.startswith("NotImplementedError") for error in self.errors)
 
     @property
     def passed(self) -> bool:
-        """Whether no check says otherwise."""
+        """True if all checks pass."""
         return all(check.passed for check in self.checks)
 
     @property
     def waits(self) -> bool:
-        """Whether a person has to mark it, because a check with a share of its points raised an exception."""
-        return self.manual is None and any(check.broken and check.weight for check in self.checks)
+        """True if a person must mark it: by its rubric, or as a check with a share of its points raised."""
+        is_broken = any(check.broken and check.weight for check in self.checks)
+        return self.manual is None and (bool(self.rubric) or is_broken)
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the entry of a result file."""
+        return {**asdict(self), "score": self.score}
+
+    @classmethod
+    def from_plain(cls, content: Mapping[str, Any]) -> "TaskResult":
+        """Return the task of an entry of a result file."""
+        known = {field.name: content[field.name] for field in fields(cls)}
+        checks = tuple(CheckResult(**check) for check in content["checks"])
+        return cls(**{**known, "checks": checks, "rubric": tuple(Row(**row) for row in content["rubric"])})
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The results of all tasks of one submission, with the log of its cells.
+
+    Args:
+        tasks: In the order of the exercise.
+        isolation: The layers between the submission and the machine that it ran on.
+        cell_errors: Exceptions of the cells, which are run once, before the scenarios.
+        output: The text that the cells printed.
+        digests: Of the recordings, by task and scenario.
+        limit: The resource that a scenario or a cell used up, or "".
+    """
+
+    tasks: tuple[TaskResult, ...]
+    isolation: str
+    cell_errors: tuple[str, ...]
+    output: str
+    digests: Mapping[str, str]
+    limit: str = ""
+
+    @property
+    def broken(self) -> list[str]:
+        """Each check that raised an exception, with task and scenario; for staff."""
+        rows = [(task.task, check) for task in self.tasks for check in task.checks if check.broken]
+        return [f"{task}, {check.scenario}, {check.title!r}: {check.broken}" for task, check in rows]
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the part of a result file that is judged."""
+        return {**vars(self), "tasks": [task.as_plain() for task in self.tasks]}
+
+    @classmethod
+    def from_plain(cls, content: Mapping[str, Any]) -> "Judgement":
+        """Return the judgement of a result file."""
+        known = {field.name: content[field.name] for field in fields(cls) if field.name in content}
+        return cls(**{**known, "tasks": tuple(map(TaskResult.from_plain, content["tasks"]))})
+
+
+def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
+    """Judge the evidence of a submission by the checks of its tasks."""
+    results = tuple(
+        judge_task(task, *catalog.points(task), [one for one in run.runs if one.evidence.task == task.id])
+        for task in tasks
+    )
+    return Judgement(
+        tasks=results,
+        isolation=str(run.isolation),
+        limit=next((result.stopped for result in results if result.stopped), run.log.limit),
+        cell_errors=(*run.log.stopped.values(), *run.log.errors),
+        output=run.log.output,
+        digests={f"{r.evidence.task}/{r.scenario.name}": r.evidence.recording.digest() for r in run.runs},
+    )
 
 
 def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> TaskResult:
@@ -124,11 +187,11 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
     ):
         errors[HIDDEN_ERROR] = None
     stopped = next((run.evidence.stopped for run in runs if run.evidence.stopped), "")
-    return TaskResult(task.id, task.title, points, bonus, checks, tuple(errors), stopped)
+    return TaskResult(task.id, task.title, points, bonus, checks, tuple(errors), stopped, rubric=task.rubric)
 
 
 class _Judge:
-    """Judges the runs of one task, within the processor time that one task may take."""
+    """The judge of one task, with a limit of processor time for all of its checks."""
 
     def __init__(self) -> None:
         self._left = TASK_SECONDS
@@ -187,7 +250,7 @@ AGAIN = 1.0  # [s] of processor time: code that swallows the exception gets anot
 
 
 class _OverError(BaseException):
-    """Ends what takes too long; no `except Exception` on its way can take it for a fault of the data."""
+    """The end of a time limit; no `except Exception` catches it."""
 
 
 @contextmanager

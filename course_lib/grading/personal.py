@@ -12,7 +12,7 @@ _given: dict[str, dict[str, Any]] | None = None  # set in the grader's worker, w
 
 
 def personal_values(task: Task, student: str | None) -> dict[str, Any]:
-    """The task's own values for one student: one option of each row, by a hash of the normalised ID."""
+    """Choose one option of each row of a task's table, by a hash of the student's normalised ID."""
     return {
         name: plain(options[personal_number(student, f"{task.id}/{name}", len(options))])
         for name, options in task.personal.items()
@@ -20,7 +20,7 @@ def personal_values(task: Task, student: str | None) -> dict[str, Any]:
 
 
 def my_values(task_id: str) -> Mapping[str, Any]:
-    """Your own values of a task, by name: `my_values("week01.red_cube")["height"]`.
+    """Return your own values of a task, by name: `my_values("week01.red_cube")["height"]`.
 
     They depend on your student ID. Without one they are those of a guest.
     """
@@ -34,19 +34,19 @@ def my_values(task_id: str) -> Mapping[str, Any]:
 
 
 def give_values(values: dict[str, dict[str, Any]]) -> None:
-    """Make these the values of `my_values`, by task: for the worker that runs a submission."""
+    """Set the values of `my_values`, by task, in the worker that runs a submission."""
     global _given
     _given = values
 
 
 def build(message: Message, personal: Mapping[str, Any]) -> Any:
-    """Make the ROS message, with the student's own values in it.
+    """Build the ROS message of an input, with the student's own values in it.
 
     Raises:
         CourseError: A field is unknown or its value does not fit; names topic and reason.
     """
     from course_lib.ros.messages import message_class
-    from course_lib.tools.message_fields import set_fields
+    from course_lib.tools.message_yaml import set_fields
 
     made = message_class(message.type_name)()
     try:

@@ -1,6 +1,5 @@
-"""Before a class is graded: the solution gets full marks and the stub none, in the same jail."""
+"""A trial before grading: in the same jail, the solution gets full marks and the stub none."""
 
-import hashlib
 import os
 import platform
 import shutil
@@ -8,20 +7,18 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import course_lib
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.grade_one import Course, catalog_of, run_job
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.working_files import working_files
-from course_lib.grading.judge import TaskResult
-from course_lib.grading.out_folder import writing
+from course_lib.grading.judge import Judgement, TaskResult, judge
+from course_lib.grading.records import Course, catalog_of, digest_of, kit_digest, writing
 from course_lib.grading.run.job import Job, plan
-from course_lib.grading.run.run import ExerciseRun, judge_exercise, unpack
+from course_lib.grading.run.run import run, unpack
 
 STUDENT = "preflight"  # whose personal values are tried
 FOLDER = "preflight"  # in the folder of results
@@ -30,7 +27,7 @@ MOST_SHOWN = 3  # in a message
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A notebook of ours with the mark that it must get.
+    """A solution or a stub, to be graded like a submission.
 
     Args:
         exercise: "week01_exercise".
@@ -46,12 +43,11 @@ class Trial:
 
     def key(self, machine: str) -> str:
         """Return the name of its evidence: the same for the same inputs on the same machine."""
-        limits = hashlib.sha256(f"{machine}{self.job.limits}{self.job.need}".encode()).hexdigest()
-        return f"{self.job.key}-{limits[:16]}"
+        return f"{self.job.key}-{digest_of([machine, self.job.need])[:16]}"
 
 
 def try_out(
-    exercises: Iterable[str], course: Course, out: Path, run: Executor, judge: Executor, *, may_run: bool
+    exercises: Iterable[str], course: Course, out: Path, away: Executor, here: Executor, *, may_run: bool
 ) -> list[str]:
     """Run and judge solution and stub of each exercise, as submissions are; use earlier evidence again.
 
@@ -59,8 +55,8 @@ def try_out(
         exercises: "week01_exercise", … that are about to be graded.
         course: Where tasks, solutions and hidden checks are.
         out: The folder of results, which keeps the evidence.
-        run: Where submissions are run.
-        judge: Where they are judged.
+        away: Runs submissions.
+        here: Judges them.
         may_run: Whether what has no evidence yet is run, or left out.
 
     Returns:
@@ -77,12 +73,12 @@ def try_out(
     ]
     trials = [trial for name, path in found.items() for trial in _trials(name, path, course)]
     if may_run and trials:
-        kept = _run(trials, out, run)
+        kept = _run(trials, out, away)
     else:
         kept = {trial: path for trial in trials if (path := _earlier(trial, out)) is not None}
         left = (f"{trial.name} of {trial.exercise}" for trial in trials if trial not in kept)
         notes += [f"Not tried out: {what}, as --rejudge runs nothing" for what in left]
-    judged = {trial: judge.submit(judge_trial, trial, course, path) for trial, path in kept.items()}
+    judged = {trial: here.submit(judge_trial, trial, course, path) for trial, path in kept.items()}
     wrong = {trial: reason for trial, future in judged.items() if (reason := future.result())}
     for trial in wrong:
         kept[trial].unlink()  # it may have been the machine's fault: run it again next time
@@ -90,16 +86,6 @@ def try_out(
         raise CourseError(_refusal(wrong, course))
     tried = ", ".join(sorted({trial.exercise for trial in kept}))
     return [*notes, *[f"Solution and stub of {tried}: full marks and none, as it must be."] * bool(tried)]
-
-
-@cache
-def kit_digest() -> str:
-    """Return a hash of this process's kit: all of its Python files."""
-    top = Path(course_lib.__file__).parent
-    total = hashlib.sha256()
-    for path in sorted(top.rglob("*.py")):
-        total.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes())
-    return total.hexdigest()
 
 
 def kit_here() -> tuple[str, str]:
@@ -111,11 +97,11 @@ def judge_trial(trial: Trial, course: Course, stored: Path) -> str:
     """Judge stored evidence by the checks of today; returns why the mark is not what it must be, or ""."""
     catalog = catalog_of(course)
     tasks = catalog.of_week(trial.exercise.split("_")[0])
-    run = unpack(stored.read_bytes(), plan(tasks, catalog, hidden=True))
-    return _difference(trial, judge_exercise(run, tasks, catalog))
+    evidence = unpack(stored.read_bytes(), plan(tasks, catalog, hidden=True))
+    return _difference(trial, judge(evidence, tasks, catalog))
 
 
-def _machine(run: Executor) -> str:
+def _machine(away: Executor) -> str:
     """Return what evidence depends on besides a job.
 
     Raises:
@@ -123,7 +109,7 @@ def _machine(run: Executor) -> str:
     """
     ours, digest = kit_here()
     try:
-        theirs, other = run.submit(kit_here).result()
+        theirs, other = away.submit(kit_here).result()
     except (ImportError, AttributeError) as error:  # the kit there is older than this function
         theirs, other = f"another place ({error})", ""
     if other != digest:
@@ -153,11 +139,11 @@ def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
         yield Trial(exercise, name, path, job)
 
 
-def _run(trials: Iterable[Trial], out: Path, run: Executor) -> dict[Trial, Path]:
+def _run(trials: Iterable[Trial], out: Path, away: Executor) -> dict[Trial, Path]:
     """Run what this machine has not run before; returns where the evidence is."""
-    machine = _machine(run)
+    machine = _machine(away)
     kept = {trial: out / FOLDER / f"{trial.key(machine)}.msgpack.gz" for trial in trials}
-    started = [(path, run.submit(run_job, t.job)) for t, path in kept.items() if not path.is_file()]
+    started = [(path, away.submit(run, t.job)) for t, path in kept.items() if not path.is_file()]
     for path, future in started:
         evidence = future.result().evidence
         with writing(out):
@@ -173,9 +159,9 @@ def _age(path: Path) -> float:
     return path.stat().st_mtime
 
 
-def _difference(trial: Trial, run: ExerciseRun) -> str:
+def _difference(trial: Trial, judgement: Judgement) -> str:
     # Tasks that a person marks do not count.
-    marked = [r for task, r in zip(run.tasks, run.results, strict=True) if not task.rubric]
+    marked = [task for task in judgement.tasks if not task.rubric]
     is_solution = trial.name == "solution"
     wrong = [r for r in marked if (r.score < r.points if is_solution else r.score > 0)]
     if not wrong:
@@ -184,7 +170,7 @@ def _difference(trial: Trial, run: ExerciseRun) -> str:
     expected = "all" if is_solution else "none"
     mark = f"the {trial.name} {trial.path} gets {got:g} of {most:g} points, expected {expected}"
     shown = [_short(result, is_solution=is_solution) for result in wrong[:MOST_SHOWN]]
-    return ". ".join([mark, *run.cell_errors[:is_solution], *shown])
+    return ". ".join([mark, *judgement.cell_errors[:is_solution], *shown])
 
 
 def _short(result: TaskResult, *, is_solution: bool) -> str:

@@ -1,4 +1,4 @@
-"""Tasks and scenarios as data: what a week's check files are written in."""
+"""Tasks and scenarios as data, for a week's check files."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ LONGEST = 3600.0  # [s] of robot time
 
 @dataclass(frozen=True)
 class My:
-    """Stands for a value that depends on the student; see `my`."""
+    """The place of a value that depends on the student; see `my`."""
 
     name: str
     times: float | None = None
 
 
 def my(name: str, *, times: float | None = None) -> Any:
-    """The student's own value of the task's `personal` table, wherever a check or an input takes a value.
+    """Refer to the student's own value in the task's `personal` table, as an argument of checks and inputs.
 
     Args:
         name: In the table.
@@ -50,7 +50,7 @@ def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
 
 
 class Call:
-    """One call of a function task: its arguments, plain values; arrays and tuples arrive as lists."""
+    """One call of a function task: plain values as arguments; arrays and tuples arrive as lists."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         self.args = list(args)
@@ -72,7 +72,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a rubric: what a person looks at, and its points."""
+    """A row of a rubric: a criterion, and its points."""
 
     text: str
     points: float
@@ -80,7 +80,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Scenario:
-    """One run of the student's object: how long, with which seed and inputs, judged by which checks.
+    """One run of the student's object: length, seed, inputs and checks.
 
     Args:
         name: Unique among the task's scenarios.
@@ -152,7 +152,7 @@ class Task:
 
 
 def check_scenarios(task: str, scenarios: Any) -> tuple[Scenario, ...]:
-    """The scenarios of one task, each of its own name.
+    """Return the scenarios of one task, each of its own name.
 
     Raises:
         CourseError: It is no tuple of scenarios, or two have one name.

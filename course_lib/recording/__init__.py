@@ -1,4 +1,4 @@
-"""Everything that was published in a run: kept, stored as a rosbag2 bag, read back."""
+"""Recordings of all published messages of a run, and rosbag2 bags of them."""
 
 from course_lib.recording.bag import read_bag, write_bag
 from course_lib.recording.bag_info import bag_info

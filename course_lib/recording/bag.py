@@ -23,7 +23,7 @@ NAME = "recording"  # of the MCAP file: rosbags names it after the folder and wr
 
 
 def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) -> None:
-    """Write a recording as a bag; the same recording gives the same bytes, whatever the folder is called.
+    """Write a recording as a bag; equal recordings give equal bytes, whatever the folder's name.
 
     The bag is written aside and renamed, so that a crash leaves no half of one.
 
@@ -51,7 +51,7 @@ def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) 
 
 
 def read_bag(folder: str | Path) -> Recording:
-    """Read a bag of MCAP or SQLite files; node numbers are not in bags: they come back as 0.
+    """Read a bag of MCAP or SQLite files; bags hold no node ids, so each is 0.
 
     A bag that was cut off is read up to its last whole message, with a line on stderr.
 
@@ -82,7 +82,7 @@ def _check_free(target: Path, force: bool) -> None:
     if not force:
         raise CourseError(f"{target} exists already. Choose another folder, or say force to replace the bag.")
     if not (target / METADATA).is_file():
-        raise CourseError(f"{target} is no bag, so it is not replaced. Choose another folder.")
+        raise CourseError(f"{target} is not a bag, so it is not replaced. Choose another folder.")
 
 
 def _check_bag(path: Path) -> None:
@@ -90,7 +90,7 @@ def _check_bag(path: Path) -> None:
         raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
     if not path.is_dir() or not ((path / METADATA).is_file() or data_files(path)):
         what = "a folder" if path.is_dir() else "a file"
-        raise CourseError(f"{path} is {what} but no bag. Give a bag's folder: the one with a {METADATA}.")
+        raise CourseError(f"{path} is {what} but not a bag. Give a bag's folder: the one with a {METADATA}.")
 
 
 def _reason(error: Exception) -> str:
@@ -131,6 +131,6 @@ def _samples(reader: "Reader") -> list[Sample]:
 
 
 def _offered(connection: Any) -> Qos:
-    """Give the QoS of a topic's first publisher: a bag doesn't say which of them sent a message."""
+    """Return the QoS of a topic's first publisher: a bag does not store the publisher of a message."""
     profiles = connection.ext.offered_qos_profiles
     return bag_qos.from_bag(profiles[0]) if profiles else Qos()

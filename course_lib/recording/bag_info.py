@@ -1,4 +1,4 @@
-"""What `ros2 bag info` prints of a bag, and the digest of what is in it."""
+"""The text of `ros2 bag info`, with the digest of the bag's content."""
 
 import time
 from pathlib import Path
@@ -14,7 +14,7 @@ _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
 
 def bag_info(folder: str | Path, *, digest: bool = True) -> str:
-    """Describe a bag in the format of `ros2 bag info`, if wanted with one line more: the digest.
+    """Describe a bag in the format of `ros2 bag info`, with an additional line for the digest.
 
     Raises:
         CourseError: There is no bag, or it is damaged.
@@ -41,7 +41,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
 
 
 def _metadata(folder: Path) -> dict[str, Any]:
-    """Read what the recorder writes at its end; nothing where it came to none."""
+    """Read the metadata, which a recorder writes at its end; empty without it."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
@@ -53,7 +53,7 @@ def _metadata(folder: Path) -> dict[str, Any]:
 
 
 def _topics(about: dict[str, Any], recording: Recording) -> list[str]:
-    """Describe each topic, also one without messages, in the order of the file."""
+    """Return a line per topic, also without messages, in the order of the file."""
     counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
     listed = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
     topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in listed), *counts])
@@ -64,7 +64,7 @@ def _topics(about: dict[str, Any], recording: Recording) -> list[str]:
 
 
 def _size(size: float) -> str:
-    """Write a number of bytes as rosbag2 does, 12.3 KiB."""
+    """Return a number of bytes as rosbag2 prints it, like 12.3 KiB."""
     for unit in _UNITS:
         if size < 1024 or unit == _UNITS[-1]:
             break
@@ -77,7 +77,7 @@ def _seconds(duration_ns: int) -> str:
 
 
 def _date(stamp_ns: int) -> str:
-    """Write a time in the machine's time zone, as rosbag2 does."""
+    """Return a time in the machine's time zone, as rosbag2 prints it."""
     local = time.localtime(stamp_ns // _SECOND)
     date = f"{time.strftime('%b', local)} {local.tm_mday:2d} {time.strftime('%Y %H:%M:%S', local)}"
     return f"{date}.{stamp_ns % _SECOND:09d} ({_seconds(stamp_ns)})"

@@ -1,4 +1,4 @@
-"""QoS as bags store it."""
+"""Conversion of QoS to and from rosbags' form."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ _SECOND = 10**9  # [ns]
 
 
 def to_bag(qos: Qos) -> "BagQos":
-    """Turn QoS into rosbags' form."""
+    """Convert QoS to rosbags' form."""
     from rosbags import interfaces
 
     return interfaces.Qos(
@@ -30,7 +30,7 @@ def to_bag(qos: Qos) -> "BagQos":
 
 
 def from_bag(qos: "BagQos") -> Qos:
-    """Turn rosbags' form into QoS; what is left to the system there is ROS's default here."""
+    """Convert rosbags' form to QoS; system defaults become ROS's defaults."""
     return Qos(
         history="keep_all" if qos.history.name == "KEEP_ALL" else "keep_last",
         depth=qos.depth,

@@ -1,4 +1,4 @@
-"""What was published in a run, in order."""
+"""Recordings in memory: samples in the order of their publication."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ from course_lib.ros.qos import Qos
 
 @dataclass(frozen=True)
 class TopicSummary:
-    """One topic of a recording, with the QoS that its publishers offered, each once."""
+    """One topic of a recording, with the distinct QoS of its publishers."""
 
     name: str
     type_name: str
@@ -36,7 +36,7 @@ class Recording:
         return self.samples[-1].stamp_ns if self.samples else 0
 
     def topics(self) -> list[TopicSummary]:
-        """List the topics by name; a topic that was used with two types comes twice."""
+        """List the topics by name; a topic with two types is listed twice."""
         groups: dict[tuple[str, str], list[Qos]] = {}
         for sample in self.samples:
             groups.setdefault((sample.topic, sample.type_name), []).append(sample.qos)
@@ -56,7 +56,7 @@ class Recording:
                 yield sample.stamp_ns, sample.message()
 
     def digest(self) -> str:
-        """Give the SHA-256 of every sample's topic, type, stamp and CDR bytes, in hexadecimal digits."""
+        """Return the SHA-256 of every sample's topic, type, stamp and CDR bytes, in hexadecimal digits."""
         total = hashlib.sha256()
         for sample in self.samples:
             stamp = sample.stamp_ns.to_bytes(8, "little", signed=True)
@@ -67,7 +67,7 @@ class Recording:
 
 
 class Recorder:
-    """Listens to a graph until it is stopped; also a context manager."""
+    """Collects the samples of a graph until it is stopped; also a context manager."""
 
     def __init__(self, graph: Graph) -> None:
         self._samples = graph.latched()
@@ -81,7 +81,7 @@ class Recorder:
         self._listening = False
 
     def recording(self) -> Recording:
-        """Give what has been published so far."""
+        """Return the samples until now as a recording."""
         return Recording(tuple(self._samples))
 
     def __enter__(self) -> "Recorder":
@@ -92,5 +92,5 @@ class Recorder:
 
 
 def record(graph: Graph) -> Recorder:
-    """Start to record all that is published in a graph, with what its latched topics hold already."""
+    """Start to record all topics of a graph, with the latched samples that exist already."""
     return Recorder(graph)

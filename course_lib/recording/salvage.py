@@ -1,4 +1,4 @@
-"""Bags that were cut off, by a full disk, a crash or Ctrl+C: what is whole in them."""
+"""Salvage of whole messages from bags that a full disk, a crash or Ctrl+C cut off."""
 
 import sqlite3
 import struct
@@ -52,7 +52,7 @@ def _mcap(data: bytes) -> Iterator[Sample]:
 
 
 def _unpacked(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and content of whole records, of those in chunks, too, of the last as far as it goes."""
+    """Yield opcode and content of whole records, also within chunks and in the cut last chunk."""
     at = 0
     while at + 9 <= len(data):
         opcode, size = struct.unpack_from("<BQ", data, at)
@@ -66,7 +66,7 @@ def _unpacked(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _decompressed(compression: str, data: bytes) -> bytes:
-    """Decompress what may lack its end; rosbags brings the libraries."""
+    """Decompress data whose end may be missing."""
     decompressor: Any
     if not compression:
         return data
@@ -87,7 +87,7 @@ def _decompressed(compression: str, data: bytes) -> bytes:
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:
-    """Read a string; gives it and the place behind it."""
+    """Read a string; return it and the offset behind it."""
     end = at + 4 + int(struct.unpack_from("<I", data, at)[0])
     return data[at + 4 : end].decode(), end
 

@@ -1,6 +1,6 @@
-"""Joints for a pose of the tool, and along a straight line."""
+"""Inverse kinematics: joints for a pose of a link, and along a straight line."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,8 +38,8 @@ def joints_for(
         start: Positions by name, as `link_poses` takes them.
 
     Raises:
-        CourseError: If there is no such link, the pose is none, or no solution was found; it says how near
-            one comes.
+        CourseError: If the link does not exist, the pose is not rigid, or no solution was found; the message
+            holds the distance of the best one.
     """
     import pinocchio as pin
 
@@ -67,12 +67,12 @@ def joints_for(
 def _checked(transform: npt.ArrayLike) -> Floats:
     pose = np.array(transform, float)
     if pose.shape != (4, 4) or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-6):
-        raise CourseError(f"The pose {pose.tolist()} is no rigid transform of shape (4, 4), link to root.")
+        raise CourseError(f"The pose {pose.tolist()} is not a rigid transform of shape (4, 4), link to root.")
     return pose
 
 
 def _descend(model: "pin.Model", frame: int, goal: "pin.SE3", positions: Floats) -> tuple[Floats, Floats]:
-    """Step towards a goal; returns where that ends, and the motion, shape (6,), that is still missing."""
+    """Step towards a goal; return the last positions and the remaining motion, shape (6,)."""
     import pinocchio as pin
 
     data = model.createData()
@@ -93,7 +93,7 @@ def _descend(model: "pin.Model", frame: int, goal: "pin.SE3", positions: Floats)
 def straight_line(
     robot: Robot, link: str, start: Mapping[str, float], goal: npt.ArrayLike, *, seconds: float
 ) -> JointTrajectory:
-    """Return the trajectory that takes a link along a straight line, and does not turn it.
+    """Return the trajectory that moves a link along a straight line without a turn.
 
     It speeds up for the first half and slows down for the second one, as a cubic.
 
@@ -105,7 +105,7 @@ def straight_line(
         seconds: How long that takes.
 
     Raises:
-        CourseError: If an argument is none, a part of the line is out of reach, or a joint would be too fast.
+        CourseError: If an argument is wrong, the line leaves the reach, or a joint would be too fast.
     """
     poses = link_poses(robot, start)
     if link not in poses or not seconds > 0 or np.shape(goal) != (3,):
@@ -119,23 +119,26 @@ def straight_line(
     for portion in times[1:] / seconds:
         pose[:3, 3] = begin + way * portion**2 * (3 - 2 * portion)
         joints.append(joints_for(robot, link, pose, joints[-1]))
+    return _trajectory(joints, times, robot.model.velocityLimit)
+
+
+def _trajectory(joints: Sequence[Mapping[str, float]], times: Floats, limits: Floats) -> JointTrajectory:
+    """Return joint positions at times [s] as a trajectory that starts and ends at rest."""
     names = list(joints[-1])
     positions = np.array([[one.get(name, 0.0) for name in names] for one in joints])
     velocities = np.gradient(positions, times, axis=0)
     velocities[[0, -1]] = 0.0
-    _check(names, velocities, robot.model.velocityLimit)
-    return JointTrajectory(
-        joint_names=names,
-        points=[
-            JointTrajectoryPoint(
-                positions=position, velocities=velocity, time_from_start=Duration(seconds=time).to_msg()
-            )
-            for position, velocity, time in zip(positions, velocities, times.tolist(), strict=True)
-        ],
-    )
+    _check_speed(names, velocities, limits)
+    points = [
+        JointTrajectoryPoint(
+            positions=position, velocities=velocity, time_from_start=Duration(seconds=time).to_msg()
+        )
+        for position, velocity, time in zip(positions, velocities, times.tolist(), strict=True)
+    ]
+    return JointTrajectory(joint_names=names, points=points)
 
 
-def _check(names: list[str], velocities: Floats, limits: Floats) -> None:
+def _check_speed(names: list[str], velocities: Floats, limits: Floats) -> None:
     fastest = np.abs(velocities).max(axis=0)
     for name, speed, limit in zip(names, fastest, limits, strict=True):
         if speed > limit:

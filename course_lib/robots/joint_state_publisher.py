@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class FreeJoint:
-    """A joint that can be set: its limits, where it begins and where it is, all in its unit."""
+    """A joint that can be set: limits, start and present position, all in its unit."""
 
     unit: str
     lower: float
@@ -77,7 +77,7 @@ class JointStatePublisher(Node):
         self.create_timer(period, self._publish)
 
     def set_description(self, text: str) -> None:
-        """Take another robot, its joints at their zeros; raises CourseError if one has no limits."""
+        """Replace the robot; its joints start at their zeros. Raises a CourseError if one has no limits."""
         tree = parse_urdf(text)
         moving = [joint for joint in tree.joints.values() if joint.kind in MOVING]
         follows = {joint.name: tree.followed(joint) for joint in moving}
@@ -118,7 +118,7 @@ class JointStatePublisher(Node):
 
 
 def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
-    """Return a slider for each joint of a joint state publisher; None where no page would show them.
+    """Return a slider for each joint of a joint state publisher; None without a page.
 
     What they say is published while the node runs: `run_live(publisher)`. Tab goes from one to the next,
     arrow keys move it by a thousandth of its range, and its number may be typed.

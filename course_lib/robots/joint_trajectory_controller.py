@@ -27,7 +27,7 @@ from course_lib.robots.urdf import MOVING, Urdf, parse_urdf
 
 
 class SimulatedJoints:
-    """Joints that go where they are told within a period, as far as the limits in the URDF let them.
+    """Joints that reach a command within a period, as far as the limits in the URDF allow.
 
     Args:
         tree: The robot; joints that mimic others are left out.
@@ -55,7 +55,7 @@ class SimulatedJoints:
         self.velocities: Floats = np.zeros(len(joints))
 
     def follow(self, command: Floats, period: float) -> list[str]:
-        """Go to positions within a period [s]; says, as ROS does, which limits stand in the way."""
+        """Move to positions within a period [s]; return ROS's warnings about limits."""
         inside = np.clip(command, self.lower, self.upper)
         reach = self.speed * period
         reached = np.clip(inside, self.positions - reach, self.positions + reach)
@@ -111,7 +111,7 @@ class JointTrajectoryController(Node):
         self.create_timer(self._period, self._update)
 
     def _on_trajectory(self, message: JointTrajectory) -> bool:
-        """Take a trajectory, or log what is wrong with it; says whether it was taken."""
+        """Accept a trajectory and return True, or log its error."""
         try:
             waypoints = waypoints_of(message, self._joints.names, self.get_clock().now())
         except CourseError as problem:
@@ -150,7 +150,7 @@ class JointTrajectoryController(Node):
             self.get_logger().warning(warning, throttle_duration_sec=1.0)
 
     def _look_after(self, goal: TrajectoryGoal, now: Time, seconds: float) -> None:
-        """Report on a goal, and bring it to its end if that is due."""
+        """Publish a goal's feedback, and end it when due."""
         desired, actual = sample(self._waypoints, seconds)[:2], self._state()
         goal.report(now, desired, actual)
         end = goal.judge((desired - actual)[0], seconds - self._waypoints[-1].seconds)
@@ -167,7 +167,7 @@ class JointTrajectoryController(Node):
             self._hold()
 
     def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
-        """Go on from here along waypoints; a start of 0 is now."""
+        """Continue from the present state along waypoints; a start of 0 is now."""
         self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
         still: Floats = np.zeros_like(self._joints.positions)
         here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), still]))
@@ -177,7 +177,7 @@ class JointTrajectoryController(Node):
         return np.array([self._joints.positions, self._joints.velocities])
 
     def _hold(self) -> None:
-        """Stay where the joints are."""
+        """Hold the present positions."""
         self._waypoints = [Waypoint(0.0, self._joints.positions[np.newaxis])]
 
     def _publish(self, now: Time) -> None:

@@ -1,4 +1,4 @@
-"""Forward kinematics: where the links are, by Pinocchio."""
+"""Forward kinematics by Pinocchio: poses of links."""
 
 from collections.abc import Mapping
 from math import cos, isfinite, nan, sin
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> dict[str, Floats]:
-    """Return where all links are.
+    """Return the poses of all links.
 
     Args:
         robot: What `load_robot` returns.
@@ -57,7 +57,7 @@ def configuration(robot: Robot, positions: Mapping[str, float], model: "pin.Mode
 
 
 def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]:
-    """Return where joints put their child links in their parents: x, y, z [m], quaternion (x, y, z, w).
+    """Return the poses of child links in their parents: x, y, z [m], quaternion (x, y, z, w).
 
     Args:
         tree: The robot.

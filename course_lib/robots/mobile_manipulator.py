@@ -42,7 +42,7 @@ _SHAPES = [  # what the base is made of, where, turned by
 
 
 class OmniBase(Node):
-    """Drives as /cmd_vel says, or to the last /goal_pose; publishes /odom and map → odom → base_link.
+    """Drives by /cmd_vel, or to the last /goal_pose; publishes /odom and map → odom → base_link.
 
     A command holds for `timeout`, then the base stands; it also ends the drive to a goal. No wheel slips, so
     odom stays where map is, and goals may be in either.
@@ -122,7 +122,7 @@ class OmniBase(Node):
 
 
 def _towards(gap: "pin.SE3", period: float) -> Floats:
-    """The speed to a goal in base_link that keeps all limits, and that ends there within a period [s]."""
+    """Return the speed to a goal in base_link, within all limits, that reaches it in a period [s] at most."""
     import pinocchio as pin
 
     way = pin.log6(gap).vector[_PLANE]
@@ -146,7 +146,7 @@ def mobile_manipulator() -> Robot:
 
 
 def _arm() -> list[ET.Element]:
-    """The links and joints of a UR10, renamed; without the world that it stands on."""
+    """Return the renamed links and joints of a UR10, without the link `world`."""
     arm = ET.fromstring(resolve(ARM_URDF).read_text(encoding="utf-8"))
     parts = [part for kind in ("link", "joint") for part in arm.findall(kind)]
     parts = [part for part in parts if part.get("name") not in ("world", "world_joint")]

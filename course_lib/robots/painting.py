@@ -1,4 +1,4 @@
-"""A node that paints a wall, the wall, and how even the stripes are."""
+"""A painting node, the wall that it paints, and measures of its stripes."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -28,7 +28,7 @@ LONGEST_WAY, WINDOW = 0.1, 5.0  # [m] of the base within [s]
 
 @dataclass(frozen=True)
 class Wall:
-    """A flat wall across x, in map: where it is, and from where to where it goes, [m]."""
+    """A flat wall across x, in map: its x and its extents along y and z, [m]."""
 
     x: float
     y: tuple[float, float]
@@ -42,7 +42,7 @@ class Wall:
             raise CourseError(f"{self} has no area; give x, (y from, y to) and (z from, z to), [m].")
 
     def coverage(self, stripes: Iterable[Points], *, width: float = WIDTH, reach: float = 0.3) -> float:
-        """Return which part of the wall has paint, 0 … 1.
+        """Return the painted share of the wall, 0 … 1.
 
         Args:
             stripes: Where the wrist went; its paint is a round spot that it drags along.
@@ -62,7 +62,7 @@ class Wall:
         return float(painted.mean())
 
     def _near(self, piece: Floats, reach: float) -> Floats:
-        """The ends, y and z, of the part of a piece that is near enough, shape (2, 2); or none."""
+        """Return the ends, y and z, of the part of a piece within reach, shape (2, 2), or an empty array."""
         start, way = piece[0], piece[1] - piece[0]
         away = start[0] - self.x
         crossings = [(side - away) / (way[0] or 1e-12) for side in (-reach, reach)]  # portions of the way
@@ -71,7 +71,7 @@ class Wall:
         return np.array([(start + portion * way)[1:] for portion in portions])
 
     def marker(self) -> Marker:
-        """Return what draws it."""
+        """Return a marker that draws the wall."""
         marker = Marker(ns="wall", type=Marker.CUBE, action=Marker.ADD)
         marker.header.frame_id, marker.pose.orientation.w = "map", 1.0
         center, size = marker.pose.position, marker.scale
@@ -82,7 +82,7 @@ class Wall:
 
 
 def flatness(stripes: Iterable[Points]) -> float:
-    """Return how far apart two planes across x are that have all the paint between them, [m]; 0 is flat."""
+    """Return the extent of all stripes along x, [m]; 0 is flat."""
     return float(np.ptp([piece[:, 0] for piece in _pieces(stripes)] or 0.0))
 
 
@@ -96,7 +96,7 @@ def _pieces(stripes: Iterable[Points]) -> Iterator[Floats]:
 
 
 class PaintNode(Node):
-    """Publishes stripes on /visualization_marker, where the wrist moves up or down above 0.5 m.
+    """Publishes stripes on /visualization_marker while the wrist moves up or down above 0.5 m.
 
     A stripe ends when the wrist pauses, or once the base has moved more than 0.1 m within 5 s. Its points, in
     map, are in `stripes`, [m].

@@ -1,4 +1,4 @@
-"""How often a node does its work."""
+"""The period of a node's work."""
 
 import math
 

@@ -14,7 +14,7 @@ _schemes = ["package", "file"]
 
 @contextmanager
 def packages_only() -> Iterator[None]:
-    """Read no ``file://`` meanwhile, and nothing outside of packages: the addresses are a stranger's."""
+    """Refuse ``file://`` and paths outside of packages within a `with` block, for untrusted addresses."""
     _schemes.remove("file")
     try:
         yield
@@ -32,19 +32,21 @@ def resolve(uri: str, near: Path | None = None) -> Path:
     inside = unquote(parts.path).lstrip("/")
     leads_out = "file" not in _schemes and ".." in Path(parts.netloc, inside).parts
     if parts.scheme not in _schemes or leads_out:
-        raise CourseError(f"{uri!r} is no address of a file; write package://PACKAGE/PATH or file:///PATH.")
+        raise CourseError(
+            f"{uri!r} is not the address of a file; write package://PACKAGE/PATH or file:///PATH."
+        )
     roots = package_roots(near) if parts.scheme == "package" else [Path("/")]
     found = next((path for root in roots if (path := root / parts.netloc / inside).is_file()), None)
     if found is None:
         raise CourseError(
-            f"There is no file {uri}; mend the address, or put the folder that holds the package on "
+            f"There is no file {uri}; correct the address, or put the folder that holds the package on "
             "ROS_PACKAGE_PATH."
         )
     return found
 
 
 def package_roots(near: Path | None = None) -> list[Path]:
-    """Return the folders that packages are looked for in.
+    """Return the folders that packages are searched in.
 
     They are those on ROS_PACKAGE_PATH, the robot data that comes with the kit, and those above `near`.
     """

@@ -1,4 +1,4 @@
-"""What ROS's robot_state_publisher does: joint states in, transforms out."""
+"""ROS's robot_state_publisher: transforms from joint states."""
 
 from typing import Any, Unpack
 
@@ -66,7 +66,7 @@ class RobotStatePublisher(Node):
         self.create_subscription(JointState, "joint_states", self._on_state, qos_profile_sensor_data)
 
     def set_description(self, text: str) -> None:
-        """Publish another robot from now on; raises CourseError if the text is no URDF."""
+        """Replace the robot; raises a CourseError if the text is not a URDF."""
         if not text:
             raise CourseError("robot_description parameter must not be empty")
         self._tree = parse_urdf(text)
@@ -77,7 +77,7 @@ class RobotStatePublisher(Node):
         self._tf_static.publish(self._transforms(dict.fromkeys(fixed, 0.0), self.get_clock().now().to_msg()))
 
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
-        """Follow changed parameters, as in ROS; one that is wrong is refused."""
+        """Apply changed parameters, as in ROS; a wrong one is refused."""
         for parameter in parameters:
             try:
                 if parameter.name == "robot_description":

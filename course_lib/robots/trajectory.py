@@ -27,7 +27,7 @@ ERASED = -1.0  # a tolerance of any size; 0 is that of the controller, and this 
 
 @dataclass(frozen=True, eq=False)
 class Waypoint:
-    """Where joints are to be at a time [s].
+    """Desired joint states at a time [s].
 
     `state` has the positions of n joints, or those and velocities, or also accelerations: shape (1, n),
     (2, n) or (3, n), in [rad] or [m], per [s] and [s²].
@@ -57,14 +57,14 @@ def sample(waypoints: Sequence[Waypoint], seconds: float) -> Floats:
 
 @lru_cache(maxsize=64)
 def _fit(given: int, duration: float) -> Floats:
-    """The matrix from the derivatives given at both ends to the polynomial's coefficients."""
+    """Return the matrix from the derivatives at both ends to the polynomial's coefficients."""
     monomials = np.eye(2 * given)
     ends = [polyval(end, polyder(monomials, order)) for end in (0.0, duration) for order in range(given)]
     return np.linalg.inv(ends)
 
 
 def waypoints_of(message: JointTrajectory, joints: Sequence[str], now: Time) -> list[Waypoint]:
-    """Read a trajectory: its times from its start, its numbers in the order of `joints`.
+    """Convert a trajectory to waypoints, with times since its start and states in the order of `joints`.
 
     Raises:
         CourseError: If joint_trajectory_controller refuses it, with its words.
@@ -80,7 +80,7 @@ def _seconds(point: JointTrajectoryPoint) -> float:
 
 
 def _given(point: JointTrajectoryPoint) -> list[Sequence[float]]:
-    """Positions, then velocities, then accelerations, as far as they are there."""
+    """Return positions, velocities and accelerations up to the first empty field."""
     fields = [getattr(point, name) for name in _FIELDS]
     return fields[: next((i for i, field in enumerate(fields) if not len(field)), len(fields))]
 
@@ -127,7 +127,7 @@ def _of_points(message: JointTrajectory) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class End:
-    """How a goal ends: its code, what the client is told, what is logged."""
+    """The end of a goal: its code, the text for the client, the text for the log."""
 
     code: int
     says: str
@@ -144,7 +144,7 @@ LEFT_PATH = End(
 
 
 class TrajectoryGoal:
-    """One goal, from its start to its end; tolerances are those of positions.
+    """A goal with its tolerances of positions, from its start to its end.
 
     Args:
         handle: What the action server made of it.
@@ -165,7 +165,7 @@ class TrajectoryGoal:
         self._most_late = Duration.from_msg(request.goal_time_tolerance).nanoseconds / 1e9  # [s]
 
     def judge(self, error: Floats, late: float) -> End | None:
-        """Say how it ends now, if it does: error is desired - actual, late [s] is since the planned end."""
+        """Return the goal's end if due; error is desired - actual, late [s] is since the planned end."""
         tolerances = self._path if late < 0 else self._goal
         failed = np.flatnonzero(np.abs(error) > tolerances)
         if not failed.size:
@@ -179,17 +179,17 @@ class TrajectoryGoal:
         return LEFT_PATH if late < 0 else End(Result.GOAL_TOLERANCE_VIOLATED, says, says)
 
     def end(self, end: End) -> None:
-        """Come to an end, and let the client know."""
+        """End the goal with a result."""
         (self.handle.succeed if end is REACHED else self.handle.abort)()
         self.result.set_result(Result(error_code=end.code, error_string=end.says))
 
     def cancel(self) -> None:
-        """Come to the end that the client asked for."""
+        """End the goal on the client's request."""
         self.handle.canceled()
         self.result.set_result(Result())
 
     def report(self, now: Time, desired: Floats, actual: Floats) -> None:
-        """Tell the client how far it is; desired and actual have positions, then velocities."""
+        """Publish feedback; desired and actual hold positions, then velocities."""
         feedback = FollowJointTrajectory.Feedback(joint_names=list(self._joints))
         feedback.header.stamp = now.to_msg()
         for name, state in (("desired", desired), ("actual", actual), ("error", desired - actual)):
@@ -198,7 +198,7 @@ class TrajectoryGoal:
 
 
 def _tolerances(field: str, given: Iterable[JointTolerance], joints: Sequence[str]) -> Floats:
-    """The tolerances of all joints, [rad] or [m], infinite if there is none."""
+    """Return the tolerances of all joints, [rad] or [m]; infinite where none is given."""
     tolerances: Floats = np.full(len(joints), np.inf)
     for one in given:
         if one.name not in joints:

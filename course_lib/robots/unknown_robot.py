@@ -1,4 +1,4 @@
-"""A robot to be found out about: `ros2 run unknown_robot robot`, or its nodes."""
+"""A robot to be explored: `ros2 run unknown_robot robot`, or its nodes."""
 
 import hashlib
 import math
@@ -37,8 +37,8 @@ TRIGGERS = ("zero_imu", "release_brakes", "home_gripper", "clear_map", "reset_en
 Option = TypeVar("Option")
 
 
-class Part(Node):
-    """A node in the namespace `robot`, which takes its settings when it runs: before, nobody can read them.
+class RobotPart(Node):
+    """A node in the namespace `robot` that applies its settings when it runs, so none can be read before.
 
     Robot number 0 has fixed settings, and three faults.
     """
@@ -54,10 +54,10 @@ class Part(Node):
         self.begin()
 
     def begin(self) -> None:
-        """Take the settings."""
+        """Apply the settings."""
 
     def _own(self, options: Sequence[Option]) -> Option:
-        """Return this robot's own option of several.
+        """Return one of several options, chosen by the robot's number and the node's name.
 
         Raises:
             CourseError: Nobody runs the robot.
@@ -69,8 +69,8 @@ class Part(Node):
         return options[int.from_bytes(digest, "big") % len(options)]
 
 
-class CameraDriver(Part):
-    """Images, as often as its parameter says."""
+class CameraDriver(RobotPart):
+    """Publishes images at the rate in its parameter."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("camera_driver", serial)
@@ -88,7 +88,7 @@ class CameraDriver(Part):
             self._start([])
 
     def begin(self) -> None:
-        """Take the size and the rate of the images."""
+        """Apply the size and the rate of the images."""
         self._width = self._own(WIDTHS)
         self.set_parameters([Parameter("frame_rate", value=self._own(RATES))])
 
@@ -111,8 +111,8 @@ class CameraDriver(Part):
         self._images.publish(image)
 
 
-class Detector(Part):
-    """Says where a box is, some time after each image."""
+class BoxDetector(RobotPart):
+    """Publishes a detected box, some time after each image."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("detector", serial)
@@ -124,7 +124,7 @@ class Detector(Part):
         self._markers = self.create_publisher(MarkerArray, "annotations", 10)
 
     def begin(self) -> None:
-        """Take the threshold."""
+        """Apply the threshold."""
         self.set_parameters([Parameter("threshold", value=self._own(THRESHOLDS))])
 
     def _detect(self, image: Image) -> None:
@@ -139,8 +139,8 @@ class Detector(Part):
         self._markers.publish(MarkerArray(markers=[marker]))
 
 
-class LidarDriver(Part):
-    """Scans of a square room."""
+class LidarDriver(RobotPart):
+    """Publishes scans of a square room."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("lidar_driver", serial)
@@ -149,7 +149,7 @@ class LidarDriver(Part):
             self._publish(qos_profile_sensor_data)
 
     def begin(self) -> None:
-        """Take the reliability of the scans."""
+        """Apply the reliability of the scans."""
         self._publish(self._own((QoSProfile(depth=10), qos_profile_sensor_data)))
 
     def _publish(self, qos: QoSProfile) -> None:
@@ -168,8 +168,8 @@ class LidarDriver(Part):
         self._scans.publish(scan)
 
 
-class BaseDriver(Part):
-    """Drives a circle: odometry, gyroscope, frames, the plan; a service is there to be called."""
+class BaseDriver(RobotPart):
+    """Drives a circle: odometry, gyroscope, frames, the plan, and a service to be called."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("base_driver", serial)
@@ -186,7 +186,7 @@ class BaseDriver(Part):
         self.create_timer(0.05, self._drive)
 
     def begin(self) -> None:
-        """Take the service."""
+        """Create the service."""
         self.create_service(Trigger, self._own(TRIGGERS), partial(self._trigger, "done"))
 
     def _drive(self) -> None:
@@ -216,8 +216,8 @@ class BaseDriver(Part):
         return response
 
 
-class Gripper(Part):
-    """Two fingers: their command and their state, which follows; an action moves them."""
+class Gripper(RobotPart):
+    """Two fingers: their command, their state, and an action that moves them."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("gripper", serial)
@@ -240,8 +240,8 @@ class Gripper(Part):
         return GripperCommand.Result(position=self._wanted, reached_goal=True)
 
 
-class Board(Part):
-    """What the computer measures of itself, once a second."""
+class Board(RobotPart):
+    """Publishes measurements of the computer, once a second."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("board", serial)
@@ -264,8 +264,8 @@ class Board(Part):
         self._accuracy.publish(Float64(data=0.92))
 
 
-class SafetyStop(Part):
-    """Stops the robot before a wall, if it hears the scans."""
+class SafetyStop(RobotPart):
+    """Stops the robot before a wall, if the scans arrive."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("safety_stop", serial)
@@ -278,12 +278,12 @@ class SafetyStop(Part):
 
 def unknown_robot(serial: int = 0) -> list[Node]:
     """Return the nodes of a robot."""
-    kinds = (CameraDriver, Detector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
+    kinds = (CameraDriver, BoxDetector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
     return [kind(serial) for kind in kinds]
 
 
 def where(node: Node) -> tuple[float, float, float]:
-    """Give x, y [m] and yaw [rad] of the robot in odom."""
+    """Return x, y [m] and yaw [rad] of the robot in odom."""
     angle = math.remainder(TURN * node.get_clock().now().nanoseconds * 1e-9, math.tau)
     return RADIUS * math.cos(angle), RADIUS * math.sin(angle), angle + math.pi / 2
 
@@ -291,7 +291,7 @@ def where(node: Node) -> tuple[float, float, float]:
 def placed(
     node: Node, parent: str, child: str, x: float, y: float = 0.0, yaw: float = 0.0
 ) -> TransformStamped:
-    """The message of a transform child to parent, now."""
+    """Return the message of a transform child to parent, stamped now."""
     message = TransformStamped(child_frame_id=child)
     message.header.frame_id, message.header.stamp = parent, node.get_clock().now().to_msg()
     message.transform.translation.x, message.transform.translation.y = x, y

@@ -36,7 +36,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Material:
-    """What a shape is painted with: RGBA in 0..1, or the picture at an address."""
+    """Color of a shape, RGBA in 0..1, or a picture at an address."""
 
     color: tuple[float, ...]
     texture: str = ""
@@ -53,7 +53,7 @@ class Inertial:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link; its shapes for the eye and for collisions, and the material of the first one for the eye."""
+    """A link: visual shapes with the material of the first one, collision shapes, inertia."""
 
     name: str
     visuals: tuple[Geometry, ...]
@@ -117,7 +117,7 @@ def _inertial(element: ET.Element) -> Inertial | None:
 
 
 def _origin(element: ET.Element) -> Matrix:
-    """Return where an element is in its link, shape (4, 4)."""
+    """Return transform_element_to_link, shape (4, 4)."""
     origin = element.find("origin")
     given = {} if origin is None else origin.attrib
     transform = np.eye(4)
@@ -132,7 +132,7 @@ def _numbers(text: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Follow:
-    """What places a mimic joint: factor times the position of a joint, plus an offset, [rad] or [m]."""
+    """The position of a mimic joint: factor times the position of a joint, plus an offset, [rad] or [m]."""
 
     joint: str
     factor: float
@@ -141,7 +141,7 @@ class Follow:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint and the links that it joins; limits: those given, lower, soft_lower_limit …, [rad] or [m]."""
+    """A joint between two links; `limits` holds lower, soft_lower_limit … where given, [rad] or [m]."""
 
     name: str
     kind: str
@@ -158,7 +158,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Urdf:
-    """A robot's name, the link that all others hang on, its joints as in the file, Pinocchio's model."""
+    """A robot's name, root link, joints in the order of the file, and Pinocchio's model."""
 
     name: str
     root: str
@@ -166,7 +166,7 @@ class Urdf:
     model: "pin.Model"
 
     def followed(self, joint: Joint) -> Follow:
-        """Return what places a joint in the end: one that mimics none, perhaps itself.
+        """Return the position of a joint by the joint at the end of its mimic chain, perhaps itself.
 
         Raises:
             CourseError: If joints mimic each other in a ring.
@@ -191,7 +191,7 @@ def parse_urdf(text: str) -> Urdf:
     try:
         robot = ET.fromstring(text)
     except ET.ParseError as error:
-        raise CourseError(f"The URDF is no XML: {error}. It begins with {text[:40]!r}.") from None
+        raise CourseError(f"The URDF is not XML: {error}. It begins with {text[:40]!r}.") from None
     with _native_errors() as reasons:
         try:
             model = pin.buildModelFromXML(text)
@@ -205,7 +205,7 @@ def parse_urdf(text: str) -> Urdf:
     links = [link.get("name", "") for link in robot.findall("link")]
     bodies = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
     if sorted(bodies) != sorted(links) or len(children) != len(joints):
-        raise CourseError("The URDF is no tree: each link but one must be the child of exactly one joint.")
+        raise CourseError("The URDF is not a tree: each link but one must be the child of exactly one joint.")
     return Urdf(robot.get("name", ""), next(link for link in links if link not in children), joints, model)
 
 
@@ -228,7 +228,7 @@ def _joint(element: ET.Element) -> Joint:
 
 
 def needed(package: str) -> Any:
-    """Import a package that not every machine has; a CourseError says what to do without it."""
+    """Import an optional package; raises a CourseError with advice where it is missing."""
     try:
         return import_module(package)
     except ImportError as error:
@@ -241,7 +241,7 @@ def needed(package: str) -> Any:
 
 @contextmanager
 def _native_errors() -> Iterator[list[str]]:
-    """Collect the errors that C++ prints meanwhile, which else only the terminal would show."""
+    """Collect the errors that C++ prints to stderr within a `with` block."""
     reasons: list[str] = []
     terminal, (reader, writer) = os.dup(2), os.pipe()
     os.set_blocking(writer, False)  # a pipe that is full drops what is too much

@@ -7,44 +7,11 @@ where the text alone does not tell.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum, auto
-from traceback import walk_tb
-from typing import TypeVar
 
 from course_lib.ros.messages.definitions import type_names
+from course_lib.ros.mistakes import Mistake, mistake_of
 
 MAX_TEXT = 2000  # characters of an error's text
-
-
-_MARK = "_mistake"  # attribute of an exception
-ErrorT = TypeVar("ErrorT", bound=BaseException)
-
-
-class Mistake(Enum):
-    """The mistakes with which raising code marks its exceptions."""
-
-    NO_CALLBACK = auto()
-    TIMER_CALLBACK = auto()  # called with the wrong arguments, as is the next one
-    SERVICE_CALLBACK = auto()
-    PERIOD = auto()
-    REQUEST = auto()
-    RESPONSE = auto()
-    GOAL = auto()
-    UNNAMED_FIELD = auto()
-    NO_STATUS = auto()
-    STAMP = auto()
-
-
-def marked(error: ErrorT, mistake: Mistake) -> ErrorT:
-    """Mark an exception that is about to be raised."""
-    vars(error)[_MARK] = mistake
-    return error
-
-
-def mark(error: BaseException, mistake: Mistake, *, depth: int = 1) -> None:
-    """Mark a caught exception if it comes from no deeper than `depth` frames: from the caller's own line."""
-    if len(list(walk_tb(error.__traceback__))) == depth:
-        marked(error, mistake)
 
 
 @dataclass(frozen=True)
@@ -196,7 +163,7 @@ def add_hint(error: BaseException) -> None:
 
 def hint(error: BaseException) -> str:
     """Return the hint for an exception; "" if there is none."""
-    mistake = vars(error).get(_MARK)
+    mistake = mistake_of(error)
     text = _text(error)
     types = _types_named(text) if isinstance(error, NameError) else []
     if types:

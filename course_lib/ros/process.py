@@ -1,14 +1,21 @@
-"""What programs run in: each has a command line and an exit code of its own, in a thread of this process."""
+"""Programs as processes: each has its own command line and exit code, in a thread of this process."""
 
+import json
 import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
+from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import NodesOfProgram, current_graph, program
 from course_lib.ros.program_thread import StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
 
 INTERRUPTED = 130  # a shell's exit code for Ctrl+C
 
@@ -53,6 +60,58 @@ class Function(Process):
         sys.exit(self._function())  # type: ignore[arg-type]  # it takes any object
 
 
+class Program(Process):
+    """One file with its own `__main__`; `args` is what it finds in `sys.argv` behind its name."""
+
+    def __init__(self, file: Path, args: Sequence[str]) -> None:
+        super().__init__(file, args)
+        try:
+            self._code = compile(file.read_bytes(), str(file), "exec")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
+        except SyntaxError as error:
+            raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
+
+    @property
+    def is_launch_file(self) -> bool:
+        """True if the file describes a launch, by its name or by the function that `ros2 launch` calls."""
+        named = self.file.name.endswith((".launch.py", "_launch.py"))
+        return named or "generate_launch_description" in self._code.co_names
+
+    def work(self) -> None:
+        """Run the file."""
+        module = ModuleType("__main__")
+        module.__file__ = str(self.file)
+        sys.modules["__main__"] = module
+        sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
+        exec(self._code, module.__dict__)
+
+
+class NotebookProgram(Process):
+    """The code cells of a notebook of format 4, in order, up to the first that fails."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__(file)
+        try:
+            cells = json.loads(file.read_bytes())["cells"]
+            self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        except OSError as error:
+            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise CourseError(
+                f"{file} is not a notebook of format 4. Save it again in JupyterLab."
+            ) from error
+
+    def work(self) -> None:
+        """Run the cells; IPython shows what one raises."""
+        shell = make_shell()
+        for source in self._sources:
+            if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+                self.exit_code = 1
+                return
+
+
 class Processes:
     """Processes that share the graph, each in a thread of its own."""
 
@@ -83,7 +142,7 @@ class Processes:
         return number
 
     def interrupt(self) -> None:
-        """Give each that runs Ctrl+C, as if it had an operating system's process of its own."""
+        """Interrupt each that runs, as Ctrl+C does."""
         for number, thread in enumerate(self._threads):
             if number not in self.ended:
                 baton.interrupt(thread)
@@ -110,8 +169,31 @@ def _remove_nodes() -> None:
 
 
 def _exit_code(code: object) -> int:
-    """Give what Python makes of `sys.exit(code)`: a text is printed, and means 1."""
+    """Return the exit code that Python makes of `sys.exit(code)`: a text is printed, and means 1."""
     if code is None or isinstance(code, int):
         return code or 0
     sys.stderr.write(f"{code}\n")
     return 1
+
+
+def make_shell() -> "InteractiveShell":
+    """An IPython shell without history, colours or a page."""
+    from IPython.core.displayhook import DisplayHook
+    from IPython.core.interactiveshell import InteractiveShell
+    from traitlets.config import Config
+
+    class Quiet(DisplayHook):
+        def write_output_prompt(self) -> None:
+            """Results stand alone, without `Out[1]:`."""
+
+    class Shell(InteractiveShell):
+        displayhook_class = Quiet
+
+        def enable_gui(self, gui: Any = None) -> None:
+            """Do nothing: there is no window, and `%matplotlib inline` is not a mistake."""
+
+    config = Config()
+    config.HistoryManager.enabled = False
+    config.InteractiveShell.colors = "nocolor"
+    InteractiveShell.clear_instance()  # that of another notebook in this process
+    return Shell.instance(config=config)

@@ -1,6 +1,5 @@
-"""Runs unmodified rclpy programs in this process, on robot time."""
+"""Runs of unmodified rclpy programs, launch files and notebooks in this process, on robot time."""
 
-import json
 import os
 import signal
 import sys
@@ -8,17 +7,15 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from pathlib import Path
-from types import FrameType, ModuleType
+from types import FrameType
 from typing import TYPE_CHECKING
 
-from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
 from course_lib.ros.interrupts import signals_kept
-from course_lib.ros.process import Process, Processes
+from course_lib.ros.process import NotebookProgram, Process, Processes, Program
 from course_lib.ros.seeding import seeded
-from course_lib.ros.shell import make_shell
 from course_lib.ros.tracebacks import print_error_of_thread
 
 if TYPE_CHECKING:
@@ -67,58 +64,6 @@ def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
     return LaunchProgram(file, args, own)
 
 
-class Program(Process):
-    """One file with its own `__main__`; `args` is what it finds in `sys.argv` behind its name."""
-
-    def __init__(self, file: Path, args: Sequence[str]) -> None:
-        super().__init__(file, args)
-        try:
-            self._code = compile(file.read_bytes(), str(file), "exec")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else error
-            raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
-        except SyntaxError as error:
-            raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
-
-    @property
-    def is_launch_file(self) -> bool:
-        """Whether the file describes a launch, by its name or by what `ros2 launch` calls."""
-        named = self.file.name.endswith((".launch.py", "_launch.py"))
-        return named or "generate_launch_description" in self._code.co_names
-
-    def work(self) -> None:
-        """Run the file."""
-        module = ModuleType("__main__")
-        module.__file__ = str(self.file)
-        sys.modules["__main__"] = module
-        sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
-        exec(self._code, module.__dict__)
-
-
-class NotebookProgram(Process):
-    """The code cells of a notebook of format 4, in order, up to the first that fails."""
-
-    def __init__(self, file: Path) -> None:
-        super().__init__(file)
-        try:
-            cells = json.loads(file.read_bytes())["cells"]
-            self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-        except OSError as error:
-            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
-        except (ValueError, KeyError, TypeError) as error:
-            raise CourseError(
-                f"{file} is not a notebook of format 4. Save it again in JupyterLab."
-            ) from error
-
-    def work(self) -> None:
-        """Run the cells; IPython shows what one raises."""
-        shell = make_shell()
-        for source in self._sources:
-            if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
-                self.exit_code = 1
-                return
-
-
 def _folder_of_notebooks(programs: Sequence[Process]) -> AbstractContextManager[None]:
     """Work in the folder of the programs, where all are notebooks of one folder."""
     folders = {p.file.resolve().parent if isinstance(p, NotebookProgram) else None for p in programs}
@@ -144,7 +89,7 @@ def _interpreter_kept() -> Iterator[None]:
 
 
 def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
-    """Make a handler of Ctrl+C: the first one interrupts as ever, the next one ends whatever is stuck."""
+    """Return a handler of Ctrl+C: the first one interrupts as usual, the next one ends the process."""
     came: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:

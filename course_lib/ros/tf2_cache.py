@@ -1,10 +1,13 @@
-"""What tf2 remembers of one frame: its transforms to its parent."""
+"""The transforms of one frame to its parent over time, and the transforms that tf2 refuses."""
 
 from bisect import bisect_right
 from dataclasses import replace
+from math import isnan
 from operator import attrgetter
 
 from course_lib.ros.tf2_transform import Transform, interpolated
+
+_NORM_TOLERANCE = 10e-3  # of the squared norm of a quaternion
 
 
 class NoDataError(Exception):
@@ -18,7 +21,7 @@ class StaticCache:
         self._transform = replace(transform, stamp_ns=0)
 
     def at(self, time_ns: int) -> Transform:
-        """Return the transform, whatever the time."""
+        """Return the transform, which holds at any time."""
         del time_ns
         return self._transform
 
@@ -27,7 +30,7 @@ class StaticCache:
         return self._transform
 
     def span(self) -> tuple[int, int, int]:
-        """Count the transforms, and give the oldest and the newest stamp, [ns]."""
+        """Return the number of transforms, the oldest and the newest stamp, [ns]."""
         return 1, 0, 0
 
 
@@ -39,7 +42,7 @@ class TimeCache:
         self._stored: list[Transform] = []  # by stamp; among equal stamps the last to come is last
 
     def insert(self, transform: Transform) -> bool:
-        """Remember a transform, an exact copy only once; False if it is older than the cache reaches."""
+        """Store a transform, an exact copy only once; False if it is older than the cache reaches."""
         stored = self._stored
         oldest_ns = stored[-1].stamp_ns - self._length_ns if stored else 0
         while stored and stored[0].stamp_ns < oldest_ns:
@@ -70,12 +73,12 @@ class TimeCache:
         return self._stored[-1] if self._stored else None
 
     def span(self) -> tuple[int, int, int]:
-        """Count the transforms, and give the oldest and the newest stamp, [ns]; stamps of none are 0."""
+        """Return the number of transforms, the oldest and the newest stamp, [ns]; stamps of none are 0."""
         stored = self._stored
         return (len(stored), stored[0].stamp_ns, stored[-1].stamp_ns) if stored else (0, 0, 0)
 
     def _count_until(self, time_ns: int) -> int:
-        """Count what is not newer than a time."""
+        """Count the transforms that are not newer than a time."""
         return bisect_right(self._stored, time_ns, key=attrgetter("stamp_ns"))
 
     def _refuse_outside(self, time_ns: int) -> None:
@@ -92,6 +95,38 @@ class TimeCache:
                 f"Lookup would require extrapolation into the {direction}.  Requested time {wanted} "
                 f"but the {edge} data is at time {seconds(nearest.stamp_ns)}"
             )
+
+
+def complaints_about(transform: Transform, parent: str, child: str, authority: str) -> tuple[str, ...]:
+    """Return the lines that tf2 logs about a transform that it refuses."""
+    by = f'from authority "{authority}"'
+    x, y, z, w = transform.rotation
+    rotation = f"({x:f} {y:f} {z:f} {w:f})"
+    translation = "({:f} {:f} {:f})".format(*transform.translation)
+    rules = (
+        (
+            parent == child,
+            f'TF_SELF_TRANSFORM: Ignoring transform {by} with frame_id and  child_frame_id "{child}" '
+            "because they are the same",
+        ),
+        (not child, f"TF_NO_CHILD_FRAME_ID: Ignoring transform {by} because child_frame_id not set "),
+        (
+            not parent,
+            f'TF_NO_FRAME_ID: Ignoring transform with child_frame_id "{child}"  {by} '
+            "because frame_id not set",
+        ),
+        (
+            any(isnan(value) for value in (*transform.translation, *transform.rotation)),
+            f'TF_NAN_INPUT: Ignoring transform for child_frame_id "{child}" {by} because of a nan value '
+            f"in the transform {translation} {rotation}",
+        ),
+        (
+            not abs(x * x + y * y + z * z + w * w - 1.0) < _NORM_TOLERANCE,
+            f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" {by} because of '
+            f"an invalid quaternion in the transform {rotation}",
+        ),
+    )
+    return tuple(text for broken, text in rules if broken)
 
 
 def seconds(time_ns: int) -> str:

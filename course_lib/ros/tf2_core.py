@@ -2,23 +2,28 @@
 
 from collections.abc import Callable
 
-from course_lib.ros.tf2_cache import NoDataError, StaticCache, TimeCache, seconds
-from course_lib.ros.tf2_errors import (
+from course_lib.ros.tf2_cache import NoDataError, StaticCache, TimeCache, complaints_about, seconds
+from course_lib.ros.tf2_transform import (
+    IDENTITY,
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
     LookupException,
+    Pose,
+    Transform,
     TransformException,
+    compose,
+    inverted,
+    normalized,
 )
-from course_lib.ros.tf2_input import complaints_about
-from course_lib.ros.tf2_transform import IDENTITY, Pose, Transform, compose, inverted, normalized
 
 CACHE_NS = 10_000_000_000  # [ns]
 _MAX_DEPTH = 1000
+_SHORTEST_NS = 100_000  # [ns] counts as the length of a shorter history, also of a static transform
 
 
 class BufferCore:
-    """Remembers transforms, dynamic ones for `cache_ns` [ns], and answers how one frame lies in another."""
+    """A buffer of transforms, dynamic ones for `cache_ns` [ns], and lookups between any two frames."""
 
     def __init__(self, cache_ns: int = CACHE_NS) -> None:
         self._cache_ns = cache_ns
@@ -29,7 +34,7 @@ class BufferCore:
     def set_transform(
         self, transform: Transform, authority: str = "default_authority", is_static: bool = False
     ) -> tuple[str, ...]:
-        """Remember a transform; a static one holds at any time. Returns what tf2 logs if it ignores it."""
+        """Store a transform; a static one holds at any time. Returns what tf2 logs if it refuses it."""
         parent, child = transform.parent.removeprefix("/"), transform.child.removeprefix("/")
         complaints = complaints_about(transform, parent, child, authority)
         if complaints:
@@ -72,7 +77,7 @@ class BufferCore:
         return Transform(target, source, outer.stamp_ns, translation, normalized(rotation))
 
     def can_transform(self, target: str, source: str, time_ns: int = 0) -> str | None:
-        """Say why a lookup would fail, in the words of tf2's canTransform; None if it would not."""
+        """Return why a lookup would fail, in the words of tf2's canTransform; None if it would not."""
         if target == source:
             return None
         return self._bad_argument(target_frame=target, source_frame=source) or _failure(
@@ -82,7 +87,7 @@ class BufferCore:
     def can_transform_full(
         self, target: str, target_ns: int, source: str, source_ns: int, fixed: str
     ) -> str | None:
-        """Say why a full lookup would fail; None if it would not."""
+        """Return why a full lookup would fail; None if it would not."""
         return (
             self._bad_argument(target_frame=target, source_frame=source, fixed_frame=fixed)
             or _failure(lambda: self.lookup(target, fixed, target_ns))
@@ -100,7 +105,7 @@ class BufferCore:
         return latest.parent if latest else None
 
     def span(self, frame: str) -> tuple[int, int, int]:
-        """Count a frame's transforms, and give the oldest and the newest stamp, [ns]."""
+        """Return the number of a frame's transforms, the oldest and the newest stamp, [ns]."""
         return self._caches[frame].span()
 
     def described(self) -> str:
@@ -161,7 +166,7 @@ class BufferCore:
     def _climb(self, start: str, ends: set[str], time_ns: int) -> tuple[Pose, str, str | None]:
         """Follow parents from a frame until an end, a root or missing data.
 
-        Returns the pose of the start in the last frame, that frame, and what tf2 says of missing data.
+        Returns the pose of the start in the last frame, that frame, and the text of tf2 for missing data.
         """
         pose, frame = IDENTITY, start
         for _ in range(_MAX_DEPTH):
@@ -233,4 +238,49 @@ def _unconnected(target: str, source: str) -> ConnectivityException:
     return ConnectivityException(
         f"Could not find a connection between '{target}' and '{source}' because they are not part of the "
         "same tree.Tf has two or more unconnected trees."
+    )
+
+
+def as_yaml(buffer: BufferCore) -> str:
+    """Describe the frames as tf2's all_frames_as_yaml does; `[]` if there is none."""
+    frames = buffer.frames()
+    return (
+        "".join(_described(buffer, frame, parent) for frame, parent in parents(buffer).items())
+        if frames
+        else "[]"
+    )
+
+
+def parents(buffer: BufferCore) -> dict[str, str]:
+    """Return the latest parent of each frame that has one, in the order in which the frames came up."""
+    found = ((frame, buffer.parent(frame)) for frame in buffer.frames())
+    return {frame: parent for frame, parent in found if parent is not None}
+
+
+def chain(buffer: BufferCore, start: str, end: str) -> list[str]:
+    """List the frames on the way from one frame to another of its tree."""
+    ups = [_upwards(buffer, frame) for frame in (start, end)]
+    meeting = next(frame for frame in ups[0] if frame in ups[1])
+    up, down = (way[: way.index(meeting)] for way in ups)
+    return [*up, meeting, *reversed(down)]
+
+
+def _upwards(buffer: BufferCore, frame: str) -> list[str]:
+    known, way = parents(buffer), [frame]
+    while (parent := known.get(way[-1])) is not None and parent not in way:
+        way.append(parent)
+    return way
+
+
+def _described(buffer: BufferCore, frame: str, parent: str) -> str:
+    count, oldest_ns, newest_ns = buffer.span(frame)
+    length_ns = newest_ns - oldest_ns
+    return (
+        f"{frame}: \n"
+        f"  parent: '{parent}'\n"
+        f"  broadcaster: '{buffer.authorities[frame]}'\n"
+        f"  rate: {count * 1e9 / max(length_ns, _SHORTEST_NS):.3f}\n"
+        f"  most_recent_transform: {seconds(newest_ns)}\n"
+        f"  oldest_transform: {seconds(oldest_ns)}\n"
+        f"  buffer_length: {length_ns / 1e9:.3f}\n"
     )

@@ -1,4 +1,4 @@
-"""A transform between two named frames, and the little arithmetic that tf2 needs on it."""
+"""A transform between two named frames, its arithmetic, and the exceptions of tf2."""
 
 from dataclasses import dataclass
 from math import acos, sin, sqrt
@@ -12,6 +12,34 @@ Quaternion: TypeAlias = tuple[float, float, float, float]  # (x, y, z, w)
 Pose: TypeAlias = tuple[Vector, Quaternion]
 
 IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+class TransformException(Exception):  # noqa: N818 - ROS's name
+    """Base of everything that tf2 raises."""
+
+
+class ConnectivityException(TransformException):
+    """Two frames are not part of one tree."""
+
+
+class LookupException(TransformException):
+    """A frame does not exist, or the tree has a loop."""
+
+
+class ExtrapolationException(TransformException):
+    """There is no data at the requested time, nor on both sides of it."""
+
+
+class InvalidArgumentException(TransformException):
+    """A frame name that tf2 does not accept."""
+
+
+class TimeoutException(TransformException):
+    """A transform did not arrive in time."""
+
+
+for _error in (TransformException, *TransformException.__subclasses__()):
+    _error.__module__ = "tf2"
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +57,7 @@ class Transform:
 
     @classmethod
     def from_message(cls, message: Any) -> "Transform":
-        """Take what a geometry_msgs/msg/TransformStamped says."""
+        """Create a transform from a geometry_msgs/msg/TransformStamped."""
         stamp, v, q = message.header.stamp, message.transform.translation, message.transform.rotation
         stamp_ns = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
         place, turn = (v.x, v.y, v.z), (q.x, q.y, q.z, q.w)

@@ -1,9 +1,11 @@
 """Robot time for program threads: `time`, sleeps, locks, threads and asyncio, behind their usual names.
 
-Installed once. Every replacement asks whether the calling thread belongs to the program (`baton.governs()`);
-for any other thread it is the original, so Jupyter's own threads keep the wall clock.
+Waiting for a lock hands the baton on. Installed once. Every replacement asks whether the calling thread
+belongs to the program (`baton.governs()`); for any other thread it is the original, so Jupyter's own threads
+keep the wall clock.
 """
 
+import _thread
 import queue
 import selectors
 import sys
@@ -13,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros import locks, wall
+from course_lib.ros import wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph, program
@@ -22,6 +24,10 @@ from course_lib.ros.program_thread import ProgramThread
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join
 _real_select = selectors.DefaultSelector.select
+_RealLock = threading.Lock
+_RealRLock = threading.RLock
+_RealSimpleQueue = queue.SimpleQueue
+BRIEFLY = 0.001  # [s] of the wall clock
 
 
 def install() -> None:
@@ -37,14 +43,14 @@ def install() -> None:
 
     replacements: tuple[tuple[Any, str, Any], ...] = (
         (time, "sleep", _sleep),
-        (threading, "Lock", locks.Lock),
-        (threading, "RLock", locks.make_rlock),
-        (threading, "_allocate_lock", locks.make_waiter),
+        (threading, "Lock", Lock),
+        (threading, "RLock", make_rlock),
+        (threading, "_allocate_lock", make_waiter),
         (threading, "_time", time.monotonic),  # imported by name there, as in queue
         (threading.Thread, "start", _start),
         (threading.Thread, "join", _join),
         (queue, "time", time.monotonic),
-        (queue, "SimpleQueue", locks.SimpleQueue),
+        (queue, "SimpleQueue", SimpleQueue),
         (selectors.DefaultSelector, "select", _select),
         *((pool, "_setup_queues", _refused(vars(pool)["_setup_queues"])) for pool in (Pool, ThreadPool)),
         (ProcessPoolExecutor, "__init__", _refused(ProcessPoolExecutor.__init__)),
@@ -57,7 +63,7 @@ def install() -> None:
 
 
 def is_of_the_program(thread: threading.Thread) -> bool:
-    """Say whether a program thread started this one."""
+    """Return whether a program thread started this one."""
     return hasattr(thread, "_program_thread")
 
 
@@ -149,3 +155,107 @@ def _refused(real: Callable[..., Any]) -> Callable[..., Any]:
         return real(*args, **kwargs)
 
     return make
+
+
+class ProgramLock:
+    """A lock made by a program thread.
+
+    What Event and Condition wait on `returns_at_end`: `acquire` gives up at the end of the run. A mutex goes
+    on until the thread that holds it has come to its end.
+    """
+
+    def __init__(self, *, returns_at_end: bool = False) -> None:
+        self._real = _thread.allocate_lock()
+        self._returns_at_end = returns_at_end
+        self._owner: int | None = None  # identifier of the thread that holds it, once that is noted
+        self._taken_by_program = False
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        """Acquire the lock as `threading.Lock` does; `timeout` in [s] of robot time."""
+        waits = blocking and baton.governs()
+        taken = self._wait(timeout) if waits else self._real.acquire(blocking, timeout)
+        if taken:
+            self._owner, self._taken_by_program = _thread.get_ident(), baton.governs()
+        return taken
+
+    def release(self) -> None:
+        """Release the lock; the former owner is forgotten before anyone can take it."""
+        if self._real.locked():
+            self._owner, self._taken_by_program = None, False
+        self._real.release()
+
+    def locked(self) -> bool:
+        """Return whether a thread holds the lock."""
+        return self._real.locked()
+
+    def _wait(self, timeout: float) -> bool:
+        until_ns = None if timeout < 0 else current_graph().now_ns + round(timeout * 1e9)
+        while not self._real.acquire(False):
+            if self._is_held_outside():
+                wall.sleep(BRIEFLY)
+                continue
+            able = baton.wait(self._can_be_tried, until_ns=until_ns, what="a lock", events_help=False)
+            if not able and (until_ns is not None or self._returns_at_end):
+                return False
+        return True
+
+    def _is_held_outside(self) -> bool:
+        """Return whether the holder goes by the wall clock: it does not belong to the program now.
+
+        A thread of the program that has just taken the lock has noted it before another one can look.
+        """
+        if self._taken_by_program:
+            return False
+        return self._owner is None or not baton.governs(self._owner)
+
+    def _can_be_tried(self) -> bool:
+        return not self._real.locked() or self._is_held_outside()
+
+    def _at_fork_reinit(self) -> None:
+        self._real = _thread.allocate_lock()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+class Lock:
+    """The replacement of `threading.Lock`: a ProgramLock where the program may use it, else a real one."""
+
+    def __new__(cls) -> Any:
+        """Create the lock."""
+        return ProgramLock() if _made_for_the_program() else _RealLock()
+
+
+class SimpleQueue(_RealSimpleQueue[Any]):
+    """The replacement of `queue.SimpleQueue`: for the program the one in Python, built on our locks."""
+
+    def __new__(cls) -> Any:
+        """Create the queue."""
+        if not _made_for_the_program():
+            return super().__new__(cls)
+        return queue._PySimpleQueue()  # type: ignore[attr-defined]  # the standard library's own fallback
+
+
+def _made_for_the_program() -> bool:
+    """Return whether the program may use what is made here: also what a cell makes, between calls of the kit.
+
+    `current_thread()` would make an object with locks for a thread that Python has not started.
+    """
+    return baton.governs() or _thread.get_ident() == threading.main_thread().ident
+
+
+def make_waiter() -> Any:
+    """Create the lock on which a Condition waits."""
+    return ProgramLock(returns_at_end=True) if baton.governs() else _thread.allocate_lock()
+
+
+def make_rlock() -> Any:
+    """Create the replacement of `threading.RLock()`: on a ProgramLock where the program may use it."""
+    if not _made_for_the_program():
+        return _RealRLock()
+    rlock = threading._PyRLock()  # type: ignore[attr-defined]  # the standard library's RLock in Python
+    rlock._block = ProgramLock()
+    return rlock

@@ -1,4 +1,4 @@
-"""A simulated world, and nodes that measure it as sensors do."""
+"""A simulated world, and sensor nodes that measure it."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Cameras: the pinhole model, and a node that publishes what one sees."""
+"""Cameras: the pinhole model, and a node that publishes images of the world."""
 
 import io
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _AMBIENT = 0.4  # share of the light that comes from everywhere
 
 @dataclass(frozen=True)
 class Pinhole:
-    """How a camera maps points to pixels; the middle of the first pixel is (0, 0).
+    """The map of a camera from points to pixels; the middle of the first pixel is (0, 0).
 
     Args:
         width: [px]
@@ -53,7 +53,7 @@ class Pinhole:
         return unit
 
     def info(self, header: Header) -> CameraInfo:
-        """Describe it as sensor_msgs/CameraInfo."""
+        """Return the model as sensor_msgs/CameraInfo."""
         k = self.matrix
         info = CameraInfo(header=header, width=self.width, height=self.height, distortion_model="plumb_bob")
         info.d, info.k, info.r = [0.0] * 5, k.ravel(), np.eye(3).ravel()
@@ -61,7 +61,7 @@ class Pinhole:
         return info
 
     def message(self, header: Header, pixels: AnyArray, encoding: str) -> Image:
-        """Pack pixels, shape (height, width) or (height, width, 3), as sensor_msgs/Image."""
+        """Return pixels, shape (height, width) or (height, width, 3), as sensor_msgs/Image."""
         data = np.frombuffer(pixels.tobytes(), np.uint8)
         image = Image(header=header, encoding=encoding, height=self.height, width=self.width, data=data)
         image.step = len(data) // self.height
@@ -97,7 +97,7 @@ class CameraNode(SensorNode):
         )
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Publish one picture and what describes it."""
+        """Publish one picture with its CameraInfo."""
         pixels = self.picture(seconds, chance)
         self.infos.publish(self.pinhole.info(header))
         self.images.publish(self.pinhole.message(header, pixels, "rgb8"))
@@ -108,7 +108,7 @@ class CameraNode(SensorNode):
             )
 
     def picture(self, seconds: float, chance: np.random.Generator) -> Bytes:
-        """See the world at a robot time [s], lit from the camera; shape (height, width, 3)."""
+        """Render the world at a robot time [s], lit from the camera; shape (height, width, 3)."""
         camera = self.pinhole
         hits = self.world.cast(self.transform_at(seconds), camera.rays, seconds)
         light = shade(camera.rays, hits.distance, camera.width)
@@ -119,7 +119,7 @@ class CameraNode(SensorNode):
 
 
 def shade(rays: Floats, distance: Floats, width: int) -> Floats:
-    """Light surfaces by how much they face the camera, shape (N,), 0 to 1; edges come out dark.
+    """Return the light on surfaces by their angle to the camera, shape (N,), 0 to 1; edges are dark.
 
     The surface is what the neighbouring points span, so no shape needs to know its normals.
     """
@@ -133,7 +133,7 @@ def shade(rays: Floats, distance: Floats, width: int) -> Floats:
 
 
 def compress(pixels: Bytes, kind: Literal["png", "jpeg"]) -> bytes:
-    """Pack a picture, shape (height, width, 3), as a PNG or JPEG file."""
+    """Compress a picture, shape (height, width, 3), as a PNG or JPEG file."""
     from PIL import Image as Pictures  # on first use
 
     file = io.BytesIO()

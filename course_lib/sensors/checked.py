@@ -1,4 +1,4 @@
-"""The border of this room: settings and poses are checked once, here, and trusted further in."""
+"""Validation of settings and poses, which the rest of this room trusts."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,7 +16,7 @@ Pose = ArrayLike | PoseAt
 def check_number(
     name: str, value: Any, *, above: float = -np.inf, low: float = -np.inf, high: float = np.inf
 ) -> float:
-    """Give a finite number that is more than `above` and lies in [low, high].
+    """Return a finite number that is greater than `above` and lies in [low, high].
 
     Raises:
         CourseError: If it is not; the message says what came in and what would have been right.
@@ -33,20 +33,20 @@ def check_number(
 
 
 def check_count(name: str, value: Any) -> int:
-    """Give a whole number of at least 1, or raise a CourseError that names it."""
+    """Return a whole number of at least 1; raises a CourseError for anything else."""
     if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < 1:
         raise CourseError(f"{name} is {value!r}; give a whole number, 1 or more.")
     return int(value)
 
 
 def check_limits(name: str, unit: str, low: Any, high: Any) -> tuple[float, float]:
-    """Give two numbers of which the first is the smaller, or raise a CourseError that names them."""
+    """Return two numbers with low < high; raises a CourseError for anything else."""
     lower = check_number(f"{name}_min [{unit}]", low)
     return lower, check_number(f"{name}_max [{unit}]", high, above=lower)
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Give finite float64 numbers of a shape, read-only; -1 stands for any length.
+    """Return a read-only array of finite float64 numbers of a shape; -1 stands for any length.
 
     Raises:
         CourseError: If the shape differs or a number is not finite.
@@ -65,7 +65,7 @@ def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 
 def check_transform(name: str, value: ArrayLike) -> Floats:
-    """Give a rigid transform, shape (4, 4), translation in [m].
+    """Return a rigid transform, shape (4, 4), translation in [m].
 
     Raises:
         CourseError: If it is not one; the message says which part failed.
@@ -83,7 +83,7 @@ def check_transform(name: str, value: ArrayLike) -> Floats:
 
 
 def check_rays(value: ArrayLike) -> Floats:
-    """Give unit vectors as columns, shape (3, N), N > 0, or raise a CourseError that says what is wrong."""
+    """Return unit vectors as columns, shape (3, N), N > 0; raises a CourseError for anything else."""
     rays = np.asarray(value, float)
     if rays.ndim != 2 or rays.shape[0] != 3 or not rays.shape[1]:
         raise CourseError(f"rays have shape {rays.shape}; give one or more as columns, shape (3, N).")
@@ -97,7 +97,7 @@ def check_rays(value: ArrayLike) -> Floats:
 
 
 def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:
-    """Turn a fixed (4, 4) or a function of robot time [s] into a function that gives checked transforms."""
+    """Return a function of robot time [s] to checked transforms, from a fixed pose or a function."""
     if callable(pose):
         return lambda seconds: check_transform(f"{name} at {seconds:g} s", pose(seconds))
     fixed = check_transform(name, pose)

@@ -1,4 +1,4 @@
-"""An object detector that knows the world and errs as real ones do, and its node."""
+"""A simulated object detector with misses, noise and false alarms, and its node."""
 
 from dataclasses import dataclass
 
@@ -41,7 +41,7 @@ class Detection:
 
 @dataclass
 class Detector:
-    """Detects what is labelled in a world.
+    """Detects the labelled things of a world.
 
     Args:
         world: What there is to see.
@@ -76,7 +76,7 @@ class Detector:
         self._last_track = 0
 
     def detect(self, seconds: float) -> list[Detection]:
-        """Look at the world at a robot time since the start of the run [s]; call it with growing times."""
+        """Detect things at a robot time since the start of the run [s]; times must grow from call to call."""
         chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
         found = list[Detection]()
         for number, thing in enumerate(self.world.things):
@@ -88,7 +88,7 @@ class Detector:
         return found + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
     def confidence(self, number: int, seconds: float) -> float:
-        """Judge how well a thing is seen, 0 to 1: the share that is not hidden, half of it at the far end."""
+        """Return the confidence of a thing, 0 to 1: its visible share, reduced to half at range_max."""
         transform_sensor_to_world = self._transform_at(seconds)
         transform_thing_to_world = self.world.things[number].transform_at(seconds)
         points = _POINTS * self.world.things[number].shape.size
@@ -122,7 +122,7 @@ class Detector:
         )
 
     def _false_alarm(self, seconds: float, chance: np.random.Generator) -> Detection:
-        """Make up a box in sight, of a label that the world has."""
+        """Return an invented box in the field of view, with a label of the world."""
         angle, away = chance.uniform(-0.5, 0.5) * self.field_of_view, chance.uniform(0.1, 1) * self.range_max
         transform = np.eye(4)
         transform[:3, 3] = away * np.cos(angle), away * np.sin(angle), 0
@@ -169,7 +169,7 @@ class DetectorNode(Node):
 
 
 def detection_message(detection: Detection, header: Header) -> Detection3D:
-    """Write a detection as a message; it has one hypothesis, and its track is the id."""
+    """Return a detection as a message with one hypothesis; its id is the track."""
     message = Detection3D(header=header, id=str(detection.track))
     _write(message.bbox.center.position, detection.transform_box_to_world[:3, 3])
     for axis, value in zip("xyzw", quaternion(detection.transform_box_to_world[:3, :3]), strict=True):
@@ -184,7 +184,7 @@ def detection_message(detection: Detection, header: Header) -> Detection3D:
 
 
 def quaternion(rotation: Floats) -> tuple[float, ...]:
-    """Turn a rotation, shape (3, 3), into a quaternion in the order x, y, z, w."""
+    """Return a rotation, shape (3, 3), as a quaternion in the order x, y, z, w."""
     w, x, y, z = map(float, mat2quat(rotation))
     return x, y, z, w
 

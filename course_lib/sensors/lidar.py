@@ -1,4 +1,4 @@
-"""Sensors of distance: laser scanners in 2D and 3D, ultrasound and infrared."""
+"""Range sensors: laser scanners in 2D and 3D, ultrasound and infrared."""
 
 from typing import Unpack
 
@@ -16,7 +16,7 @@ _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 
 def beams_at(azimuth: Floats, elevation: Floats) -> Floats:
-    """Make unit vectors, shape (3, N), from angles [rad] around z from x, and up from the xy plane."""
+    """Return unit vectors, shape (3, N), at angles [rad] about z from x, and up from the xy plane."""
     level = np.cos(elevation)
     return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
 
@@ -100,7 +100,7 @@ class PointCloudNode(SensorNode):
 
 
 def cone_rays(field_of_view: float, count: int) -> Floats:
-    """Spread unit vectors, shape (3, count), evenly over a cone [rad] around x; the first is its axis."""
+    """Return unit vectors, shape (3, count), evenly over a cone [rad] around x; the first is its axis."""
     turn = np.arange(count) * np.pi * (3 - np.sqrt(5))  # the golden angle: a sunflower's pattern
     ahead = 1 - (1 - np.cos(field_of_view / 2)) * np.arange(count) / max(count - 1, 1)
     aside = np.sqrt(1 - ahead**2)

@@ -1,4 +1,4 @@
-"""What all simulated sensors share: a place, a rate, noise that repeats."""
+"""The base of all simulated sensors: pose, rate, and noise that repeats."""
 
 import zlib
 from abc import ABC, abstractmethod
@@ -15,7 +15,7 @@ from course_lib.sensors.world import World
 
 
 class Common(TypedDict, total=False):
-    """Keyword arguments that every sensor has."""
+    """Keyword arguments of every sensor."""
 
     name: str
     frame_id: str
@@ -26,7 +26,7 @@ class Common(TypedDict, total=False):
 
 
 class SensorNode(Node, ABC):
-    """Measures at a rate; subclasses say what, in `measure`.
+    """Calls `measure` of its subclass at a rate.
 
     Args:
         world: What there is to see.
@@ -65,7 +65,7 @@ class SensorNode(Node, ABC):
         """Measure at a robot time [s] since the start of the run and publish."""
 
     def disturbed(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
-        """Add noise to distances [m], any shape; as REP 117 says, inf is too far, -inf too near, NaN lost."""
+        """Return distances [m] with noise; by REP 117 inf is too far, -inf too near, NaN lost."""
         noisy = distance + self.noise * chance.standard_normal(distance.shape)
         noisy[noisy > limits[1]] = np.inf
         noisy[noisy < limits[0]] = -np.inf

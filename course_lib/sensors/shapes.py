@@ -1,4 +1,4 @@
-"""Solids that rays can meet. What is met first counts, from inside too."""
+"""Solids and the distances at which rays meet them, from outside and inside."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Shape:
 
 
 def box(x: float, y: float, z: float) -> Shape:
-    """Make a box with edges x, y, z [m], centred."""
+    """Return a box with edges x, y, z [m], centred."""
     edges = (("x", x), ("y", y), ("z", z))
     size = np.array([check_number(f"{axis} [m] of a box", edge, above=0) for axis, edge in edges])
 
@@ -37,7 +37,7 @@ def box(x: float, y: float, z: float) -> Shape:
 
 
 def sphere(radius: float) -> Shape:
-    """Make a ball with a radius [m], centred."""
+    """Return a ball with a radius [m], centred."""
     radius = check_number("radius [m] of a sphere", radius, above=0)
 
     def distances(origin: Floats, rays: Floats) -> Floats:
@@ -47,7 +47,7 @@ def sphere(radius: float) -> Shape:
 
 
 def cylinder(radius: float, height: float) -> Shape:
-    """Make a closed cylinder along z with a radius and a height [m], centred."""
+    """Return a closed cylinder along z with a radius and a height [m], centred."""
     radius = check_number("radius [m] of a cylinder", radius, above=0)
     height = check_number("height [m] of a cylinder", height, above=0)
 
@@ -60,7 +60,7 @@ def cylinder(radius: float, height: float) -> Shape:
 
 
 def plane() -> Shape:
-    """Make the endless plane z = 0, seen from both sides."""
+    """Return the infinite plane z = 0, visible from both sides."""
 
     def distances(origin: Floats, rays: Floats) -> Floats:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -71,7 +71,7 @@ def plane() -> Shape:
 
 
 def _between_walls(origin: Floats, rays: Floats, half: Floats) -> tuple[Floats, Floats]:
-    """Find where rays enter and leave |x| <= half, in as many dimensions as there are rows."""
+    """Return the distances at which rays enter and leave |x| <= half, in any number of dimensions."""
     with np.errstate(divide="ignore", invalid="ignore"):  # along a wall: 0 * inf is left out by fmin, fmax
         slopes = 1 / rays
         low, high = (-half - origin)[:, None] * slopes, (half - origin)[:, None] * slopes
@@ -79,7 +79,7 @@ def _between_walls(origin: Floats, rays: Floats, half: Floats) -> tuple[Floats, 
 
 
 def _within_radius(origin: Floats, rays: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Find where rays enter and leave the ball (three rows) or endless cylinder (two) around the origin."""
+    """Return the distances at which rays enter and leave the ball (3 rows) or infinite cylinder (2 rows)."""
     square = np.einsum("ij,ij->j", rays, rays)
     along_axis = square < 1e-18
     square[along_axis] = 1
@@ -92,6 +92,6 @@ def _within_radius(origin: Floats, rays: Floats, radius: float) -> tuple[Floats,
 
 
 def _first_met(enter: Floats, leave: Floats) -> Floats:
-    """Turn where rays enter and leave a convex solid into the first distance ahead, inf for a miss."""
+    """Return the first distance ahead of rays that enter and leave a convex solid, inf for a miss."""
     ahead = np.where(enter >= 0, enter, leave)
     return np.where((enter <= leave) & (leave >= 0), ahead, np.inf)

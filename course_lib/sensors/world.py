@@ -1,4 +1,4 @@
-"""The simulated world: things with a shape, a colour and a place, their motions, and what rays meet."""
+"""The simulated world: things with shape, color and pose, their motions, and ray casting."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -23,13 +23,13 @@ _STEP = 1e-4  # [s] of the difference that gives velocities
 
 
 def placed(x: float, y: float, z: float, yaw: float = 0.0) -> Floats:
-    """Make the transform of something that stands at a point [m], turned about z by yaw [rad]."""
+    """Return the transform of a thing at a point [m], turned about z by yaw [rad]."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([[cos, -sin, 0, x], [sin, cos, 0, y], [0, 0, 1, z], [0, 0, 0, 1]], float)
 
 
 def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float], Floats]:
-    """Go from start to goal, points [m] in the world, at a speed [m/s], and back again, and so on."""
+    """Return the motion between two points [m] in the world, to and fro, at a speed [m/s]."""
     begin, end = check_array("start [m]", start, (3,)), check_array("goal [m]", goal, (3,))
     length = float(np.linalg.norm(end - begin))
     check_number("speed [m/s]", speed, above=0)
@@ -47,7 +47,7 @@ def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float
 
 
 def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float], Floats]:
-    """Go round a center [m] at a radius [m], once in a period [s]; counter-clockwise, below 0 clockwise."""
+    """Return the motion on a circle about a center [m], one round per period [s]; clockwise below 0."""
     x, y, z = check_array("center [m]", center, (3,))
     check_number("radius [m]", radius, above=0)
     if check_number("period [s]", period) == 0:
@@ -93,14 +93,14 @@ class Thing:
         object.__setattr__(self, "transform_at", pose_function(name, self.pose))
 
     def velocity_at(self, seconds: float) -> Floats:
-        """How fast its frame moves in the world at a robot time [s], shape (3,), [m/s]."""
+        """Return the velocity of its frame in the world at a robot time [s], shape (3,), [m/s]."""
         before, after = self.transform_at(seconds - _STEP), self.transform_at(seconds + _STEP)
         return (after - before)[:3, 3] / (2 * _STEP)
 
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What N rays met.
+    """The first things on N rays.
 
     Args:
         distance: Along each ray, shape (N,), [m]; inf for nothing.
@@ -129,7 +129,7 @@ class World:
     def cast(
         self, transform_sensor_to_world: ArrayLike, rays: ArrayLike, seconds: float, far: float = np.inf
     ) -> Hits:
-        """Find what rays from one point meet first; sensor and rays are checked.
+        """Return the first things on rays from one point; sensor and rays are checked.
 
         Args:
             transform_sensor_to_world: Rigid, shape (4, 4), [m].
@@ -152,7 +152,7 @@ class World:
         return Hits(distance, found)
 
     def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
-        """Per thing, the rays that may meet the sphere around it; centers (M, 3) from the sensor, [m]."""
+        """Return, per thing, the rays that may meet its sphere; centers (M, 3) from the sensor, [m]."""
         away = np.linalg.norm(centers, axis=1)
         inside = away <= self._reach
         # A ray meets the sphere if it goes along its centre at least as far as the tangents do.

@@ -7,10 +7,8 @@ from typing import Any, Literal
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, action_class, type_name
-from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.message_text import Style, to_yaml
-from course_lib.tools.sources import Source
+from course_lib.tools.message_yaml import Style, check_type, fill, kind_of, to_yaml
+from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Verb,
@@ -23,16 +21,14 @@ from course_lib.tools.verb import (
     write_names,
 )
 
-PATIENCE = 60.0  # [s] for a goal to come to its end, if nobody can press ■
+GOAL_LIMIT = 60.0  # [s] for a goal to come to its end, if nobody can press ■
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the actions' names."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     write_names(_actions(source), arguments, write)
 
 
-def info(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the nodes that use an action, and those that serve it."""
+def _info(source: Source, arguments: Namespace, write: Write) -> None:
     name = arguments.action_name
     write(f"Action: {name}\n")
     nodes = {node.id: node.full_name for node in source.graph.nodes()}
@@ -45,8 +41,8 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
             write(f"    {nodes[end.node]}{shown}\n")
 
 
-def send_goal(source: Source, arguments: Namespace, write: Write) -> None:
-    """Send a goal and wait for its end; ■ cancels it. Raises a CourseError for what cannot be sent."""
+def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
+    """Send a goal and wait for its end; ■ cancels it."""
     from rclpy.action import ActionClient
 
     kind, name = kind_of(action_class, arguments.action_type, "action"), arguments.action_name
@@ -79,7 +75,7 @@ def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
 
     future = handle.get_result_async()
     try:
-        result = answer(source, future, "The action", source.limit(PATIENCE))
+        result = answer(source, future, "The action", source.limit(GOAL_LIMIT))
         write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
         if not future.done() and not source.graph.ended:
@@ -109,8 +105,8 @@ _SEND = (
 )
 _LIST = (*NODE_OPTIONS, _SHOW, count("action"))
 ACTION_VERBS = (
-    Verb("action", "list", "Output a list of action names", _LIST, list_all),
+    Verb("action", "list", "Output a list of action names", _LIST, _list_all),
     type_verb("action", "Print a action's type", _actions, _NAME),
-    Verb("action", "info", "Print information about an action", (*NODE_OPTIONS, _NAME, _SHOW, _COUNT), info),
-    Verb("action", "send_goal", "Send an action goal", (*NODE_OPTIONS, _NAME, *_SEND), send_goal),
+    Verb("action", "info", "Print information about an action", (*NODE_OPTIONS, _NAME, _SHOW, _COUNT), _info),
+    Verb("action", "send_goal", "Send an action goal", (*NODE_OPTIONS, _NAME, *_SEND), _send_goal),
 )

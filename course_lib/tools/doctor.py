@@ -1,9 +1,8 @@
-"""`ros2 doctor`: looks for what keeps nodes from working together (ros2doctor)."""
+"""`ros2 doctor`: topics without a partner and incompatible QoS (ros2doctor)."""
 
 import platform
 from argparse import Namespace
 from collections.abc import Iterator
-from importlib import metadata
 
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.qos import Qos, incompatible
@@ -20,8 +19,7 @@ _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosb
 Rows = list[tuple[str, object]]
 
 
-def run(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print what looks wrong, or for a report all that was looked at."""
+def _run(source: Source, arguments: Namespace, write: Write) -> None:
     reports = _reports(source)
     if arguments.exclude_packages:
         del reports["PACKAGE VERSIONS"]
@@ -41,7 +39,7 @@ def run(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def problem(offered: Qos, requested: Qos) -> str:
-    """Say why nothing comes from a publisher, as rclpy's qos_check_compatible does, or ""."""
+    """Return the QoS error of a pair as rclpy's qos_check_compatible words it, or ""."""
     policy = incompatible(offered, requested)
     if policy == "DEADLINE" and offered.deadline_ns is None:
         return "ERROR: Subscription has a deadline, but publisher does not;"
@@ -51,7 +49,7 @@ def problem(offered: Qos, requested: Qos) -> str:
 
 
 def _lonely(source: Source) -> Iterator[tuple[str, str]]:
-    """Name topics with publishers alone or subscriptions alone, and where ros2doctor says so."""
+    """Yield ros2doctor's source line and warning for topics without publishers or subscriptions."""
     for topic in source.topics():
         published, heard = bool(source.endpoints(topic, "pub")), bool(source.endpoints(topic, "sub"))
         if topic in ALWAYS_THERE or published == heard:
@@ -76,7 +74,9 @@ def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
 
 
 def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
-    """Give the category and the rows of each report, by its title."""
+    """Return the category and the rows of each report, by its title."""
+    from importlib import metadata  # slow to import, and `course run` imports all verbs
+
     system: Rows = [
         ("system", platform.system()),
         ("platform info", platform.platform()),
@@ -131,6 +131,6 @@ _OPTIONS = (
     flag("-iw", "--include-warnings", help="Include warnings as failed checks."),
 )
 DOCTOR_VERBS = (
-    Verb("doctor", "", "Check ROS setup and other potential issues", _OPTIONS, run),
-    Verb("wtf", "", "Use `wtf` as alias to `doctor`", _OPTIONS, run),
+    Verb("doctor", "", "Check ROS setup and other potential issues", _OPTIONS, _run),
+    Verb("wtf", "", "Use `wtf` as alias to `doctor`", _OPTIONS, _run),
 )

@@ -1,4 +1,4 @@
-"""`ros2 interface …`: what types there are and what they consist of."""
+"""`ros2 interface`: message, service and action types and their definitions."""
 
 import re
 from argparse import Namespace
@@ -10,14 +10,14 @@ from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
     FOLDERS,
+    PRIMITIVES,
     definition,
     find_package,
     type_names,
     typestore,
 )
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
-from course_lib.ros.messages.primitives import PRIMITIVES
-from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Option, Verb, Write, flag, value
 
@@ -32,33 +32,28 @@ def interfaces(kind: str) -> list[str]:
     return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print all types, by kind."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     for kind in _kinds(arguments):
         write(f"{_TITLES[kind]}:\n" + "".join(f"    {name}\n" for name in interfaces(kind)))
 
 
-def packages(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the packages that have types."""
+def _list_packages(source: Source, arguments: Namespace, write: Write) -> None:
     write("".join(f"{name}\n" for name in sorted(_packages(*_kinds(arguments)))))
 
 
-def package(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a package's types; raises a CourseError if there is no such package."""
+def _list_package(source: Source, arguments: Namespace, write: Write) -> None:
     wanted = arguments.package_name
     _check_package(wanted)
     for kind in _kinds(arguments):
         write("".join(f"{name}\n" for name in interfaces(kind) if name.startswith(f"{wanted}/")))
 
 
-def show(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print what a type consists of, its parts' parts indented; raises a CourseError if unknown."""
+def _show(source: Source, arguments: Namespace, write: Write) -> None:
     name = _checked(arguments.type)
     write("".join(_shown(name, 0, not arguments.no_comments, arguments.all_comments)))
 
 
-def proto(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a type's fields with their default values, as YAML; raises a CourseError if unknown."""
+def _proto(source: Source, arguments: Namespace, write: Write) -> None:
     name = _checked(arguments.type)
     message = message_class(name + _FIRST_PARTS[name.split("/")[1]])()
     quote = "" if arguments.no_quotes else '"'
@@ -66,7 +61,7 @@ def proto(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _kinds(arguments: Namespace) -> list[str]:
-    """Give what was asked for; nothing means all."""
+    """Return the kinds that the flags select; without a flag all."""
     return [kind for kind in _TITLES if getattr(arguments, f"only_{kind}s")] or list(_TITLES)
 
 
@@ -104,7 +99,7 @@ def _shown(name: str, depth: int, comments: bool, nested_comments: bool) -> Iter
 
 
 def _lines(name: str) -> list[str]:
-    """Give the lines of a type's file, or, if rosbags knows it without its comments, such lines."""
+    """Return the lines of a type's file; for types that only rosbags defines, lines without comments."""
     for path in (path for folder in FOLDERS for path in folder.glob(f"{name}.*")):
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     here = f"{name.split('/')[0]}/"
@@ -132,9 +127,14 @@ _COMMENTS = (
 )
 _verb = partial(Verb, "interface", looks=False)
 INTERFACE_VERBS = (
-    _verb("list", "List all interface types available", _ONLY, list_all),
-    _verb("package", "Output a list of available interface types within one package", _IN_PACKAGE, package),
-    _verb("packages", "Output a list of packages that provide interfaces", _ONLY, packages),
-    _verb("proto", "Output an interface prototype", (_TYPE, _NO_QUOTES), proto),
-    _verb("show", "Output the interface definition", (*_COMMENTS, _TYPE), show),
+    _verb("list", "List all interface types available", _ONLY, _list_all),
+    _verb(
+        "package",
+        "Output a list of available interface types within one package",
+        _IN_PACKAGE,
+        _list_package,
+    ),
+    _verb("packages", "Output a list of packages that provide interfaces", _ONLY, _list_packages),
+    _verb("proto", "Output an interface prototype", (_TYPE, _NO_QUOTES), _proto),
+    _verb("show", "Output the interface definition", (*_COMMENTS, _TYPE), _show),
 )

@@ -14,8 +14,7 @@ REQUESTS = f"{SERVICE_TOPICS[0][0]}/"
 Named = tuple[str, str]  # a topic's, a service's or an action's name and type
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the nodes' full names."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     names = sorted(name for _, name in _nodes(source, hidden=arguments.all))
     if arguments.count:
         write(f"{len(names)}\n")
@@ -28,8 +27,7 @@ def list_all(source: Source, arguments: Namespace, write: Write) -> None:
     write("".join(f"{name}\n" for name in names))
 
 
-def info(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print what a node publishes, hears, offers and asks; raises a CourseError if there is none."""
+def _info(source: Source, arguments: Namespace, write: Write) -> None:
     wanted, hidden = arguments.node_name, arguments.include_hidden
     nodes = _nodes(source, hidden=hidden)
     found = [node for node, name in nodes if name == wanted]
@@ -53,7 +51,7 @@ def _nodes(source: Source, *, hidden: bool) -> list[tuple[int, str]]:
 
 
 def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:
-    """Sort a node's endpoints; each service has two, of which that of the requests counts."""
+    """Group a node's endpoints by section; of a service's two the one for requests counts."""
     titles = ("Subscribers", "Publishers", "Service Servers", "Service Clients")
     found: dict[str, list[Named]] = {name: [] for name in (*titles, "Action Servers", "Action Clients")}
     for endpoint in endpoints:
@@ -75,6 +73,6 @@ _INFO = (
     flag("--include-hidden", help="Display hidden topics, services, and actions as well"),
 )
 NODE_VERBS = (
-    Verb("node", "list", "Output a list of available nodes", (*NODE_OPTIONS, *_LIST), list_all),
-    Verb("node", "info", "Output information about a node", (*NODE_OPTIONS, *_INFO), info),
+    Verb("node", "list", "Output a list of available nodes", (*NODE_OPTIONS, *_LIST), _list_all),
+    Verb("node", "info", "Output information about a node", (*NODE_OPTIONS, *_INFO), _info),
 )

@@ -1,4 +1,4 @@
-"""`ros2 param list|get|set|describe|dump|load|delete`: asks the nodes' parameter services, as ROS does."""
+"""`ros2 param`, over the nodes' parameter services."""
 
 import re
 from argparse import Namespace
@@ -7,18 +7,16 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.tools.asking import answer, own_node
-from course_lib.tools.sources import Source
+from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, value
 
 if TYPE_CHECKING:
     from rclpy.task import Future
 
-PATIENCE = 5.0  # [s] for an answer
+ANSWER_LIMIT = 5.0  # [s] for an answer
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the names of one node's parameters, or of all nodes'."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     wanted, pattern = arguments.node_name, re.compile(arguments.filter or "")
     for node_name in [found_node(source, wanted)] if wanted else parameter_nodes(source):
         with asked(source, node_name) as ask:
@@ -31,8 +29,7 @@ def list_all(source: Source, arguments: Namespace, write: Write) -> None:
         write("".join(f"  {name}{kinds.get(name, '')}\n" for name in names))
 
 
-def get(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a parameter's value."""
+def _get(source: Source, arguments: Namespace, write: Write) -> None:
     from rclpy.parameter import Parameter
 
     name = arguments.parameter_name
@@ -53,8 +50,8 @@ def get(source: Source, arguments: Namespace, write: Write) -> None:
         write(f"{word} {'values are' if many else 'value is'}: {shown}\n")
 
 
-def set_one(source: Source, arguments: Namespace, write: Write) -> None:
-    """Set a parameter; the value's type is that of its YAML."""
+def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
+    """Set a parameter; its type is that of the YAML value."""
     from rclpy.parameter import Parameter
 
     from course_lib.ros.parameter_yaml import read_value
@@ -62,15 +59,14 @@ def set_one(source: Source, arguments: Namespace, write: Write) -> None:
     try:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))
     except ValueError as error:
-        raise CourseError(f"{arguments.value!r} is no value of a parameter: {error}") from error
+        raise CourseError(f"{arguments.value!r} is not a parameter value: {error}") from error
     with asked(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
     words = "Set parameter successful" if result.successful else "Setting parameter failed"
     write(_with_reason(words, result))
 
 
-def describe(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print what is known of parameters besides their values."""
+def _describe(source: Source, arguments: Namespace, write: Write) -> None:
     with asked(source, arguments.node_name) as ask:
         descriptors = ask("describe_parameters", arguments.parameter_names).descriptors
     for one in descriptors:
@@ -85,8 +81,8 @@ def describe(source: Source, arguments: Namespace, write: Write) -> None:
         write("".join(f"{line}\n" for line in lines))
 
 
-def dump(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print all parameters of a node as the YAML that `load` and `--params-file` take."""
+def _dump(source: Source, arguments: Namespace, write: Write) -> None:
+    """Print a node's parameters as the YAML that `load` and `--params-file` read."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     node_name, parameters = found_node(source, arguments.node_name), dict[str, Any]()
@@ -102,8 +98,7 @@ def dump(source: Source, arguments: Namespace, write: Write) -> None:
     write(f"{yaml.dump({node_name: {'ros__parameters': parameters}}, default_flow_style=False)}\n")
 
 
-def load(source: Source, arguments: Namespace, write: Write) -> None:
-    """Set what a YAML file holds."""
+def _load(source: Source, arguments: Namespace, write: Write) -> None:
     from rclpy.parameter import parameter_dict_from_yaml_file
 
     try:
@@ -117,8 +112,7 @@ def load(source: Source, arguments: Namespace, write: Write) -> None:
         write(_with_reason(words, result))
 
 
-def delete(source: Source, arguments: Namespace, write: Write) -> None:
-    """Unset a parameter."""
+def _delete(source: Source, arguments: Namespace, write: Write) -> None:
     with asked(source, arguments.node_name) as ask:
         (result,) = ask("delete_parameters", [arguments.parameter_name]).results
     words = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
@@ -127,7 +121,7 @@ def delete(source: Source, arguments: Namespace, write: Write) -> None:
 
 @contextmanager
 def asked(source: Source, node_name: str) -> Iterator[Any]:
-    """Give what calls a method of an AsyncParameterClient of a node, and waits for the answer."""
+    """Provide a function that calls a method of a node's AsyncParameterClient and returns the answer."""
     from rclpy.parameter_client import AsyncParameterClient
 
     full = found_node(source, node_name)
@@ -136,13 +130,13 @@ def asked(source: Source, node_name: str) -> Iterator[Any]:
 
         def ask(method: str, *arguments: Any) -> Any:
             future: Future[Any] = getattr(client, method)(*arguments)
-            return answer(source, future, full, PATIENCE)
+            return answer(source, future, full, ANSWER_LIMIT)
 
         yield ask
 
 
 def parameter_nodes(source: Source) -> Sequence[str]:
-    """List the full names of nodes that offer their parameters."""
+    """List the full names of nodes with parameter services."""
     if not source.live:
         raise CourseError("Parameters belong to nodes that run: start one, like run_live(MyNode()).")
     services = {e.service[0] for e in source.graph.endpoints() if e.is_service and e.service}
@@ -151,7 +145,7 @@ def parameter_nodes(source: Source) -> Sequence[str]:
 
 
 def found_node(source: Source, name: str) -> str:
-    """Give a node's full name; raises a CourseError if there is none of that name."""
+    """Return a node's full name; raises a CourseError if it does not exist."""
     full = name if name.startswith("/") else f"/{name}"
     if full not in parameter_nodes(source):
         raise CourseError(
@@ -161,7 +155,7 @@ def found_node(source: Source, name: str) -> str:
 
 
 def plain_value(message: Any) -> Any:
-    """Give the value that a message holds; as in ROS a list as one of Python's."""
+    """Return the value in a ParameterValue message; arrays as lists, as in ROS."""
     from rclpy.parameter import Parameter
 
     kind = Parameter.Type(message.type)
@@ -172,7 +166,7 @@ def plain_value(message: Any) -> Any:
 
 
 def _kind(number: int) -> str:
-    """Name a type in ros2cli's words: "integer array"."""
+    """Return the name of a type in ros2cli's words, like "integer array"."""
     from rclpy.parameter import Parameter
 
     return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
@@ -208,11 +202,11 @@ def _verb(name: str, about: str, run: Run, *options: Option) -> Verb:
 
 
 PARAM_VERBS = (
-    _verb("delete", "Delete parameter", delete, _NAME),
-    _verb("describe", "Show descriptive information about declared parameters", describe, _NAMES),
-    _verb("dump", "Show all of the parameters of a node in a YAML file format", dump),
-    _verb("get", "Get parameter", get, _NAME, _HIDE),
-    Verb("param", "list", "Output a list of available parameters", _LIST, list_all),
-    _verb("load", "Load parameter file for a node", load, *_LOAD),
-    _verb("set", "Set parameter", set_one, _NAME, _VALUE),
+    _verb("delete", "Delete parameter", _delete, _NAME),
+    _verb("describe", "Show descriptive information about declared parameters", _describe, _NAMES),
+    _verb("dump", "Show all of the parameters of a node in a YAML file format", _dump),
+    _verb("get", "Get parameter", _get, _NAME, _HIDE),
+    Verb("param", "list", "Output a list of available parameters", _LIST, _list_all),
+    _verb("load", "Load parameter file for a node", _load, *_LOAD),
+    _verb("set", "Set parameter", _set_one, _NAME, _VALUE),
 )

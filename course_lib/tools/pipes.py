@@ -1,4 +1,4 @@
-"""What follows a command in `%ros2 … | grep … > file`: the machine's own tools, without a shell."""
+"""Pipes and files behind a command, `%ros2 … | grep … > file`, without a shell."""
 
 import re
 import shlex
@@ -17,7 +17,7 @@ _PARTS = re.compile(r""""(?:\\.|[^"\\])*"|'[^']*'|\\.|(>>|>|\|)""")  # what is q
 
 
 def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
-    """Part a line into the commands that `|` joins, and what `>` or `>>` writes to, with open's mode.
+    """Split a line into the commands between `|`, and the mode and path of the file behind `>` or `>>`.
 
     Raises:
         CourseError: There is nothing on one side of `|` or `>`.
@@ -44,7 +44,7 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
 
 
 def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
-    """Run a command line without its `ros2`; `write` takes what comes out of the last command.
+    """Run a command line without its `ros2`; `write` receives the output of the last command.
 
     Raises:
         CourseError: One of the tools is not there, or the line cannot be read.
@@ -68,7 +68,7 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
 
 @contextmanager
 def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
-    """Start commands that read from each other; gives what writes into the first, like a file's write.
+    """Start commands as a pipeline; provides a function that writes to the first one's input.
 
     What comes out of the last one is passed on at once. Raises a CourseError if one is not there.
     """
@@ -102,7 +102,7 @@ def through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
 def _start(
     words: Sequence[str], running: list[subprocess.Popen[bytes]], out: IO[bytes] | int, errors: IO[bytes]
 ) -> None:
-    """Start a program that reads from the last one that is running."""
+    """Start a program that reads from the last of the running ones."""
     at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []  # lines come as in a terminal
     source = running[-1].stdout if running else subprocess.PIPE
     started = subprocess.Popen(
@@ -118,12 +118,12 @@ def _start(
 
 
 def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
-    """End what goes on when ■ was pressed again; those that have ended do not mind."""
+    """Kill the programs that still run after a second ■."""
     for process in running:
         process.kill()
         process.wait()
 
 
 def _pass_on(out: IO[bytes], write: Write) -> None:
-    """Write what has been added to a file since its place."""
+    """Write the text that has been appended to a file since the last call."""
     write(out.read().decode(errors="replace"))

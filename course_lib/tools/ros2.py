@@ -1,4 +1,4 @@
-"""The `ros2` command line: a table of its verbs, over a run's nodes or a recording."""
+"""The `ros2` command line: the tables of its verbs and of the kit's executables."""
 
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import current_graph
 from course_lib.tools.action import ACTION_VERBS
-from course_lib.tools.bag.info import BAG_INFO
-from course_lib.tools.bag.play import BAG_PLAY
-from course_lib.tools.bag.record import BAG_RECORD
+from course_lib.tools.bag import BAG_INFO, BAG_PLAY, BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
 from course_lib.tools.interface import INTERFACE_VERBS
@@ -21,15 +19,12 @@ from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
-from course_lib.tools.tf2.echo import TF2_ECHO
-from course_lib.tools.tf2.monitor import TF2_MONITOR
-from course_lib.tools.tf2.static_transform_publisher import STATIC_TRANSFORM_PUBLISHER
-from course_lib.tools.tf2.view_frames import VIEW_FRAMES
-from course_lib.tools.topic.echo import TOPIC_ECHO
+from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR
 from course_lib.tools.topic.list import TOPIC_LISTS
-from course_lib.tools.topic.measure import TOPIC_MEASURES
 from course_lib.tools.topic.pub import TOPIC_PUB
+from course_lib.tools.topic.subscribe import TOPIC_ECHO, TOPIC_MEASURES
 from course_lib.tools.verb import Verb, Write
+from course_lib.tools.view_frames import VIEW_FRAMES
 
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import Executables
@@ -101,7 +96,7 @@ HELP = {"-h", "--help"}
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
-    """Do what `ros2 <words>` does; `write` takes what ROS prints.
+    """Run `ros2 <words>`; `write` receives the output.
 
     Raises:
         CourseError: No such command or argument, or what the command itself finds wrong.
@@ -126,12 +121,12 @@ def find_verb(words: Sequence[str]) -> Verb | None:
 
 
 class _Parser(ArgumentParser):
-    """An argument parser that leaves the process alone."""
+    """An argument parser that raises instead of exiting."""
 
     write: Write
 
     def error(self, message: str) -> NoReturn:
-        """Show how it is written, and say in one line what is wrong."""
+        """Print the usage, and raise the message with the nearest option."""
         self.write(self.format_usage())
         if message.startswith("unrecognized arguments: -"):
             message += did_you_mean(message.split()[2], self._option_string_actions)
@@ -147,7 +142,7 @@ def _parser(verb: Verb, write: Write) -> ArgumentParser:
 
 
 def _explain(words: list[str], write: Write) -> None:
-    """List what can follow the words that lead to a verb; a word that does not lead on is an error."""
+    """Print the words that can follow an incomplete command; raises a CourseError for a wrong one."""
     known = 0
     while any(verb.words[: known + 1] == words[: known + 1] for verb in VERBS) and known < len(words):
         known += 1

@@ -7,9 +7,8 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import service_class, type_name
 from course_lib.ros.topics import SERVICE_TOPICS
-from course_lib.tools.asking import answer, check_type, kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.sources import Source, is_hidden
+from course_lib.tools.message_yaml import check_type, fill, kind_of
+from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Verb,
@@ -25,16 +24,14 @@ from course_lib.tools.verb import (
     write_names,
 )
 
-PATIENCE = 10.0  # [s] for a service and its answer, if nobody can press ■
+CALL_LIMIT = 10.0  # [s] for a service and its answer, if nobody can press ■
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the services' names."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     write_names(_services(source, arguments.hidden), arguments, write)
 
 
-def info(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a service's type and how many ask and answer; raises a CourseError if there is none."""
+def _info(source: Source, arguments: Namespace, write: Write) -> None:
     name, there = arguments.service_name, _services(source, True)
     if name not in there:
         raise CourseError(f"Unknown service '{name}'{did_you_mean(name, there)}")
@@ -45,12 +42,11 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
     write(f"Services count: {len(source.endpoints(f'{prefix}{name}{suffix}', 'sub'))}\n")
 
 
-def call(source: Source, arguments: Namespace, write: Write) -> None:
-    """Ask a service, once or at a rate; raises a CourseError for what cannot be asked."""
+def _call(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit, there = arguments.service_name, source.limit(PATIENCE), _services(source, True)
+    name, limit, there = arguments.service_name, source.limit(CALL_LIMIT), _services(source, True)
     check_type(name, type_name(kind.Request).removesuffix("_Request"), there)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
@@ -69,7 +65,7 @@ def call(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _services(source: Source, with_hidden: bool) -> dict[str, list[str]]:
-    """Give each service's types, sorted."""
+    """Return the sorted types of each service, by name."""
     from rclpy.impl.graph_queries import services
 
     found = services(source.graph.endpoints())
@@ -87,9 +83,9 @@ _CALL = (
     value("-r", "--rate", metavar="N", type=positive(float), help="Repeat the call at a specific rate in Hz"),
 )
 SERVICE_VERBS = (
-    Verb("service", "list", "Output a list of available services", (*NODE_OPTIONS, *_LIST), list_all),
+    Verb("service", "list", "Output a list of available services", (*NODE_OPTIONS, *_LIST), _list_all),
     type_verb("service", "Output a service's type", _services, _NAME),
     find_verb("service", _services, _TYPE),
-    Verb("service", "info", "Print information about a service", (*NODE_OPTIONS, _NAME), info),
-    Verb("service", "call", "Call a service", (*NODE_OPTIONS, *_CALL), call),
+    Verb("service", "info", "Print information about a service", (*NODE_OPTIONS, _NAME), _info),
+    Verb("service", "call", "Call a service", (*NODE_OPTIONS, *_CALL), _call),
 )

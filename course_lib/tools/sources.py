@@ -1,4 +1,4 @@
-"""Where the tools look: at the nodes of a run, or at a recording."""
+"""Sources of the tools' data: the nodes of a run, or a recording."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
@@ -15,36 +15,39 @@ from course_lib.ros.driving import running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph, Sample
 from course_lib.ros.qos import Qos, incompatible
 
+if TYPE_CHECKING:
+    from rclpy.node import Node
+    from rclpy.task import Future
+
 ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
     "/parameter_events": ["rcl_interfaces/msg/ParameterEvent"],
     "/rosout": ["rcl_interfaces/msg/Log"],
 }
 NODE_NAME = "_ros2cli"  # ROS hides names that begin with an underscore
 PLAYER = "rosbag2_player"  # the node that publishes when ROS plays a recording
-DISCOVERY = 0.5  # [s] that ros2cli looks for nodes before it says what there is
+DISCOVERY = 0.5  # [s] that ros2cli waits for nodes to come up
 
-
-Heard = tuple[int, Sample | None]  # robot time [ns], and what came; nothing where only time went by
+TimedSample = tuple[int, Sample | None]  # robot time [ns] and a message; None at a tick of the clock
 
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """How long a tool listens, in all and without a message, and how often it is told the time, [s]."""
+    """Limits of a stream: in all, without a message, and the interval between its ticks, [s]."""
 
     seconds: float | None = None
     patience: float | None = None
-    every: float | None = None  # the first time at the start
+    every: float | None = None  # the first tick is at the start
 
 
 class Source(ABC):
-    """What the tools want to know.
+    """Topics, endpoints and messages for tools.
 
     Args:
-        graph: The nodes to look at.
-        always_there: Topics that are there without them, with their types.
+        graph: The nodes.
+        always_there: Topics that exist without nodes, with their types.
     """
 
-    live: bool  # whether nodes run that can be asked and waited for
+    live: bool  # whether nodes run that can be called and waited for
     discovery = 0.0  # [s] to wait for nodes that are coming up
 
     def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
@@ -52,7 +55,7 @@ class Source(ABC):
         self._always_there = always_there
 
     def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
-        """Give each topic's types, sorted; with those that are always there, if wanted with hidden ones."""
+        """Return the sorted types of each topic, by name."""
         found = {name: set(types) for name, types in self._always_there.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
             found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
@@ -63,28 +66,28 @@ class Source(ABC):
         return [e for e in self.graph.endpoints() if e.topic == topic and e.kind == kind]
 
     def offered(self, topic: str) -> list[Qos]:
-        """Give the QoS that the topic's publishers offer."""
+        """List the QoS of the topic's publishers."""
         return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Say how long an endless tool goes on, [s], if `enough` will do; None: until ■, or the end."""
+        """Return the longest time of an endless tool, [s]: `enough`, or None until ■ or the run's end."""
         return None
 
     @abstractmethod
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Let time go by until it is ready, at most so much robot time [s]; says whether it is."""
+        """Wait for at most so much robot time [s]; return the last value of `ready()`."""
 
     @abstractmethod
-    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
-        """Yield the messages of several topics, and the time."""
+    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+        """Yield the messages of several topics, and ticks."""
 
     @abstractmethod
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """Say what keeps messages from coming, as a sentence with a space before it, or ""."""
+        """Return the reason for a topic without messages, as a sentence behind a space, or ""."""
 
 
 class GraphSource(Source):
-    """The nodes of a run; waiting for messages drives those that run live."""
+    """The nodes of a run; waiting for messages runs those that are live."""
 
     live = True
 
@@ -93,7 +96,7 @@ class GraphSource(Source):
         self.discovery = discovery
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Without a page nobody presses ■; outside of notebooks a run has its own end."""
+        """Return a limit for notebooks without a page, in which nobody presses ■."""
         return enough if self.graph.notebook and pace.wanted() == "fast" else None
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
@@ -106,14 +109,14 @@ class GraphSource(Source):
             )
         return wait_for(ready, seconds=seconds)
 
-    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
-        """Yield what arrives at subscriptions of our own."""
-        graph, every = self.graph, listening.every
+    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+        """Yield the messages that reach subscriptions of a node of our own, and ticks."""
+        graph, every = self.graph, limits.every
         start_ns = heard_ns = tick_ns = graph.now_ns
-        with self._heard(topics, type_name) as arrived:
+        with self._arrivals(topics, type_name) as arrived:
             while True:
-                limits = [(start_ns, listening.seconds), (heard_ns, listening.patience)]
-                ends = [since + round(time * 1e9) for since, time in limits if time is not None]
+                spans = [(start_ns, limits.seconds), (heard_ns, limits.patience)]
+                ends = [since + round(time * 1e9) for since, time in spans if time is not None]
                 due = [*ends, tick_ns] if every else ends
                 left = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
                 if self.wait(lambda: bool(arrived), left):
@@ -126,7 +129,7 @@ class GraphSource(Source):
                     return
 
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """Say what keeps messages from coming."""
+        """Name missing publishers, incompatible QoS or missing nodes."""
         offered = self.offered(topic)
         if not offered:
             return " Nobody publishes on it."
@@ -138,26 +141,25 @@ class GraphSource(Source):
         return " No node is running: start one, like run_live(MyNode())."
 
     @contextmanager
-    def _heard(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, Sample]]]:
-        """Subscribe for a while; gives what arrives."""
+    def _arrivals(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, Sample]]]:
+        """Subscribe within a `with` block, to a queue that messages are appended to."""
         arrived: deque[tuple[int, Sample]] = deque()
-
         node = self.graph.add_node(NODE_NAME, "/")
 
-        def hear(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
-            sample = Sample(source_ns, topic, type_name, cdr, topics[topic], node)  # as it was heard
+        def receive(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
+            sample = Sample(source_ns, topic, type_name, cdr, topics[topic], node)
             arrived.append((received_ns, sample))
 
         try:
             for topic, qos in topics.items():
-                self.graph.add_subscription(node, 0, topic, type_name, qos, partial(hear, topic))
+                self.graph.add_subscription(node, 0, topic, type_name, qos, partial(receive, topic))
             yield arrived
         finally:
             self.graph.remove_node(node)
 
 
 class RecordingSource(Source):
-    """A recording: as if it were played, in no time."""
+    """A recording, streamed as if it were played, in no time."""
 
     live = False
 
@@ -170,15 +172,15 @@ class RecordingSource(Source):
                 self.graph.add_publisher(player, topic.name, topic.type_name, qos)
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Say whether it is ready: nothing changes any more."""
+        """Return `ready()`: nothing changes in a recording."""
         return ready()
 
-    def stream(self, topics: Mapping[str, Qos], type_name: str, listening: Listening) -> Iterator[Heard]:
-        """Yield what was recorded; a recording keeps nobody waiting."""
+    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+        """Yield the recorded messages, and ticks."""
         tick_ns, end_ns = self.recording.start_ns, self.recording.end_ns
-        step_ns = round((listening.every or 0.0) * 1e9)
-        if listening.seconds is not None:
-            end_ns = tick_ns + round(listening.seconds * 1e9)
+        step_ns = round((limits.every or 0.0) * 1e9)
+        if limits.seconds is not None:
+            end_ns = tick_ns + round(limits.seconds * 1e9)
         for sample in (*self.recording.samples, None):
             while step_ns and tick_ns <= end_ns and (sample is None or tick_ns < sample.stamp_ns):
                 yield tick_ns, None
@@ -189,10 +191,38 @@ class RecordingSource(Source):
                 yield sample.stamp_ns, sample
 
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """A recorded topic has messages: only a time limit keeps them away."""
+        """Return the one reason: the topic has messages, but the limit ends before them."""
         return " All of them were recorded later."
 
 
 def is_hidden(name: str) -> bool:
-    """Say whether ROS hides a topic, a service or a node: a part of its name begins with an underscore."""
+    """Return whether a part of a topic's, service's or node's name begins with an underscore."""
     return any(part.startswith("_") for part in name.split("/"))
+
+
+@contextmanager
+def own_node(source: Source, name: str = NODE_NAME) -> "Iterator[Node]":
+    """Run a node of the tool's own, together with the live ones, within a `with` block.
+
+    Raises:
+        CourseError: The source is a recording.
+    """
+    if not source.live:
+        raise CourseError("A recording gives no answers. Ask nodes that run: course ros2 --run program.py …")
+    source.wait(lambda: True, 0.0)  # raises if rclpy is not started
+    from rclpy.node import Node
+
+    node = Node(name, start_parameter_services=False, enable_rosout=False)
+    running_nodes().append(node)
+    try:
+        yield node
+    finally:
+        running_nodes().remove(node)
+        node.destroy_node()
+
+
+def answer(source: Source, future: "Future[Any]", server: str, seconds: float | None) -> Any:
+    """Return a future's result; raises a CourseError if it takes longer than so many seconds."""
+    if not source.wait(future.done, seconds):
+        raise CourseError(f"{server} does not answer: is it running? Start it, like run_live(node).")
+    return future.result()

@@ -1,4 +1,4 @@
-"""Where the scene is seen from."""
+"""The camera of a scene."""
 
 from dataclasses import dataclass
 from math import pi, tan
@@ -30,7 +30,9 @@ class Camera:
         for name in ("eye", "target", "up"):
             value = tuple(float(number) for number in getattr(self, name))
             if len(value) != 3 or not np.isfinite(value).all():
-                raise CourseError(f"Camera({name}={value}) is no point: give three finite numbers (x, y, z).")
+                raise CourseError(
+                    f"Camera({name}={value}) is not a point: give three finite numbers (x, y, z)."
+                )
             object.__setattr__(self, name, value)
         if self.eye == self.target:
             raise CourseError(f"The camera's eye and target are both {self.eye}: it looks nowhere.")
@@ -49,7 +51,7 @@ class Camera:
         return transform_scene_to_camera
 
     def pixels_per_metre(self, depth: Reals, height: int) -> Reals:
-        """Say how large a metre is in a picture of some height in pixels, at depths ahead of the eye."""
+        """Return the pixels per metre at depths ahead of the eye, in a picture of some height in pixels."""
         if self.orthographic_scale is not None:
             return np.full_like(depth, self.orthographic_scale)
         return 0.5 * height / tan(self.vertical_fov / 2) / depth

@@ -1,4 +1,4 @@
-"""How a scene is written for a page: msgpack, with arrays as meshcat's own decoder reads them."""
+"""Scenes as msgpack for a page, with arrays as meshcat's own decoder reads them."""
 
 from typing import Any
 
@@ -73,7 +73,7 @@ def columns(matrices: Float32s) -> Float32s:
 
 
 def _extended(value: Any) -> Any:
-    """Write what msgpack does not know; meshcat's umsgpack.Ext is told by its two fields."""
+    """Write what msgpack does not know; meshcat's umsgpack.Ext is recognized by its two fields."""
     if isinstance(value, np.ndarray):
         return _packed_array(value)
     if isinstance(value, np.generic):

@@ -1,4 +1,4 @@
-"""What a scene did over time, to be played again."""
+"""The changes of a scene over time, to be played again."""
 
 from collections import deque
 from collections.abc import Callable
@@ -15,14 +15,14 @@ _OF_ALL = ("background", "camera", "animation")  # what belongs to the scene, no
 
 
 class Film:
-    """Follows a scene and remembers its changes, with times.
+    """The changes of a scene, with times.
 
     Values are kept as they were set, and written down only when somebody wants them. What is older than the
     limits is folded into the first picture.
 
     Args:
         scene: What to follow.
-        now: Says the time, [s]; the film starts anew when it runs backwards.
+        now: Says the time, [s]; the film restarts when it runs backwards.
         seconds: How much time is kept, [s].
         megabytes: How much memory may be used.
         interval: Changes within so many [s] are one frame.
@@ -48,7 +48,7 @@ class Film:
 
     @property
     def duration(self) -> float:
-        """How much time can be played, [s]."""
+        """The time that can be played, [s]."""
         return max(self._now() - self._start, 0.0)
 
     def packed(self) -> bytes:
@@ -70,7 +70,7 @@ class Film:
         return encoding.pack({"start": start, "end": end, "note": self.note(), "batches": batches})
 
     def note(self) -> str:
-        """Say what is missing, if anything is."""
+        """The text about parts that are missing, or ""."""
         if not self.forgotten:
             return ""
         return f"It plays the last {self.duration:.0f} s; what was before took too much room."
@@ -106,7 +106,7 @@ class _Frame:
         self.changes: dict[tuple[What, str], Any] = {}
 
     def add(self, what: What, path: str, value: Any) -> int:
-        """Take a change; returns about how many bytes more are held."""
+        """Add a change; returns an estimate of the additional bytes."""
         before = self.changes.pop((what, path), None)  # the order of the last changes counts
         self.changes[what, path] = value
         size = _size(value) - (0 if before is None else _size(before))

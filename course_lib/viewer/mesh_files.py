@@ -18,7 +18,7 @@ FORMATS = ("dae", "stl", "obj")
 
 # What paints the parts of a DAE file; pycollada drops those whose material is broken, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
-_PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)  # where a file says nothing
+_PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)  # of a file without colours
 
 
 class MeshFileError(CourseError):
@@ -33,7 +33,7 @@ def load_mesh(path: Path, color: tuple[float, ...] | None = None) -> Mesh:
         color: RGBA of all of it; None takes the file's own materials, and grey where it has none.
 
     Raises:
-        MeshFileError: If it is no such file, or a broken one.
+        MeshFileError: If it is not such a file, or broken.
     """
     try:
         return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), color, path.parent)
@@ -49,16 +49,18 @@ def parse_mesh(
     from trimesh.units import unit_conversion  # here: heavy
 
     if file_format not in FORMATS:
-        raise MeshFileError(f"{file_format!r} is no known format of meshes; take {', '.join(FORMATS)}.")
+        raise MeshFileError(f"{file_format!r} is not a known format of meshes; take {', '.join(FORMATS)}.")
     try:
         scene, parts = _read(data, file_format, folder)
         if not parts and _PAINT.search(data):
             scene, parts = _read(_PAINT.sub(b"", data), file_format, folder)
         unit = unit_conversion(scene.units or "meters", "meters")  # [m]
     except Exception as error:  # its readers raise whatever a broken file leads to
-        raise MeshFileError(f"This is no {file_format.upper()} file that can be read: {error}") from error
+        raise MeshFileError(f"This is not a {file_format.upper()} file that can be read: {error}") from error
     if not any(len(mesh.faces) for mesh, _ in parts):
-        raise MeshFileError(f"This is no {file_format.upper()} file that can be read: it has no triangles.")
+        raise MeshFileError(
+            f"This is not a {file_format.upper()} file that can be read: it has no triangles."
+        )
     return _joined(parts, unit, color)
 
 

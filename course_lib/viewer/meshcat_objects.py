@@ -1,4 +1,4 @@
-"""What the meshcat package describes, as our own drawables: they look alike in pages and in pictures."""
+"""meshcat's objects as drawables, which look alike in pages and in pictures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
@@ -7,8 +7,18 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from course_lib.arrays import Float32s, Matrix
-from course_lib.viewer.arrays import floats, rgba
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Shape, Solids, Text
+from course_lib.viewer.drawables import (
+    Drawable,
+    Lines,
+    Mesh,
+    MeshcatObject,
+    Points,
+    Shape,
+    Solids,
+    Text,
+    floats,
+    rgba,
+)
 from course_lib.viewer.mesh_files import parse_mesh
 
 Json: TypeAlias = Mapping[str, Any]

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from course_lib.arrays import Vector
-from course_lib.viewer.flow import running_loop
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.stream import Content, Send, Stream
+from course_lib.viewer.stream import Content, Send, Stream, running_loop
 from course_lib.viewer.wire import MessageError, from_json
 
 
@@ -27,7 +26,7 @@ class Click:
 
 
 class PageLink:
-    """Keeps pages equal to a scene, and hears what is done there.
+    """The connection between a scene and its pages: changes out, messages in.
 
     Callbacks run in the thread of the cells, where nodes run too, if this was made there.
 
@@ -42,8 +41,10 @@ class PageLink:
     ) -> None:
         self.scene = scene
         self.on_click: list[Callable[[Click], None]] = []
-        self.on_views: Callable[[int], None] = lambda count: None  # told how many views all pages have
-        self.at_once: dict[str, Callable[[Content], None]] = {}  # by kind, called in the thread that hears
+        self.on_views: Callable[[int], None] = lambda count: (
+            None
+        )  # called with the number of views in all pages
+        self.at_once: dict[str, Callable[[Content], None]] = {}  # by kind, called in the receiving thread
         self._send = send
         self._turn = turn
         self._stream = Stream(scene, send, self._note_views)
@@ -53,11 +54,11 @@ class PageLink:
 
     @property
     def ready(self) -> bool:
-        """Whether a page shows the scene."""
+        """A page shows the scene."""
         return any(page.views for page in self._flow.pages.values())
 
     def listen(self, kind: str, callback: Callable[[Content], None]) -> None:
-        """Have a function called with every message of a kind that a page sends."""
+        """Register a callback for every message of a kind that a page sends."""
         self._listeners[kind] = callback
 
     def post(self, content: Content, buffers: Sequence[bytes] = ()) -> None:
@@ -65,7 +66,7 @@ class PageLink:
         self._send(content, list(buffers))
 
     def receive(self, content: Content, buffers: Sequence[Any] = ()) -> None:
-        """Take a message from a page; what it must not say is named in its views, and passed over.
+        """Handle a message from a page; a malformed one is skipped, and its views show a note.
 
         All messages say from which page they come and the last batch that it has.
         """

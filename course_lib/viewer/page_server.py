@@ -1,25 +1,93 @@
 """A scene as a page on 127.0.0.1, for programs outside notebooks."""
 
 import asyncio
+import json
 import secrets
 import socket
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, HTTPError, RequestHandler
+from tornado.websocket import WebSocketHandler
 
 from course_lib.errors import CourseError
+from course_lib.viewer.html import live_page
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
-
-if TYPE_CHECKING:
-    from course_lib.viewer.page_handlers import SocketHandler
 
 _MAX_MESSAGE = 64 << 20  # bytes; a picture that a page sends may be large
 
 
+class _Guarded(RequestHandler):
+    """Base of the handlers: only requests with this host and token are answered."""
+
+    def initialize(self, server: "PageServer") -> None:
+        self.server = server
+
+    def prepare(self) -> None:
+        """Refuse a wrong host or token."""
+        here = self.request.host in {f"{name}:{self.server.port}" for name in ("127.0.0.1", "localhost")}
+        token = self.path_args[0] if self.path_args else ""
+        if not here or not secrets.compare_digest(token.encode(), self.server.token.encode()):
+            raise HTTPError(403, reason="Open the address that was printed, with its token")
+        self.set_header("Cache-Control", "no-store")
+        self.set_header("Referrer-Policy", "no-referrer")
+
+
+class PageHandler(_Guarded):
+    """The handler of the page itself."""
+
+    def get(self, _: str) -> None:
+        """Answer GET."""
+        self.finish(live_page(self.server.title))
+
+
+class SocketHandler(_Guarded, WebSocketHandler):
+    """The WebSocket of one open page; a message is JSON, a line end and the buffers."""
+
+    page: str | None = None  # how the page calls itself
+
+    def check_origin(self, origin: str) -> bool:
+        """Refuse connections from other pages."""
+        return origin == f"http://{self.request.host}"
+
+    def open(self, *_: str, **__: str) -> None:
+        """Begin with the whole scene."""
+        number, snapshot = self.server.link.snapshot()
+        hello = {"type": "reset", "number": number, "label": self.server.title}
+        self.write_message(framed(hello, [snapshot]), binary=True)
+        self.server.sockets.add(self)
+
+    def on_message(self, message: str | bytes) -> None:
+        """Handle a message of the page."""
+        try:
+            content = json.loads(message)
+        except ValueError:
+            self.close(1003, "not JSON")
+            return
+        if isinstance(content, dict):
+            self.page = str(content.get("page", self.page))
+            self.server.link.receive(content)
+
+    def on_close(self) -> None:
+        """Forget the page."""
+        self.server.sockets.discard(self)
+        if self.page is not None:
+            self.server.link.receive({"type": "views", "page": self.page, "count": 0})
+
+
+def framed(content: dict[str, Any], buffers: list[bytes]) -> bytes:
+    """Write a message as one piece."""
+    head = json.dumps(content | {"sizes": [len(buffer) for buffer in buffers]}).encode()
+    return b"\n".join([head, b"".join(buffers)])
+
+
 class PageServer:
-    """Serves a scene to the browsers of this machine, until it is closed or its process ends.
+    """A server of a scene to the browsers of this machine, until it is closed or its process ends.
 
     Args:
         scene: What the page shows.
@@ -52,13 +120,11 @@ class PageServer:
         return f"http://127.0.0.1:{self.port}/{self.token}/"
 
     def listen(self) -> None:
-        """Take the port; the address is known from now on.
+        """Bind the port; the address is known from now on.
 
         Raises:
             CourseError: The port cannot be had.
         """
-        from tornado.netutil import bind_sockets
-
         try:
             self._listening = bind_sockets(self.port, "127.0.0.1")
         except (OSError, OverflowError) as error:
@@ -72,18 +138,13 @@ class PageServer:
         threading.Thread(target=lambda: asyncio.run(self.serve()), name="page", daemon=True).start()
 
     def close(self) -> None:
-        """Stop serving and give the port back; open pages say that nobody is there."""
+        """Stop serving and free the port; open pages show that the program has ended."""
         self.link.close()
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._ended.set)
 
     async def serve(self) -> None:
         """Serve where it listens, until it is closed or this is cancelled."""
-        from tornado.httpserver import HTTPServer
-        from tornado.web import Application
-
-        from course_lib.viewer.page_handlers import PageHandler, SocketHandler
-
         self._loop = asyncio.get_running_loop()
         handlers = (("", PageHandler), ("socket", SocketHandler))
         routes = [(rf"/([^/]*)/{name}", handler, {"server": self}) for name, handler in handlers]
@@ -100,8 +161,6 @@ class PageServer:
 
     def _send(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         """Send to all pages, from any thread."""
-        from course_lib.viewer.page_handlers import framed
-
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._broadcast, framed(content, buffers))
 

@@ -8,11 +8,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from course_lib.arrays import Matrix
+from course_lib.arrays import Matrix, Reals
 from course_lib.errors import CourseError
-from course_lib.viewer.arrays import checked
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Sheet, Solids, Text, checked
 
 What: TypeAlias = Literal["object", "transform", "visible", "delete", "background", "camera", "animation"]
 Listener: TypeAlias = Callable[[What, str], None]
@@ -48,7 +47,7 @@ class Node:
 
 
 class Scene:
-    """What is to be seen, whether or not anybody looks.
+    """A tree of drawables, shown or not.
 
     Paths name nodes from the root, like ``displays/Marker/basic_shapes/0``; what is set on a node that is
     not there makes it. Setters may be called from any thread. Listeners are told what changed, and where.
@@ -96,7 +95,7 @@ class Scene:
             self._tell("animation", "")
 
     def delete(self, path: str) -> None:
-        """Remove a node with all below it; a node that is not there is no error, "" empties the scene."""
+        """Remove a node with all below it; a missing node is not an error, "" empties the scene."""
         with self.lock:
             node = self.find(path)
             if node is None:
@@ -123,7 +122,7 @@ class Scene:
 
     @property
     def camera(self) -> Camera:
-        """Where the scene is seen from, until somebody turns a view by hand."""
+        """The camera of views that were not turned by hand."""
         return self._camera
 
     @camera.setter
@@ -133,7 +132,7 @@ class Scene:
             self._tell("camera", "")
 
     def remember_camera(self, camera: Camera) -> None:
-        """Have pages that come later look from where a view was turned to; others stay as they are."""
+        """Set the camera for pages that come later; open ones stay as they are."""
         with self.lock:
             self._camera = camera
 
@@ -159,7 +158,7 @@ class Scene:
         return transform
 
     def visible(self, path: str) -> bool:
-        """Say whether a node and all above it are shown."""
+        """Return whether a node and all above it are shown."""
         return all(node.visible for node in self.node(path).upwards())
 
     def node(self, path: str) -> Node:
@@ -181,7 +180,7 @@ class Scene:
         return self._nodes.get(path) or self._nodes.get(_normal(path))
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Have a function called at every change, with what changed and the path; returns "stop"."""
+        """Register a callback for every change, called with its kind and the path; returns "stop"."""
         self._listeners += (listener,)
 
         def stop() -> None:
@@ -205,3 +204,52 @@ class Scene:
 def _normal(path: str) -> str:
     """Drop the slashes that name nothing: ``/meshcat//box/`` is ``meshcat/box``."""
     return "/".join(name for name in path.split("/") if name)
+
+
+LIMIT = 20  # objects that are listed one by one
+
+
+def summary(scene: Scene) -> list[str]:
+    """Return a line for each object that is shown: its path, what it is, and where its middle is in [m]."""
+    shown = [(path, thing) for path, thing in scene.objects().items() if scene.visible(path)]
+    lines = [f"{path}: {_what(thing)} at {_middle(scene, path, thing)}" for path, thing in shown[:LIMIT]]
+    return lines + ([f"and {len(shown) - LIMIT} more"] if len(shown) > LIMIT else [])
+
+
+def _what(thing: Drawable) -> str:
+    if isinstance(thing, Solids):
+        name = {"sphere": "ellipsoid"}.get(thing.shape, thing.shape)
+        return _counted(len(thing.placements), name)
+    if isinstance(thing, Mesh):
+        return _counted(len(thing.faces), "triangle")
+    if isinstance(thing, Points):
+        return _counted(len(thing.points), "point")
+    if isinstance(thing, Lines):
+        return _counted(len(thing.points) - 1 if thing.strip else len(thing.points) // 2, "line")
+    if isinstance(thing, Sheet):
+        return f"{thing.cells.shape[1]} x {thing.cells.shape[0]} cells"
+    return f"the words {thing.text!r}" if isinstance(thing, Text) else "an object of meshcat"
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}{'es' if name == 'box' else 's'}" if count != 1 else f"1 {name}"
+
+
+def _middle(scene: Scene, path: str, thing: Drawable) -> str:
+    """Return the middle of what an object's points span, in the scene's frame."""
+    points: Reals
+    if isinstance(thing, Solids):
+        points = thing.placements[:, :3, 3]
+    elif isinstance(thing, Mesh):
+        points = thing.vertices
+    elif isinstance(thing, Sheet):
+        rows, columns = thing.cells.shape
+        points = np.array([(0, 0, 0), (columns * thing.width, rows * thing.width, 0)])
+    else:
+        points = thing.points if isinstance(thing, Lines | Points) else np.zeros((1, 3))
+    transform = scene.world_transform(path)
+    if not len(points):
+        return "nowhere"
+    placed = points @ transform[:3, :3].T + transform[:3, 3]
+    x, y, z = np.round((placed.min(axis=0) + placed.max(axis=0)) / 2, 2) + 0.0  # no minus zero
+    return f"({x:g}, {y:g}, {z:g})"

@@ -1,29 +1,111 @@
-"""The changes of a scene as numbered batches, for pages that follow it."""
+"""The changes of a scene as numbered batches, for pages that follow it; slow pages get fewer batches."""
 
+import asyncio
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from course_lib.viewer import encoding
-from course_lib.viewer.flow import Flow
 from course_lib.viewer.scene import Node, Scene, What
+
+_BATCHES, _BYTES = 4, 1 << 18  # of what is sent, pages are asked to answer
+_QUESTIONS = 3  # may be open at a time
+
+
+@dataclass
+class Page:
+    """The progress of a page."""
+
+    number: int  # of the last batch that it has
+    views: int = 1
+
+
+class Flow:
+    """Flow control: batches that pages have not answered yet are counted, so that none pile up.
+
+    Most front-ends' answers wait until the running cell ends, which is not the pages' fault: until then
+    everything is sent. JupyterLab's come in between, in a thread of their own.
+    """
+
+    def __init__(self) -> None:
+        self.pages: dict[str, Page] = {}
+        self._loop = running_loop()  # that of the cells, if this is a kernel
+        self._hears_in_cells = False
+        self._open: deque[int] = deque()  # batches that pages were asked about
+        self._batches = self._bytes = 0  # since the last question
+        self._idle_at = -1  # number of a batch after which the kernel could receive answers
+
+    def heard(self, name: str, number: int) -> bool:
+        """Note how far a page has come; say whether it is a new one."""
+        self._hears_in_cells |= threading.current_thread() is not threading.main_thread()
+        is_new = name not in self.pages
+        self.pages.setdefault(name, Page(number)).number = number
+        self._settle()
+        return is_new
+
+    def left(self, name: str) -> None:
+        """Forget a page."""
+        self.pages.pop(name, None)
+        self._settle()
+
+    def sent(self, number: int, size: int) -> bool:
+        """Count a batch of a size in bytes; say whether pages shall answer it."""
+        self._batches, self._bytes = self._batches + 1, self._bytes + size
+        if self._batches < _BATCHES and self._bytes < _BYTES:
+            return False
+        self._batches = self._bytes = 0
+        self._open.append(number)
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._idle, number)
+        return True
+
+    def room(self) -> bool:
+        """Return whether one more batch may be sent."""
+        questions = tuple(self._open)  # pages answer in other threads
+        is_deaf = self._loop is not None and not self._hears_in_cells
+        return len(questions) < _QUESTIONS or (is_deaf and self._idle_at < questions[0])
+
+    def give_up(self) -> None:
+        """Forget the pages that have not answered."""
+        late = self._open[0] if self._open else -1
+        self.pages = {name: page for name, page in self.pages.items() if page.number >= late}
+        self._open.clear()
+
+    def _settle(self) -> None:
+        slowest = min((page.number for page in tuple(self.pages.values())), default=-1)
+        while self._open and self._open[0] <= slowest:
+            self._open.popleft()
+
+    def _idle(self, number: int) -> None:
+        self._idle_at = number
+
+
+def running_loop() -> asyncio.AbstractEventLoop | None:
+    """Return the event loop of this thread, or None."""
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None
+
 
 Content: TypeAlias = dict[str, Any]
 Send: TypeAlias = Callable[[Content, list[bytes]], None]
 
 INTERVAL = 1 / 40  # [s] between two batches
-PATIENCE = 10.0  # [s] until a page that does not answer is taken for gone
+LONGEST_SILENCE = 10.0  # [s] until a page that does not answer is taken for gone
 
 
 class Stream:
-    """Follows a scene and sends what has changed since the last batch, the last value of each thing only.
+    """The changes of a scene since the last batch, sent with the last value of each thing only.
 
     While it is not connected it does nothing but remember that a page would need a snapshot. Then a thread of
-    its own sends: a timer started by whoever changes the scene would live by that one's time, robot time.
+    its own sends: a timer started by a node's thread would run by robot time.
 
     Args:
         scene: What to follow.
@@ -117,7 +199,7 @@ class Stream:
             self._send({"type": "batch", "number": self.number, "ask": asks}, [packed])
 
     def _refresh(self) -> None:
-        """Make older snapshots known as such, if something has changed since."""
+        """Count a batch if something has changed since the last snapshot."""
         self.number += self._stale
         self._stale = False
 
@@ -142,7 +224,7 @@ class Stream:
             if self._closed:
                 return
             silence = 0.0 if self.flow.room() else silence + INTERVAL
-            if silence > PATIENCE:
+            if silence > LONGEST_SILENCE:
                 self.flow.give_up()
                 self._on_silence()
             elif not silence:
@@ -155,7 +237,7 @@ class Stream:
             if self._broken:
                 self._broken = False
                 self.reset()
-                self.say("An interrupt cut off a change of the scene; it has been sent anew, whole.")
+                self.say("An interrupt cut off a change of the scene; it has been sent again, whole.")
             self.flush()
         except Exception as error:  # whatever a closed connection leads to; a page may come back over it
             self._broken, self._stale = False, True

@@ -2,16 +2,96 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from course_lib.arrays import Bools, Bytes, Float32s, Matrix
 from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Lines, Mesh, Points, Sheet, Solids, Text
+from course_lib.viewer.drawables import (
+    OPAQUE_FROM,
+    Drawable,
+    Lines,
+    Mesh,
+    Points,
+    Shape,
+    Sheet,
+    Solids,
+    Spot,
+    Text,
+)
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.shapes import SQUARE, unit_shape, unit_spot
 from course_lib.viewer.text import rasterized
+
+_ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
+
+# (radius, height) from the bottom to the top, to be turned around z.
+_PROFILES: dict[Shape, Matrix] = {
+    "box": np.array([(0, -0.5), (0.5**0.5, -0.5), (0.5**0.5, 0.5), (0, 0.5)]),
+    "sphere": np.column_stack([np.cos(_ARC), np.sin(_ARC)]) / 2,
+    "cylinder": np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)]),
+    "cone": np.array([(0, -0.5), (0.5, -0.5), (0, 0.5)]),
+}
+
+_CORNERS = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
+SQUARE = np.array(_CORNERS, np.float32)[[[0, 1, 2], [0, 2, 3]]]  # two triangles, shape (2, 3, 3)
+_BOX_SHADES = np.array([(0.6, 0.6), (0.4, 1.0), (0.9, 0.5)], np.float32)  # of the sides +x -x, +y -y, +z -z
+_DISC_SHADES = np.array([[1.0], [0.8], [0.8]], np.float32)  # of its middle and its rim
+
+
+class Surface(NamedTuple):
+    """Triangles that share nothing: corners and normals, both of shape (T, 3, 3)."""
+
+    corners: Float32s
+    normals: Float32s
+
+
+@cache
+def unit_shape(shape: Shape, steps: int) -> Surface:
+    """Return a shape as `Solids` describes it, with that many corners around its axis; a box has four."""
+    profile, steps = _PROFILES[shape], 4 if shape == "box" else steps
+    angles = (np.arange(steps + 1) + 0.5) * 2 * np.pi / steps
+    corners = _quads(_revolved(profile[:-1], angles), _revolved(profile[1:], angles))
+    if shape == "sphere":
+        return Surface(corners, corners)
+    if shape == "box":
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return Surface(corners, flat[:, None].repeat(3, axis=1))
+    outward = _revolved(np.diff(profile, axis=0)[:, ::-1] * [1, -1], angles)
+    return Surface(corners, _quads(outward, outward))
+
+
+@cache
+def unit_spot(spot: Spot) -> tuple[Float32s, Float32s]:
+    """Return triangles, shape (T, 3, 3), and how bright RViz makes their corners, shape (T, 3, 1).
+
+    The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
+    """
+    if spot in ("square", "tile"):
+        return SQUARE, np.ones((2, 3, 1), np.float32)
+    if spot in ("disc", "sphere"):
+        steps, shades = (24, _DISC_SHADES) if spot == "sphere" else (8, np.ones_like(_DISC_SHADES))
+        angles = np.linspace(0, 2 * np.pi, steps + 1, dtype=np.float32)
+        rim = np.column_stack([np.cos(angles) / 2, np.sin(angles) / 2, 0 * angles]).astype(np.float32)
+        return np.stack([0 * rim[1:], rim[:-1], rim[1:]], axis=1), np.tile(shades, (steps, 1, 1))
+    corners, normals = unit_shape("box", 4)
+    negative = (normals.sum(axis=-1) < 0).astype(int)
+    return corners, _BOX_SHADES[np.abs(normals).argmax(axis=-1), negative][..., None]
+
+
+def _revolved(profile: Matrix, angles: Matrix) -> Float32s:
+    """Turn points (radius, height), shape (S, 2), around z; returns shape (A, S, 3)."""
+    radius, height = profile.T
+    x, y = np.outer(np.cos(angles), radius), np.outer(np.sin(angles), radius)
+    return np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1).astype(np.float32)
+
+
+def _quads(low: Float32s, high: Float32s) -> Float32s:
+    """Join what was turned, at the lower and upper ends of segments, to triangles, shape (T, 3, 3)."""
+    corners = [low[:-1], low[1:], high[1:], low[:-1], high[1:], high[:-1]]
+    return np.stack(corners, axis=2).reshape(-1, 3, 3)
+
 
 _ON_SHEETS = 1e-3  # like RViz's depth bias of 16 units some 10 m away
 
@@ -33,7 +113,7 @@ class Triangles:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """How to get from an object to the camera, and how large a pixel is there."""
+    """The transform from an object to the camera, and the size of a pixel there."""
 
     transform_object_to_camera: Matrix
     camera: Camera
@@ -103,7 +183,7 @@ def _solids(solids: Solids, view: Viewpoint) -> Triangles:
 
 
 def _front(corners: Float32s, view: Viewpoint) -> Bools:
-    """Say which triangles turn their front to the camera."""
+    """Return the triangles that turn their front to the camera."""
     towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
     front: Bools = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
     return front

@@ -22,7 +22,7 @@ class Bench:
         self.viewer.add("Marker", topic="/m")
         publish(graph, "/m", marker())
         self.viewer._repr_mimebundle_()
-        self.widget: SceneWidget = self.viewer._panel._view  # type: ignore[assignment]  # it was just shown
+        self.widget: SceneWidget = self.viewer._cell._view  # type: ignore[assignment]  # it was just shown
         host.open(self.widget)
         host.show(self.widget, 780)
         self.heard: list[Sample] = []

@@ -157,7 +157,7 @@ def test_a_view_whose_connection_the_page_closed_is_made_anew(bench: Bench) -> N
     bench.widget.comm.handle_close({})
     bench.viewer.scene.set_visible("displays", False)  # nobody listens, and nothing fails
     bench.viewer._repr_mimebundle_()
-    anew = bench.viewer._panel._view
+    anew = bench.viewer._cell._view
     assert anew is not bench.widget
     assert anew is not None
     bench.host.open(anew)

@@ -7,8 +7,8 @@ from meshcat.animation import Animation
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Mesh, Solids, Text
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.visualizer import Window
 from course_lib.viewer.widget import SceneWidget
-from course_lib.viewer.window import Window
 from tests.browser.fake_host import Host, count
 
 pytestmark = pytest.mark.browser

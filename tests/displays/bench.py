@@ -31,7 +31,7 @@ class Bench:
         self.array = self.session.add("rviz_default_plugins/MarkerArray", "MarkerArray", {"Topic": ARRAY})
 
     def hear(self, topic: str, message: Any, at: float = 0.0, qos: Qos | None = None) -> None:
-        """Let a message be published."""
+        """Publish a message."""
         assert isinstance(message, Message)
         sample = Sample(ns(at), topic, type_name(message), serialize(message), qos or Qos(), 1)
         self.session.receive(sample)
@@ -42,7 +42,7 @@ class Bench:
         self.look(at)
 
     def look(self, at: float = 0.0) -> None:
-        """Make a frame."""
+        """Update the scene."""
         self.session.update(ns(at))
 
     def transform(
@@ -93,7 +93,7 @@ def ns(at: float) -> int:
 def marker(
     kind: int = Marker.CUBE, number: int = 0, *, ns: str = "n", frame: str = "map", **fields: Any
 ) -> Marker:
-    """Make a red marker of 1 m at the origin."""
+    """Create a red marker of 1 m at the origin."""
     made = Marker(type=kind, id=number, ns=ns, **fields)
     made.header.frame_id = frame
     if "scale" not in fields:

@@ -1,4 +1,4 @@
-"""How closely a picture matches another one of the same scene: outline and hue, not brightness."""
+"""Likeness of two pictures of the same scene: outline and hue, not brightness."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -19,7 +19,7 @@ _SAME_HUE = 0.12  # in the share that one channel has of all
 
 @dataclass(frozen=True)
 class Likeness:
-    """How alike two pictures are.
+    """The likeness of two pictures.
 
     Args:
         shape: F1 of the outlines, with a tolerance of two pixels, in [0, 1].

@@ -1,4 +1,4 @@
-"""What every class of display is shown: messages of its type, two at a time, in frames that are known."""
+"""Messages for every class of display: two at a time, in frames that are known."""
 
 from collections.abc import Callable, Iterator
 from typing import Any

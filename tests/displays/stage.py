@@ -1,4 +1,4 @@
-"""What is published to a viewer in a graph, and what it shows of it."""
+"""A stage for viewers: messages published in a graph, and the objects that are shown."""
 
 from typing import Any
 

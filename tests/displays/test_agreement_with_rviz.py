@@ -11,8 +11,7 @@ from PIL import Image
 
 from course_lib.displays.render import scene_of
 from course_lib.recording import read_bag
-from course_lib.viewer.browser import find_browser
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.picture import find_browser, screenshot
 from course_lib.viewer.scene import Scene
 from tests.displays.likeness import COLOUR, SHAPE, likeness
 

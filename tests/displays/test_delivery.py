@@ -1,7 +1,6 @@
 import pytest
 
-from course_lib.displays.delivery import reaches
-from course_lib.displays.display import Interest
+from course_lib.displays.display import Interest, reaches
 from course_lib.displays.statuses import Statuses
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos

@@ -256,8 +256,8 @@ def test_callbacks_hear_clicks(viewer: Viewer, graph: Graph) -> None:
     callback: Callable[[Any], None] = viewer.on_click(heard.append)
     assert callback == heard.append
     viewer._repr_mimebundle_()
-    assert viewer._panel._view is not None
+    assert viewer._cell._view is not None
     click = {"type": "click", "page": "one", "number": 0, "origin": [0, 0, 1], "direction": [0, 0, -1]}
-    viewer._panel._view.link.receive(click)
+    viewer._cell._view.link.receive(click)
     assert [(one.path, one.origin) for one in heard] == [(None, (0, 0, 1))]
     viewer.close()

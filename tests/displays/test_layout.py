@@ -166,10 +166,10 @@ def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
 
 
 BROKEN = {
-    "no end": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is no YAML"),
-    "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is no YAML: found character '\\t'"),
-    "a strange character": ("a: \n  b: \x07\n", "line 2, column 6: this is no YAML: the character 7"),
-    "a loop": ("a: &a [*a]\n", "this is no YAML: it is nested too deeply"),
+    "no end": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is not YAML"),
+    "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is not YAML: found character '\\t'"),
+    "a strange character": ("a: \n  b: \x07\n", "line 2, column 6: this is not YAML: the character 7"),
+    "a loop": ("a: &a [*a]\n", "this is not YAML: it is nested too deeply"),
     "a bomb": (
         "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]\n" for n in range(9)),
         "line 1, column 10: with its aliases .* too many values for a layout",
@@ -187,9 +187,9 @@ def test_what_is_broken_is_named_with_its_place(name: str, tmp_path: Path) -> No
 
 
 ODD = {
-    "a list": ("- a\n- b\n", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
-    "empty": ("", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
-    "another file": ("a: 1\n", "view.rviz is no .rviz file: it has no map 'Visualization Manager'."),
+    "a list": ("- a\n- b\n", "view.rviz is not an .rviz file: it has no map 'Visualization Manager'."),
+    "empty": ("", "view.rviz is not an .rviz file: it has no map 'Visualization Manager'."),
+    "another file": ("a: 1\n", "view.rviz is not an .rviz file: it has no map 'Visualization Manager'."),
     "displays as text": (
         "Visualization Manager:\n  Displays: none\n",
         "line 2, column 13: 'Displays' is 'none', expected a list (lines that begin with '- ').",

@@ -6,12 +6,11 @@ from typing import Any
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from course_lib.displays.layout import read_layout
+from course_lib.displays.layout import read_layout, yaml_text
 from course_lib.displays.registry import REGISTRY
 from course_lib.displays.session import RvizSession
 from course_lib.displays.views import VIEWS
 from course_lib.displays.writer import save_rviz
-from course_lib.displays.yaml_file import yaml_text
 from course_lib.errors import CourseError
 from course_lib.viewer.scene import Scene
 from tests.displays.test_layout import LAYOUT

@@ -4,7 +4,7 @@ import numpy as np
 from geometry_msgs.msg import Point32, PolygonStamped
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import INVALID
+from course_lib.displays.topic_display import INVALID
 from tests.displays.bench import Bench
 
 PATH = "displays/Polygon/drawn/line"

@@ -6,7 +6,7 @@ import pytest
 from geometry_msgs.msg import AccelStamped, TwistStamped, Vector3, WrenchStamped
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import INVALID
+from course_lib.displays.topic_display import INVALID
 from tests.displays.bench import Bench
 
 Make = Callable[..., Any]

@@ -8,7 +8,7 @@ import pytest
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from course_lib.displays.group import Group
+from course_lib.displays.display import Group
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
@@ -105,7 +105,7 @@ def test_a_mistake_is_answered_with_what_would_be_right(name: str, graph: Graph)
 def test_what_is_no_view_is_refused_and_the_old_one_stays() -> None:
     viewer = Viewer()
     with pytest.raises(
-        CourseError, match=r"'TopDownOrtho' is no view; write one like viewer.view = Orbit\(\)"
+        CourseError, match=r"'TopDownOrtho' is not a view; write one like viewer.view = Orbit\(\)"
     ):
         viewer.view = "TopDownOrtho"  # type: ignore[assignment]
     assert isinstance(viewer.view, Orbit)

@@ -1,4 +1,4 @@
-"""How long a viewer listens: while somebody can see it, or has it by a name."""
+"""The life of a viewer: it listens while a page shows it or a name holds it."""
 
 import urllib.request
 import weakref
@@ -44,8 +44,8 @@ def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.Monkey
     viewer = Viewer()
     viewer._repr_mimebundle_()
     posted: list[Any] = []
-    assert viewer._panel._view is not None
-    link = viewer._panel._view.link
+    assert viewer._cell._view is not None
+    link = viewer._cell._view.link
     monkeypatch.setattr(link, "post", posted.append)
     viewer.fixed_frame = "moon"
     link.receive({"type": "desk", "act": "OpenPanels", "page": "one", "number": 0})
@@ -66,8 +66,8 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     viewer = Viewer()
     known = weakref.ref(viewer)
     viewer._repr_mimebundle_()
-    assert viewer._panel._view is not None
-    view = viewer._panel._view
+    assert viewer._cell._view is not None
+    view = viewer._cell._view
     history = {7: viewer, 8: None}
     names = {"_7": viewer, "_": viewer, "_oh": history}
     hook = SimpleNamespace(_=viewer)
@@ -86,8 +86,8 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
 def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
-    assert viewer._panel._view is not None
-    view = viewer._panel._view
+    assert viewer._cell._view is not None
+    view = viewer._cell._view
     view.link.receive({"type": "views", "count": 0})
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())

@@ -1,6 +1,6 @@
 import pytest
 
-from course_lib.displays.yaml_file import parse_yaml, yaml_text
+from course_lib.displays.layout import parse_yaml, yaml_text
 from course_lib.errors import CourseError
 
 # What is read of a scalar, and how it is written again.

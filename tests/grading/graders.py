@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from tests.grading.conftest import RIGHT
 
 GRADE = """
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 if __name__ == "__main__":
     top, out, jobs, flags = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
     course = Course(top / "course/exercises", top / "course/solutions")

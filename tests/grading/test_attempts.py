@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.records import Course
 from tests.grading.platforms import NAME, notebook, zipped
 
 

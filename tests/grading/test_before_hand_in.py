@@ -14,8 +14,8 @@ from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
-from course_lib.grading.grade_one import Course
 from course_lib.grading.handin.submit import Receipt, submit
+from course_lib.grading.records import Course
 
 NODE, HALF, ANSWER = range(3)  # the cells of the right answer
 DEFINED = "def half(length):"

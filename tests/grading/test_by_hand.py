@@ -8,9 +8,9 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.marks.by_hand import mark_by_hand
 from course_lib.grading.marks.mark import results_in
+from course_lib.grading.records import Course
 from course_lib.grading.reports.tables import write_gradebook
 
 WriteNotebook = Callable[..., Path]
@@ -27,7 +27,7 @@ motto = 30
 """
 TASKS = """
 from course_lib.grading.task import Row, Scenario, Task
-from course_lib.grading.vocabulary import expect_text
+from course_lib.grading import expect_text
 
 HINTS = ("a", "b", "c")
 TASKS = (

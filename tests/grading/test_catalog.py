@@ -3,8 +3,8 @@ import pytest
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
-from course_lib.grading.grade_one import Course
 from course_lib.grading.personal import personal_values
+from course_lib.grading.records import Course
 
 
 def test_tasks_points_and_hidden_scenarios_are_found(course: Course) -> None:

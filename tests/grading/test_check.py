@@ -10,8 +10,8 @@ from course_lib.errors import CourseError
 from course_lib.grading import personal
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import CheckFailedError, check
-from course_lib.grading.grade_one import Course
 from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.records import Course
 from course_lib.grading.reports.table import Table
 
 

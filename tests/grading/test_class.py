@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading import grade_one
-from course_lib.grading.executors import Here, Processes, flow
+from course_lib.grading.executors import Here, ProcessPool, flow
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.marks.mark import results_in
+from course_lib.grading.records import Course, catalog_of, rules_of
+from course_lib.grading.run import run
 from course_lib.grading.run.job import Job
-from course_lib.grading.run.run import ExerciseRun, run_scenarios
 from tests.grading.graders import fingerprint, write_class
 
 WriteNotebook = Callable[..., Path]
@@ -25,7 +24,8 @@ def change(path: Path, old: str, new: str) -> None:
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
-    grade_one.catalog_of.cache_clear()
+    catalog_of.cache_clear()
+    rules_of.cache_clear()
 
 
 def marks(out: Path) -> dict[str, Any]:
@@ -36,11 +36,13 @@ def count_runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The keys of what is run from now on."""
     runs: list[str] = []
 
-    def counted(job: Job) -> ExerciseRun:
+    run_scenarios = run.run_scenarios
+
+    def counted(job: Job) -> run.ExerciseRun:
         runs.append(job.key)
         return run_scenarios(job)
 
-    monkeypatch.setattr(grade_one, "run_scenarios", counted)
+    monkeypatch.setattr(run, "run_scenarios", counted)
     return runs
 
 
@@ -151,7 +153,7 @@ def die(number: int) -> int:
 
 
 def test_a_process_that_dies_costs_only_its_own_call() -> None:
-    with Processes(2) as processes:
+    with ProcessPool(2) as processes:
         calls = ((number, [number]) for number in range(5))
         ended = {
             number: future.exception() or future.result() for number, future in flow(processes, die, calls, 4)

@@ -10,11 +10,11 @@ from playwright.sync_api import Page
 from course_lib.course.installation import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.handin.copies import MAX_CODE, alike_in, compare_class
 from course_lib.grading.handin.ids import with_ids
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.marks.mark import results_in
+from course_lib.grading.records import Course
 from tests.grading.test_report_pages import page as page  # a fixture
 from tests.notebooks.graded import cells_of, solution
 from tests.notebooks.test_answers import ANSWERS

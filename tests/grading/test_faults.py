@@ -14,8 +14,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
-from course_lib.grading.out_folder import OutError, sole_use
+from course_lib.grading.records import Course, OutError, sole_use
 from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
 

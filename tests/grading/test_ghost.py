@@ -3,7 +3,7 @@ from typing import Any
 
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.grade_one import Course
+from course_lib.grading.records import Course
 from course_lib.grading.reports.scenes import compared, expected
 
 TOPIC = "/visualization_marker"

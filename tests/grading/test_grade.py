@@ -11,11 +11,11 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course, catalog_of, rules_of
 from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
 from course_lib.grading.marks.by_hand import mark_by_hand
 from course_lib.grading.marks.mark import read_result
+from course_lib.grading.records import Course, catalog_of, rules_of
 from course_lib.grading.run.student_side import run_here
 from tests.grading.conftest import COURSE, write_course
 
@@ -213,12 +213,13 @@ def test_resume_judges_again_what_was_judged_by_other_checks(
     grade(submissions, out, jobs=1, course=course)
     evidence = next((out / "evidence").glob("*.gz"))
     made = evidence.stat().st_mtime_ns
+    judged = read_result(out / "results/ada/week01_exercise.json")["digest"]
     check_file = course.exercises / "checks/week01.py"
     check_file.write_text(check_file.read_text() + "# another hint\n")
     rules_of.cache_clear()  # as a grader started anew
     grade(submissions, out, jobs=1, resume=True, course=course)
     result = read_result(out / "results/ada/week01_exercise.json")
-    assert result["rules"] == rules_of(course, "week01_exercise")
+    assert result["digest"] not in ("", judged)
     assert evidence.stat().st_mtime_ns == made
 
 
@@ -248,8 +249,7 @@ def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
 ) -> None:
     submissions, out = hand_in({"right": right}), tmp_path / "out"
     with closing(TemplateProcess(off=LAYERS)) as template:
-        for module in ("grade_one", "run.run"):
-            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda _: template)
+        monkeypatch.setattr("course_lib.grading.run.run.shared_template", lambda _: template)
         for need in ("full", "partial"):
             with pytest.raises(CourseError, match=r"--require-sandbox|--i-trust-these-submissions"):
                 grade(submissions, out, jobs=1, course=course, need=need)

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from course_lib import cli
-from course_lib.grading.grade_one import Course
 from course_lib.grading.jail.isolation import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
+from course_lib.grading.records import Course
 
 Grade = Callable[..., int]
 WITHOUT_NAMESPACES = ("bubblewrap", "namespaces")
@@ -30,8 +30,7 @@ def with_layers(
     def without(*off: str) -> Grade:
         template = TemplateProcess(off)
         opened.append(template)
-        for module in ("grade_one", "run.run"):
-            monkeypatch.setattr(f"course_lib.grading.{module}.shared_template", lambda _: template)
+        monkeypatch.setattr("course_lib.grading.run.run.shared_template", lambda _: template)
         monkeypatch.setattr("course_lib.grading.grade.exercises_dir", lambda: course.exercises)
         monkeypatch.setattr("course_lib.grading.grade.solutions_dir", lambda: course.solutions)
         return run

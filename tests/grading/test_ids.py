@@ -10,13 +10,13 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course, catalog_of
 from course_lib.grading.handin.collect import collect
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED, with_ids
 from course_lib.grading.handin.lms import fill_lms
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.marks.by_hand import mark_by_hand
 from course_lib.grading.personal import personal_values
+from course_lib.grading.records import Course, catalog_of
 from course_lib.grading.run.job import Job, plan
 
 WriteNotebook = Callable[..., Path]

@@ -10,10 +10,11 @@ from course_lib.course.course_file import Late
 from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
 from course_lib.grading.handin.received import Received
 from course_lib.grading.handin.submission import Submission
-from course_lib.grading.judge import CheckResult, Run, TaskResult, judge_task
+from course_lib.grading.judge import CheckResult, TaskResult, judge_task
 from course_lib.grading.marks.mark import Result
-from course_lib.grading.marks.marks import Mark, count_days_late, mark
+from course_lib.grading.marks.marks import Mark, add_up, count_days_late
 from course_lib.grading.reports.tables import write_gradebook
+from course_lib.grading.run.job import Run
 from course_lib.grading.task import Scenario, Task
 
 PARIS = ZoneInfo("Europe/Paris")
@@ -46,9 +47,9 @@ def test_without_a_deadline_nothing_is_late() -> None:
 
 def test_a_bonus_comes_on_top_and_the_penalty_is_a_part_of_the_score() -> None:
     tasks = [task(60, 1.0), task(40, 0.5), task(10, 1.0, bonus=True)]
-    assert mark(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
-    assert mark(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
-    assert mark(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
+    assert add_up(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
+    assert add_up(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
+    assert add_up(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
 
 
 def judged(*checks: Check) -> TaskResult:

@@ -14,9 +14,9 @@ import course_lib
 from course_lib.errors import CourseError
 from course_lib.grading.executors import Here
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.marks.mark import results_in
 from course_lib.grading.preflight import kit_here, try_out
+from course_lib.grading.records import Course
 from tests.grading.conftest import RIGHT
 from tests.grading.test_class import change, count_runs
 

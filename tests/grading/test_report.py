@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.records import Course
 
 WriteNotebook = Callable[..., Path]
 SCRIPT = "<script>alert(1)</script>"

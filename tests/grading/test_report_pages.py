@@ -8,8 +8,8 @@ import pytest
 from playwright.sync_api import Page
 
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
-from course_lib.viewer.browser import find_browser
+from course_lib.grading.records import Course
+from course_lib.viewer.picture import find_browser
 from tests.browser.fake_host import chromium
 from tests.browser.test_page import pixels_of
 

@@ -11,10 +11,10 @@ import pytest
 from course_lib.course.course_file import Late
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.grade_one import Course
 from course_lib.grading.handin.collect import Collection, collect
 from course_lib.grading.handin.received import Received
 from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.records import Course
 from tests.grading.platforms import (
     NAME,
     Handed,

@@ -2,7 +2,9 @@ from contextlib import closing
 from pathlib import Path
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.run.outcome import Usage, read_usage, usage_path
+from course_lib.grading.records import usage_path
+from course_lib.grading.run.outcome import Usage
+from course_lib.grading.run.run import read_usage
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 

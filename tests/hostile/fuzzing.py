@@ -8,16 +8,16 @@ from typing import Any
 import msgpack
 from hypothesis import strategies as st
 
+from course_lib.grading import expect_marker, expect_rate, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.judge import Run, judge_task
-from course_lib.grading.run.job import Step
+from course_lib.grading.judge import judge_task
+from course_lib.grading.run.job import Run, Step
 from course_lib.grading.run.outcome import Outcome
 from course_lib.grading.run.run import ExerciseRun, pack, unpack
 from course_lib.grading.run.scenario_graph import ScenarioGraph
 from course_lib.grading.run.submission_run import CellLog, _drive
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_value
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.graph_server import Room
@@ -104,7 +104,7 @@ def swallow(stream: bytes) -> Evidence:
 def judged(evidence: Evidence) -> None:
     """Keep and judge any evidence; its mark is a number from 0 to the points."""
     run = Run(SCENARIO, evidence)
-    stored = ExerciseRun((), (run,), CellLog(), Isolation())
+    stored = ExerciseRun((run,), CellLog(), Isolation())
     kept = pack(stored)
     assert pack(unpack(kept, [Step(TASK, SCENARIO)])) == kept  # as bytes: NaN is not equal to itself
     evidence.recording.digest()

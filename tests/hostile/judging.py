@@ -4,15 +4,15 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from course_lib import grading as v
 from course_lib.course.installation import exercises_dir, solutions_dir
-from course_lib.grading import vocabulary as v
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.judge import CHECK_SECONDS, Run, time_limit
-from course_lib.grading.run.job import Job, plan
+from course_lib.grading.judge import CHECK_SECONDS, time_limit
+from course_lib.grading.run.job import Job, Run, plan
 from course_lib.grading.run.run import run_scenarios
 from course_lib.grading.task import Message
 from tests.hostile.made_up import made_up, spoilt_evidence

@@ -12,8 +12,8 @@ from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.judge import Run, time_limit
-from course_lib.grading.run.job import Step
+from course_lib.grading.judge import time_limit
+from course_lib.grading.run.job import Run, Step
 from course_lib.grading.run.run import ExerciseRun, pack, unpack
 from course_lib.grading.run.submission_run import CellLog
 from course_lib.grading.task import Scenario, Task
@@ -35,7 +35,7 @@ def notebook() -> bytes:
 def stored() -> bytes:
     """Return stored evidence."""
     run = Run(TASK.scenarios[0], Evidence(TASK.id, "public", 1.0, returns=(1, "a", [1.0])))
-    return pack(ExerciseRun((), (run,), CellLog(), Isolation()))
+    return pack(ExerciseRun((run,), CellLog(), Isolation()))
 
 
 def _notebook(chance: random.Random) -> None:

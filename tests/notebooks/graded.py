@@ -5,15 +5,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import TaskResult
+from course_lib.grading.judge import Judgement, TaskResult, judge
 from course_lib.grading.personal import give_values, personal_values
-from course_lib.grading.run.run import ExerciseRun, run_exercise
+from course_lib.grading.run.job import Job, Run, plan
+from course_lib.grading.run.run import run_scenarios
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Scenario, Task
 
@@ -42,14 +43,23 @@ def solution(week: str) -> Path:
     return solutions_dir() / f"{week}_solution.ipynb"
 
 
-def marked(cells: Sequence[str], week: str) -> ExerciseRun:
-    return run_exercise(cells, catalog().of_week(week), catalog(), STUDENT, hidden=True)
+class Marked(NamedTuple):
+    """The evidence of a notebook, and its judgement."""
+
+    runs: tuple[Run, ...]
+    judgement: Judgement
+
+
+def marked(cells: Sequence[str], tasks: Sequence[Task], *, hidden: bool = True) -> Marked:
+    steps = plan(tasks, catalog(), hidden=hidden)
+    made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
+    return Marked(made.runs, judge(made, tasks, catalog()))
 
 
 @cache
-def run_of(path: Path) -> ExerciseRun:
-    """Outcome of a file: a solution, an exercise as it is handed out, or an answer."""
-    return marked(cells_of(path), path.name[:6])
+def run_of(path: Path) -> Marked:
+    """Run and judge a file: a solution, an exercise as it is handed out, or an answer."""
+    return marked(cells_of(path), catalog().of_week(path.name[:6]))
 
 
 def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
@@ -73,8 +83,8 @@ def judged(week: str) -> list[Task]:
     return [task for task in catalog().of_week(week) if not task.rubric]
 
 
-def judged_results(run: ExerciseRun) -> list[TaskResult]:
-    return [result for task, result in zip(run.tasks, run.results, strict=True) if not task.rubric]
+def judged_results(made: Marked) -> list[TaskResult]:
+    return [result for result in made.judgement.tasks if not result.rubric]
 
 
 def said(result: TaskResult, *, hidden: bool | None = None) -> str:

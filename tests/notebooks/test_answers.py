@@ -45,9 +45,9 @@ WRONG = wrong_answers()
 @pytest.mark.parametrize("week", WEEKS)
 def test_the_solution_gets_full_marks_and_says_nothing_of_errors(week: str) -> None:
     run = run_of(solution(week))
-    assert run.cell_errors == []
+    assert run.judgement.cell_errors == ()
     assert [task.task for task in judged_results(run) if task.score != task.points] == []
-    assert [said(task) for task in run.results if not task.passed] == []
+    assert [said(task) for task in run.judgement.tasks if not task.passed] == []
 
 
 @pytest.mark.parametrize("week", WEEKS)
@@ -59,13 +59,13 @@ def test_another_right_solution_gets_full_marks(week: str) -> None:
 @pytest.mark.parametrize("week", WEEKS)
 def test_the_stub_gets_0_and_says_what_is_missing(week: str) -> None:
     run = run_of(exercise_path(solution(week)))
-    assert [task.score for task in run.results] == [0.0] * len(run.results)
+    assert [task.score for task in run.judgement.tasks] == [0.0] * len(run.judgement.tasks)
     assert all("NotImplementedError" in "".join(task.errors) for task in judged_results(run))
 
 
 @pytest.mark.parametrize(("name", "task"), WRONG)
 def test_a_wrong_answer_loses_points_and_its_mistake_is_named(name: str, task: str) -> None:
-    results = run_of(ANSWERS / f"{name}.py").results
+    results = run_of(ANSWERS / f"{name}.py").judgement.tasks
     (result,) = (result for result in results if result.task == f"{name[:6]}.{task}")
     assert result.errors == ()
     assert result.score < result.points
@@ -105,7 +105,7 @@ def rounds(week: str) -> list[Any]:
 def test_mutants_of_the_solution_lose_points_and_none_passes_the_hidden_checks(
     week: str, operators: dict[str, Operator], cells: list[str]
 ) -> None:
-    for result in judged_results(marked(cells, week)):
+    for result in judged_results(marked(cells, catalog().of_week(week))):
         if result.task in operators:
             assert result.errors == ()
             assert result.score < result.points

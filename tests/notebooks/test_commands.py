@@ -99,8 +99,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def type_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Type a command, in this process; a page that would be served is only made."""
-    monkeypatch.setattr("course_lib.displays.view.webbrowser.open", lambda _: True)
-    monkeypatch.setattr("course_lib.displays.view._serve", _serve_nothing)
+    monkeypatch.setattr("course_lib.displays.render.webbrowser.open", lambda _: True)
+    monkeypatch.setattr("course_lib.displays.render._serve", _serve_nothing)
 
     def type_in(text: str) -> None:
         if text.startswith("course "):

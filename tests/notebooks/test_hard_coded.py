@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.judge import Run, judge_task
+from course_lib.grading.judge import judge_task
+from course_lib.grading.run.job import Run
 from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.ros.clock import START_NS
 from tests.notebooks.graded import catalog, judged, run_of, solution

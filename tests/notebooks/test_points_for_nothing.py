@@ -9,16 +9,16 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.judge import Run, TaskResult, judge_task
-from course_lib.grading.run.run import run_exercise
+from course_lib.grading.judge import TaskResult, judge_task
+from course_lib.grading.run.job import Run
 from tests.notebooks.graded import (
     IN_PROCESS,
-    STUDENT,
     WEEKS,
     catalog,
     cells_of,
     defined,
     evidence_here,
+    marked,
     run_of,
     said,
     solution,
@@ -37,7 +37,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def hollowed(week: str, hollowing: Hollowing) -> Iterator[TaskResult]:
     """The results of the node tasks whose evidence the hollowing changes."""
     run = run_of(solution(week))
-    for task in run.tasks:
+    for task in catalog().of_week(week):
         before = [one for one in run.runs if one.evidence.task == task.id]
         runs = [replace(one, evidence=hollowing.of(one.evidence)) for one in before]
         if task.kind == "node" and runs != before:
@@ -100,7 +100,7 @@ def result_of(variant: Variant, *, hidden: bool) -> TaskResult:
     """Run and judge the variant, in this process where its kind allows."""
     task, cells = catalog().task(variant.task), changed_cells(variant)
     if task.kind not in IN_PROCESS:
-        (result,) = run_exercise(cells, [task], catalog(), STUDENT, hidden=hidden).results
+        (result,) = marked(cells, [task], hidden=hidden).judgement.tasks
         return result
     names = defined(cells, task.week)
     scenarios = [(one, False) for one in task.scenarios]

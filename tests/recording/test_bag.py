@@ -68,7 +68,7 @@ def test_a_bag_is_replaced_only_with_force(tmp_path: Path) -> None:
 
 def test_force_replaces_nothing_but_a_bag(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("all of it")
-    with pytest.raises(CourseError, match="is no bag, so it is not replaced"):
+    with pytest.raises(CourseError, match="is not a bag, so it is not replaced"):
         write_bag(make_recording(), tmp_path, force=True)
     assert (tmp_path / "thesis.txt").exists()
 
@@ -102,9 +102,9 @@ def test_a_missing_bag_is_answered_with_how_to_record_one(tmp_path: Path) -> Non
 
 def test_a_folder_or_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file.txt").write_text("x")
-    with pytest.raises(CourseError, match="is a folder but no bag"):
+    with pytest.raises(CourseError, match="is a folder but not a bag"):
         read_bag(tmp_path)
-    with pytest.raises(CourseError, match="is a file but no bag"):
+    with pytest.raises(CourseError, match="is a file but not a bag"):
         read_bag(tmp_path / "file.txt")
 
 

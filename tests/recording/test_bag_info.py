@@ -66,5 +66,5 @@ def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
 
 
 def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CourseError, match="no bag"):
+    with pytest.raises(CourseError, match="not a bag"):
         bag_info(tmp_path)

@@ -46,7 +46,7 @@ def test_what_is_out_of_reach_says_how_near_it_comes() -> None:
 
 @pytest.mark.parametrize("pose", [np.eye(3), np.diag([2.0, 1, 1, 1]), np.full((4, 4), np.nan)])
 def test_a_pose_that_is_none_is_refused(pose: npt.NDArray[np.float64]) -> None:
-    with pytest.raises(CourseError, match=r"is no rigid transform of shape \(4, 4\), link to root"):
+    with pytest.raises(CourseError, match=r"is not a rigid transform of shape \(4, 4\), link to root"):
         joints_for(mobile_manipulator(), WRIST, pose)
 
 

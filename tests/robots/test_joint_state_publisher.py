@@ -95,7 +95,7 @@ def test_a_description_that_is_none_is_logged_and_the_former_robot_goes_on(on: O
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     other.create_publisher(String, "/robot_description", latched).publish(String(data="<robot"))
     run(0.2, node, other)
-    assert "The URDF is no XML" in on("/rosout")[-1].msg
+    assert "The URDF is not XML" in on("/rosout")[-1].msg
     assert on("/joint_states")[-1].name == ["shoulder", "elbow"]
 
 

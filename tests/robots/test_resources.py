@@ -35,7 +35,7 @@ def test_the_robot_data_of_the_kit_is_found() -> None:
 
 @pytest.mark.parametrize("uri", ["package://my_robot/meshes/leg.stl", "file:///nowhere/leg.stl"])
 def test_a_missing_file_is_named(uri: str) -> None:
-    with pytest.raises(CourseError, match=f"There is no file {uri}; mend the address"):
+    with pytest.raises(CourseError, match=f"There is no file {uri}; correct the address"):
         resolve(uri)
 
 

@@ -230,7 +230,7 @@ def test_another_robot_may_take_its_place(on: On, run: Run) -> None:
     ("text", "frequency", "reason"),
     [
         ("", 20.0, "robot_description parameter must not be empty"),
-        ("<robot", 20.0, "The URDF is no XML"),
+        ("<robot", 20.0, "The URDF is not XML"),
         (ARM_2R, 1001.0, "publish_frequency must be between 0 and 1000"),
         (ARM_2R, -1.0, "publish_frequency must be between 0 and 1000"),
         (ARM_2R, nan, "publish_frequency must be between 0 and 1000"),

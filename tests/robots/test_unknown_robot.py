@@ -19,7 +19,7 @@ from course_lib.ros import virtual_time
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.qos import incompatible
-from course_lib.tools.performance.report import PerformanceReport, performance_report
+from course_lib.tools.performance import PerformanceReport, performance_report
 
 
 @pytest.fixture

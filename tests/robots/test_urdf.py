@@ -50,8 +50,8 @@ ORIGIN = '<origin xyz="0 0"/>'
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("<robot", "no XML: unclosed token: line 1, column 0"),
-        ("ur10", "no XML: syntax error"),
+        ("<robot", "not XML: unclosed token: line 1, column 0"),
+        ("ur10", "not XML: syntax error"),
         ("<launch/>", "Could not find the 'robot' element"),
         (robot(), "No link elements found"),
         (robot(links("a", "a")), "link 'a' is not unique"),
@@ -63,9 +63,9 @@ ORIGIN = '<origin xyz="0 0"/>'
         (robot(links("a", "b"), joint("j", "a", "b"), joint("k", "b", "a")), "No root link found"),
         (
             robot(links("a", "b", "c"), joint("j", "a", "b"), joint("k", "a", "c"), joint("l", "b", "c")),
-            "no tree: each link but one must be the child of exactly one joint",
+            "not a tree: each link but one must be the child of exactly one joint",
         ),
-        (robot(links("a", "b", "c"), joint("k", "b", "c"), joint("l", "c", "b")), "is no tree"),
+        (robot(links("a", "b", "c"), joint("k", "b", "c"), joint("l", "c", "b")), "is not a tree"),
     ],
 )
 def test_what_is_no_urdf_is_refused_with_urdfdoms_reason(

@@ -2,7 +2,7 @@ import _thread
 import threading
 import time
 
-from course_lib.ros import locks, virtual_time, wall
+from course_lib.ros import virtual_time, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
@@ -12,7 +12,7 @@ SECOND = 10**9  # [ns]
 
 def test_a_wait_goes_on_after_an_event_in_it_has_waited_for_a_lock() -> None:
     virtual_time.install()
-    lock, took = locks.ProgramLock(), list[int]()
+    lock, took = virtual_time.ProgramLock(), list[int]()
 
     def hold() -> None:
         with lock:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from course_lib.ros import locks, virtual_time, wall
+from course_lib.ros import virtual_time, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, use_graph
 
@@ -92,7 +92,7 @@ def test_a_lock_that_an_ordinary_thread_has_just_taken_is_no_deadlock(
     program_had_it_before: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     virtual_time.install()
-    lock = locks.ProgramLock()
+    lock = virtual_time.ProgramLock()
     real_sleep, ends = wall.sleep, _thread.allocate_lock()
 
     def take_and_release() -> None:
@@ -119,7 +119,7 @@ def test_a_lock_that_an_ordinary_thread_has_just_taken_is_no_deadlock(
 
 def test_a_lock_that_a_visitor_keeps_beyond_its_visit_is_no_deadlock() -> None:
     virtual_time.install()
-    lock = locks.ProgramLock()
+    lock = virtual_time.ProgramLock()
     held, visited, ended = (_thread.allocate_lock() for _ in range(3))
     held.acquire(), visited.acquire(), ended.acquire()
 

@@ -7,13 +7,14 @@ from hypothesis import strategies as st
 
 from course_lib.arrays import Vector
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import (
+from course_lib.ros.tf2_transform import (
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
     LookupException,
+    Quaternion,
+    Transform,
 )
-from course_lib.ros.tf2_transform import Quaternion, Transform
 
 S = 1_000_000_000  # [ns]
 NONE: Quaternion = (0.0, 0.0, 0.0, 1.0)

@@ -6,7 +6,7 @@ from IPython.core.interactiveshell import InteractiveShell
 
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.tools.magic import register
+from course_lib.tools.notebook import register
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def shell() -> InteractiveShell:
 
 
 def test_the_magic_is_imported_before_the_standin_is_in_place() -> None:
-    subprocess.run([sys.executable, "-c", "import course_lib.tools.magic"], check=True)
+    subprocess.run([sys.executable, "-c", "import course_lib.tools.notebook"], check=True)
 
 
 def run(shell: InteractiveShell, line: str) -> bool:

@@ -12,8 +12,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import Message
-from course_lib.tools.message_fields import fill
-from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.message_yaml import Style, fill, to_yaml
 
 
 def filled(kind: type[Message], text: str) -> Any:
@@ -63,7 +62,7 @@ def test_what_echo_prints_fills_an_equal_message(data: list[float], label: str, 
     [
         (String, "data:hi", "The passed value needs to be a dictionary in YAML format"),
         (String, "[1]", "The passed value needs to be a dictionary in YAML format"),
-        (String, "{data: [}", "is no YAML"),
+        (String, "{data: [}", "is not YAML"),
         (
             String,
             "{dat: hi}",

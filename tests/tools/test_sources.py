@@ -10,7 +10,7 @@ from course_lib.recording import Recording, record
 from course_lib.ros.graph import DELAY_NS, Graph, Sample
 from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
-from course_lib.tools.sources import GraphSource, Heard, Listening, RecordingSource, is_hidden
+from course_lib.tools.sources import GraphSource, Listening, RecordingSource, TimedSample, is_hidden
 
 STRING = "std_msgs/msg/String"
 TOPICS = {"/chatter": Qos(), "/other": Qos()}
@@ -21,7 +21,7 @@ def test_a_recording_s_messages_and_ticks_come_in_order(sent: list[tuple[int, st
     cdr = serialize(String())
     samples = tuple(Sample(stamp, topic, STRING, cdr, Qos(), 1) for stamp, topic in sorted(sent))
     source = RecordingSource(Recording(samples))
-    heard: list[Heard] = list(source.stream(TOPICS, STRING, Listening(every=tenths / 10)))
+    heard: list[TimedSample] = list(source.stream(TOPICS, STRING, Listening(every=tenths / 10)))
     times = [now_ns for now_ns, _ in heard]
     assert times == sorted(times)
     assert [(now_ns, one.topic) for now_ns, one in heard if one] == sorted(sent)

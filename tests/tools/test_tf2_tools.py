@@ -20,7 +20,7 @@ from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource, Source
-from course_lib.tools.tf2.view_frames import dot, picture
+from course_lib.tools.view_frames import dot, picture
 
 START = 1_700_000_000 * 10**9  # [ns]
 TF = "tf2_msgs/msg/TFMessage"

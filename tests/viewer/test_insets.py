@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.viewer.browser import find_browser
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Inset, Solids
-from course_lib.viewer.insets import placed_insets
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.picture import find_browser, screenshot
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.zbuffer import placed_insets
 
 Renderer: TypeAlias = Literal["chromium", "numpy"]
 

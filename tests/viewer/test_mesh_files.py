@@ -111,7 +111,7 @@ def test_a_colour_that_is_asked_for_replaces_the_files_own() -> None:
 
 @pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
 def test_a_broken_file_is_refused_in_words(file_format: str) -> None:
-    with pytest.raises(MeshFileError, match=f"no {file_format.upper()} file that can be read"):
+    with pytest.raises(MeshFileError, match=f"not a {file_format.upper()} file that can be read"):
         parse_mesh(b"v 1 2\n<not any of these", file_format)
 
 
@@ -119,7 +119,7 @@ def test_missing_files_and_unknown_formats_are_refused_by_name(tmp_path: Path) -
     with pytest.raises(MeshFileError, match=r"gone\.stl"):
         load_mesh(tmp_path / "gone.stl")
     (tmp_path / "mesh.blend").write_bytes(b"")
-    with pytest.raises(MeshFileError, match="'blend' is no known format of meshes; take dae, stl, obj"):
+    with pytest.raises(MeshFileError, match="'blend' is not a known format of meshes; take dae, stl, obj"):
         load_mesh(tmp_path / "mesh.blend")
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from course_lib.viewer import flow, stream
+from course_lib.viewer import stream
 from course_lib.viewer.drawables import Solids
 from course_lib.viewer.page_link import Click, PageLink
 from course_lib.viewer.scene import Scene
 
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
-IN_FLIGHT = flow._QUESTIONS * flow._BATCHES  # that a page may leave unanswered
+IN_FLIGHT = stream._QUESTIONS * stream._BATCHES  # that a page may leave unanswered
 
 
 class Wire:
@@ -93,11 +93,11 @@ def test_large_batches_are_answered_one_by_one(wire: Wire) -> None:
     for _ in range(10):
         wire.scene.set_object("boxes", many)
         wire.link.flush()
-    assert [content["ask"] for content in wire.sent] == [True] * flow._QUESTIONS
+    assert [content["ask"] for content in wire.sent] == [True] * stream._QUESTIONS
 
 
 def test_a_page_that_stays_silent_is_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stream, "PATIENCE", 0.1)
+    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
     counts: list[int] = []
     wire.link.on_views = counts.append
     wire.hear("ready")
@@ -161,7 +161,7 @@ def test_what_is_cut_off_is_sent_anew_and_said(wire: Wire, error: BaseException)
     with pytest.raises(type(error)):
         wire.link.flush()
     until(lambda: wire.kinds()[:2] == ["reset", "status"])
-    assert "sent anew" in wire.sent[1]["text"]
+    assert "sent again" in wire.sent[1]["text"]
     wire.change()
     assert wire.kinds()[-1] == "batch"
 

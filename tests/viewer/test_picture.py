@@ -8,9 +8,8 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.viewer import picture
-from course_lib.viewer.browser import dump_dom
 from course_lib.viewer.drawables import Solids
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.picture import dump_dom, screenshot
 from course_lib.viewer.scene import Scene
 
 PNG = b"\x89PNG"

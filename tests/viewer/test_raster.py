@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.raster import clipped, covered
+from course_lib.viewer.zbuffer import clipped, covered
 
 
 def samples(xy: np.ndarray, size: tuple[int, int]) -> np.ndarray:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from course_lib.viewer.drawables import Shape
-from course_lib.viewer.shapes import unit_shape
+from course_lib.viewer.triangles import unit_shape
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,7 @@
 import numpy as np
 
 from course_lib.viewer.drawables import Lines, Mesh, Points, Sheet, Solids, Text
-from course_lib.viewer.scene import Scene
-from course_lib.viewer.summary import LIMIT, summary
+from course_lib.viewer.scene import LIMIT, Scene, summary
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 

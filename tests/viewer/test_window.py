@@ -15,7 +15,7 @@ from course_lib.viewer import zbuffer
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable, Mesh, MeshcatObject, Points, Solids
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.window import Window
+from course_lib.viewer.visualizer import Window
 
 ORANGE, CORNERS = 0xFF8000, np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
 TRANSFORM_UP_TO_Y = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # three.js's axis

@@ -56,18 +56,18 @@ class Cloud:
         return np.stack([self.channels[axis] for axis in _XYZ], axis=-1).astype(np.float32)
 
     def is_single(self, name: str, *, or_whole: bool = False) -> bool:
-        """Say whether there is a channel of that name in single precision, or also of 32-bit numbers."""
+        """Return whether a channel of that name is in single precision, or also of 32-bit integers."""
         kinds = ("f", "u") if or_whole else ("f",)
         return name in self.channels and _is_32_bits(self.channels[name], kinds)
 
 
 def has_positions(message: Any) -> bool:
-    """Say whether a sensor_msgs/msg/PointCloud2 has fields x, y and z."""
+    """Return whether a sensor_msgs/msg/PointCloud2 has fields x, y and z."""
     return set(_XYZ) <= {field.name for field in message.fields}
 
 
 def size_problem(message: Any) -> str | None:
-    """Say in RViz's words how the sizes of a sensor_msgs/msg/PointCloud2 disagree."""
+    """Describe in RViz's words how the sizes of a sensor_msgs/msg/PointCloud2 disagree."""
     width, height, step, size = message.width, message.height, message.point_step, len(message.data)
     if width * height * step == size:
         return None
@@ -90,7 +90,7 @@ def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
         dtype = np.dtype(_TYPES.get(field.datatype, "V1")).newbyteorder(">" if message.is_bigendian else "<")
         if field.datatype not in _TYPES or field.offset + dtype.itemsize > step:
             wrong.append(
-                f"field {field.name!r} (datatype {field.datatype}, offset {field.offset}) is no number "
+                f"field {field.name!r} (datatype {field.datatype}, offset {field.offset}) is not a number "
                 f"within the {step} bytes of a point."
             )
             continue

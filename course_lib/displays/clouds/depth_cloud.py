@@ -12,8 +12,7 @@ from course_lib.displays.clouds.display import CLOUD_PROPERTIES, CloudDisplay
 from course_lib.displays.display import Display, Interest
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.images.camera import INFO
-from course_lib.displays.images.display import IMAGE, PACKED, info_topic
-from course_lib.displays.images.pixels import rgb_of, rows_of, unpacked
+from course_lib.displays.images.display import IMAGE, PACKED, info_topic, rgb_of, rows_of, unpacked
 from course_lib.displays.properties import Property, flag, integer, number, text, words
 from course_lib.displays.topic_display import FilteredDisplay
 from course_lib.ros.qos import Qos
@@ -86,7 +85,7 @@ def channels_of(points: Float32s, rgb: Pixels) -> dict[str, AnyArray]:
 
 
 class Shadows:
-    """What was seen of a scene before something came between; one point for each pixel.
+    """Points that were seen before something hid them; one for each pixel.
 
     Args:
         shape: Rows and columns of the images.
@@ -140,7 +139,7 @@ def _packed(message: Any) -> AnyArray:
         with Image.open(BytesIO(data[_HEADER if "compressedDepth" in message.format else 0 :])) as picture:
             values = np.asarray(picture)
     except (UnidentifiedImageError, OSError) as error:
-        raise DepthError(f"the data is no picture of format {message.format!r}: {error}") from error
+        raise DepthError(f"the data is not a picture of format {message.format!r}: {error}") from error
     if not is_inverse:
         return values
     a, b = np.frombuffer(data, "<f4", 2, 4)
@@ -149,7 +148,7 @@ def _packed(message: Any) -> AnyArray:
 
 
 class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
-    """Shows the images of a depth camera as points, coloured by those of a camera at the same place."""
+    """Images of a depth camera as points, coloured by those of a camera at the same place."""
 
     class_name = "rviz_default_plugins/DepthCloud"
     type_name = IMAGE
@@ -181,7 +180,7 @@ class DepthCloudDisplay(CloudDisplay, FilteredDisplay):
         self._camera = np.eye(4)  # where it was when the shadows began
 
     def changed(self, label: str) -> None:
-        """Listen anew, or draw anew."""
+        """Resubscribe, or redraw."""
         super().changed(label)
         if label.startswith(_LISTENING) and label != self.topic_label and self.started:
             self.start()

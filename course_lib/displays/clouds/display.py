@@ -18,11 +18,10 @@ from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.marker.drawables import drawn_twice
 from course_lib.displays.properties import Property, flag, number, words
 from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform, interpolated
+from course_lib.ros.tf2_transform import Transform, TransformException, interpolated
 from course_lib.viewer.drawables import Points, Spot
 
-# Squares have soft edges in RViz, which nobody sees at their size.
+# Squares have soft edges in RViz, invisible at their size.
 STYLES: dict[str, Spot] = {
     "Points": "disc",
     "Squares": "square",
@@ -54,7 +53,7 @@ class Shown(NamedTuple):
 
 
 class CloudDisplay(TopicDisplay):
-    """Shows clouds for some time; those that come between two frames appear with the next one."""
+    """Clouds, each for its decay time; those that come between two frames appear with the next one."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -64,7 +63,7 @@ class CloudDisplay(TopicDisplay):
         self._number = 0
 
     def changed(self, label: str) -> None:
-        """Draw all clouds anew in the next frame, if they look different."""
+        """Redraw all clouds in the next frame, if they look different."""
         super().changed(label)
         self._stale |= label.partition("/")[0] not in _NOT_DRAWN
 
@@ -101,7 +100,7 @@ class CloudDisplay(TopicDisplay):
         self.statuses.set("ok", "Points", text)
 
     def _is_old(self, cloud: Cloud) -> bool:
-        """Say whether a cloud goes; without a decay time it does when another one has come."""
+        """Return whether a cloud is removed; without a decay time, the next one replaces it."""
         age = (self.context.now_ns - cloud.received_ns) / NS  # [s]
         return bool(age > self["Decay Time"] or not self["Decay Time"])
 
@@ -139,7 +138,7 @@ class CloudDisplay(TopicDisplay):
 
 
 class PointCloud2Display(CloudDisplay):
-    """Shows clouds of any layout at once: there is no waiting for transforms."""
+    """A display of clouds of any layout, without a wait for transforms."""
 
     class_name = "rviz_default_plugins/PointCloud2"
     type_name = "sensor_msgs/msg/PointCloud2"
@@ -163,7 +162,7 @@ class PointCloud2Display(CloudDisplay):
 
 
 class LaserScanDisplay(CloudDisplay, FilteredDisplay):
-    """Shows the ends of a scanner's beams, each where the scanner was at the time of that beam."""
+    """The ends of a scanner's beams, each from the scanner's pose at the time of that beam."""
 
     class_name = "rviz_default_plugins/LaserScan"
     type_name = "sensor_msgs/msg/LaserScan"
@@ -200,7 +199,7 @@ class LaserScanDisplay(CloudDisplay, FilteredDisplay):
         self.keep(Cloud(_projected(message, *ends), np.eye(4), self.context.now_ns))
 
     def problem(self, message: Any) -> str | None:
-        """Say why a scan has to wait: tf2 must know where its first and its last beam begin."""
+        """Return the reason for a scan to wait: tf2 must know the origins of its first and its last beam."""
         later = nanoseconds(message.header.stamp) + self._longest_ns
         frame = message.header.frame_id.removeprefix("/")
         return super().problem(message) or self.context.frames.problem(frame, later)

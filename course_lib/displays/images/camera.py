@@ -8,13 +8,11 @@ import numpy as np
 
 from course_lib.arrays import Matrix, Pixels
 from course_lib.displays.display import Interest, node_name
-from course_lib.displays.drawn_display import DrawnDisplay
-from course_lib.displays.images.display import PictureDisplay, info_topic
-from course_lib.displays.images.pixels import zoomed
-from course_lib.displays.poses.arrow import rgba_of
+from course_lib.displays.images.display import PictureDisplay, info_topic, zoomed
+from course_lib.displays.poses.shapes import rgba_of
 from course_lib.displays.properties import Property, booleans, color, flag, number, words
 from course_lib.displays.statuses import Level
-from course_lib.displays.topic_display import FilteredDisplay
+from course_lib.displays.topic_display import DrawnDisplay, FilteredDisplay
 from course_lib.ros.qos import Qos
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Drawable, Inset, Lines, Mesh
@@ -30,7 +28,7 @@ _WIDTH = 0.01  # [m], of the edges
 
 
 class CameraDisplay(PictureDisplay, FilteredDisplay):
-    """Shows what a camera would see of the scene, in front of its image, behind it, or both."""
+    """The scene as a camera sees it, in front of its image, behind it, or both."""
 
     class_name = "rviz_default_plugins/Camera"
     properties = (
@@ -45,11 +43,11 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
 
     @property
     def info_topic(self) -> str:
-        """Where the camera is described: beside its image."""
+        """Topic of the camera's CameraInfo, beside that of its image."""
         return info_topic(self["Topic"].removesuffix("/compressed"))
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout, where Visibility has a Value of its own among the displays."""
+        """Set properties from a layout, in which Visibility has a Value among the displays."""
         seen = config.get("Visibility")
         if isinstance(seen, Mapping):
             flat = {name: on for name, on in seen.items() if name != "Value" and not isinstance(on, Mapping)}
@@ -100,7 +98,7 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
         self.redraw()
 
     def _problem_of_info(self) -> tuple[Level, str]:
-        """Say in RViz's words why the description of the camera is of no use; no text if it is."""
+        """Return RViz's reason for rejecting a CameraInfo; an empty text if it is valid."""
         info = self._info
         if info is None:
             return "warn", (
@@ -131,7 +129,7 @@ class CameraDisplay(PictureDisplay, FilteredDisplay):
 
 
 class CameraInfoDisplay(DrawnDisplay):
-    """Shows what a camera sees as a pyramid: its tip is the camera, which looks along z."""
+    """The field of view of a camera as a pyramid: its tip is the camera, which looks along z."""
 
     class_name = "rviz_default_plugins/CameraInfo"
     type_name = "sensor_msgs/msg/CameraInfo"

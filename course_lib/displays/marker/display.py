@@ -19,7 +19,7 @@ def _namespace(label: str) -> str | None:
 
 
 class _Markers(TopicDisplay):
-    """What both displays do with their markers."""
+    """Base of the Marker and MarkerArray displays."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -62,7 +62,7 @@ class _Markers(TopicDisplay):
 
 
 class MarkerDisplay(_Markers, FilteredDisplay):
-    """Shows markers one by one, when tf2 knows their frame; also arrays on ``<topic>_array``, at once."""
+    """Markers, each drawn when tf2 knows its frame; arrays on ``<topic>_array`` are drawn immediately."""
 
     class_name = "rviz_default_plugins/Marker"
     type_name = MARKER
@@ -80,7 +80,7 @@ class MarkerDisplay(_Markers, FilteredDisplay):
 
 
 class MarkerArrayDisplay(_Markers):
-    """Shows arrays of markers at once: a marker that tf2 cannot place yet is an error."""
+    """Arrays of markers, without a wait: a marker that tf2 cannot place yet is an error."""
 
     class_name = "rviz_default_plugins/MarkerArray"
     type_name = MARKER_ARRAY

@@ -1,4 +1,4 @@
-"""Where RViz draws nothing, or something odd, without a word: what we say then."""
+"""Hints at markers that RViz draws oddly, or not at all, without a status."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -25,7 +25,7 @@ def hints(marker: Any) -> tuple[str, ...]:
 
 
 def _one_color(marker: Any) -> bool:
-    """Say whether the marker's own colour is used."""
+    """Return whether the marker's own colour is used."""
     own = marker.type == _MESH and marker.mesh_use_embedded_materials
     each = marker.type in (*_LISTS, _TRIANGLES) and bool(marker.colors) and _colors_fit(marker)
     return not own and not each

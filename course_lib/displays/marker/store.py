@@ -34,7 +34,7 @@ class Live:
 
     @property
     def expires_ns(self) -> float:
-        """When it goes, [ns]; counted from reception, not from its stamp."""
+        """Robot time of its removal, [ns]; its lifetime counts from reception, not from its stamp."""
         lifetime_ns = nanoseconds(self.marker.lifetime)
         return self.received_ns + lifetime_ns if lifetime_ns > FOREVER_NS else math.inf
 
@@ -51,11 +51,11 @@ class MarkerStore:
         self.namespaces: dict[str, bool] = {}
 
     def add(self, markers: Iterable[Any]) -> None:
-        """Let messages wait for the next frame."""
+        """Queue messages for the next frame."""
         self._queue += [(marker, self._context.now_ns) for marker in markers]
 
     def add_array(self, array: Any) -> None:
-        """Let the messages of a MarkerArray wait; two with one name are an error, but both are shown."""
+        """Queue the messages of a MarkerArray; two of one name are an error, but both are shown."""
         name = "Duplicate Marker Check"
         self._statuses.delete(name)
         seen: set[Key] = set()
@@ -219,7 +219,7 @@ def _reused(before: Live | None, now: Live) -> tuple[str, ...]:
         return ()
     if before.marker.header.stamp != now.marker.header.stamp:
         return ()  # they waited together for a transform
-    return ("two markers with this ns and id came at once: only the last is seen. Give each its own id.",)
+    return ("two markers with this ns and id came together: only the last is seen. Give each its own id.",)
 
 
 def _finite(marker: Any) -> bool:

@@ -15,15 +15,15 @@ from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph
 from course_lib.viewer.page_link import Click, PageLink
-from course_lib.viewer.page_server import PageServer
 
 if TYPE_CHECKING:
+    from course_lib.viewer.page_server import PageServer
     from course_lib.viewer.widget import SceneWidget
 _ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
 
 
-class Panel:
-    """Shows a session in as many cells as ask for it; made when the first one does."""
+class ViewerCell:
+    """The place of a viewer in any number of cells; its page is made for the first one."""
 
     def __init__(self, session: RvizSession, graph: Graph) -> None:
         self._session = session
@@ -60,7 +60,7 @@ class Panel:
         return data | {"text/plain": words}, metadata
 
     def close(self) -> None:
-        """Take the viewer out of all cells."""
+        """Remove the viewer from all cells."""
         pace.pages.discard(self._is_there)
         for end in self._ends:
             end()
@@ -70,6 +70,8 @@ class Panel:
     def opened(self, port: int, token: str | None) -> str:
         """Return the address of a page outside notebooks, served by this process from now on."""
         if self._server is None:
+            from course_lib.viewer.page_server import PageServer  # here: tornado is slow to load
+
             server = PageServer(self._session.context.scene, "RViz view", port, token, turn=baton.known)
             with baton.unknown():  # a thread of the program's own would live by robot time
                 server.start()
@@ -78,7 +80,7 @@ class Panel:
         return self._server.url
 
     def picture(self, size: tuple[int, int]) -> bytes | None:
-        """Have an open page draw a PNG of a size in [px]; None if no page is open, or none answers."""
+        """Request a PNG of a size in [px] from an open page; None if no page is open, or none answers."""
         links = [shown.link for shown in (self._view, self._server) if shown is not None]
         answers: list[dict[str, Any]] = []
         for link in (link for link in links if link.ready):
@@ -121,12 +123,12 @@ class Panel:
             callback(click)
 
     def _is_there(self) -> bool:
-        """Say whether a page shows the scene."""
+        """Return whether a page shows the scene."""
         return self._view is not None and self._view.link.ready
 
 
 def _forget(result: object) -> None:
-    """Take a cell's result out of IPython's history, which would hold it for ever: Out, _, __, _7 ..."""
+    """Remove a cell's result from IPython's history, which would hold it for ever: Out, _, __, _7 ..."""
     from IPython.core.getipython import get_ipython
 
     shell = get_ipython()

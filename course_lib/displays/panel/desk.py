@@ -5,7 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from course_lib.displays.group import GROUP
+from course_lib.displays.display import GROUP
 from course_lib.displays.panel.orders import OrderDesk, order_of
 from course_lib.displays.panel.protocol import (
     AddableTopic,
@@ -30,15 +30,15 @@ from course_lib.displays.views import VIEWS
 from course_lib.errors import CourseError, counted
 from course_lib.ros import wall
 from course_lib.ros.graph import Graph
-from course_lib.viewer.flow import running_loop
 from course_lib.viewer.page_link import PageLink
+from course_lib.viewer.stream import running_loop
 from course_lib.viewer.wire import to_json
 
 PERIOD = 0.5  # [s] of the wall clock between two changes of what the page shows
 
 
 class Desk:
-    """Keeps a page's panels equal to a session, and carries out its orders.
+    """The panels of a page, kept equal to a session; its orders are carried out.
 
     Args:
         session: What is shown.
@@ -51,7 +51,7 @@ class Desk:
         self._orders = OrderDesk(session, graph)
         self._sent: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
-        self._posted = 0.0  # [s] when the page was last told
+        self._posted = 0.0  # [s] of the last post
         self._waiting = False
         self._loop = running_loop()  # that of the cells, if this is a kernel
         link.listen("desk", self._take)
@@ -125,7 +125,7 @@ class Desk:
         )
 
     def _topics(self) -> tuple[AddableTopic, ...]:
-        """Return the topics that were heard or are published, with each class of display for them."""
+        """Return the topics with messages or publishers, with each class of display for them."""
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}

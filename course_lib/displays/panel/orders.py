@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from course_lib.displays.display import Display
-from course_lib.displays.group import GROUP, Group
-from course_lib.displays.layout import read_layout
+from course_lib.displays.display import GROUP, Display, Group
+from course_lib.displays.layout import read_layout, yaml_text
 from course_lib.displays.panel.protocol import (
     ORDERS,
     AddDisplay,
@@ -36,10 +35,9 @@ from course_lib.displays.session import RvizSession
 from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, ViewController, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
-from course_lib.displays.yaml_file import yaml_text
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages.plain import to_plain
+from course_lib.ros.messages.wire import to_plain
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.wire import MessageError, from_json
 
@@ -62,7 +60,7 @@ def order_of(content: Mapping[str, Any]) -> Order:
 
 
 class OrderDesk:
-    """Carries out orders; `rows` are those that the page has, `notice` answers the last order.
+    """Executor of orders; `rows` are those that the page has, `notice` answers the last order.
 
     Args:
         session: What is changed.

@@ -47,7 +47,7 @@ class PanelRow:
     text: str = ""
     value: Any = None
     checked: bool | None = None  # of the box that shows or hides a display
-    open: bool = False  # until somebody closes it
+    open: bool = False  # at first
     title: str = ""
     mark: LevelMark | None = None
     editor: Editor | None = None
@@ -64,7 +64,7 @@ class ToolButton:
 
 @dataclass(frozen=True)
 class ToolSettings:
-    """Properties of tools that the page itself follows."""
+    """The properties of tools that the page itself follows."""
 
     single: bool  # of Publish Point
     color: str  # of Measure

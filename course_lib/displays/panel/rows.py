@@ -6,8 +6,7 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
-from course_lib.displays.display import Display
-from course_lib.displays.group import Group
+from course_lib.displays.display import Display, Group
 from course_lib.displays.panel.protocol import Editor, EditorKind, LevelMark, PanelRow
 from course_lib.displays.properties import (
     Convert,

@@ -18,7 +18,7 @@ _STEP_NS = NS // 10  # robot time of a step
 
 @dataclass(frozen=True)
 class TimeState:
-    """What a time bar shows, [s]; the wall time is that of a live graph, the range that of a recording."""
+    """The state of a time bar, [s]; wall time is that of a live graph, the range that of a recording."""
 
     elapsed: float
     paused: bool
@@ -33,7 +33,7 @@ class TimeState:
 
 @dataclass(frozen=True)
 class TimeChange:
-    """What somebody did with a time bar; nothing asks for the time."""
+    """An order of a time bar; without any field it requests the time."""
 
     now: float | None = None  # [s] since the start
     step: int | None = None  # frames
@@ -75,7 +75,7 @@ class LiveTime:
 
 
 class Playback:
-    """Lets a session hear a recording up to any time; back in time it hears it from the start again."""
+    """A recording played to a session up to any time; back in time, from the start again."""
 
     def __init__(self, session: RvizSession, recording: Recording) -> None:
         self.session = session
@@ -85,7 +85,7 @@ class Playback:
         self.rate = 1.0
         self.loop = False
         self._samples = recording.samples
-        self._next = 0  # the first sample that was not heard yet
+        self._next = 0  # the first sample that was not delivered yet
 
     def go_to(self, now_ns: int) -> None:
         """Show what is to be seen at a robot time, [ns]."""
@@ -134,7 +134,7 @@ class Playback:
 
 
 class TimePanel:
-    """Keeps the time bars of pages equal to a source of time, and passes on what is done with them."""
+    """The time bars of pages, kept equal to a source of time that gets their orders."""
 
     def __init__(self, session: RvizSession, link: PageLink, source: LiveTime | Playback) -> None:
         self._session = session

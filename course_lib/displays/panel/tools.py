@@ -43,13 +43,13 @@ class Tool(PropertyHolder):
         """Need nothing: properties are read when the tool is used."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Take the properties of a layout, and keep it."""
+        """Set properties from a layout, and keep it."""
         self.config = config
         return super().load(config)
 
 
 class PublishPoint(Tool):
-    """Publishes the point that is clicked."""
+    """A tool that publishes the point that is clicked."""
 
     type_name = "geometry_msgs/msg/PointStamped"
     properties = (*with_qos("/clicked_point"), Property("Single click", True, flag))
@@ -63,7 +63,7 @@ class PublishPoint(Tool):
         return stamped
 
     def said(self, topic: str, message: Message) -> str:
-        """Say what was published."""
+        """Describe a published message."""
         p = message.point
         return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
 
@@ -73,7 +73,7 @@ class PublishPoint(Tool):
 
 
 class SetGoal(PublishPoint):
-    """Publishes the pose that is dragged on the ground."""
+    """A tool that publishes the pose that is dragged on the ground."""
 
     does = "Setting goal pose"
 
@@ -81,7 +81,7 @@ class SetGoal(PublishPoint):
     properties = with_qos("goal_pose")
 
     def said(self, topic: str, message: Message) -> str:
-        """Say what RViz writes to its log."""
+        """Describe a published message as RViz's log does."""
         pose = getattr(message.pose, "pose", message.pose)
         p, q = pose.position, pose.orientation
         return (
@@ -94,7 +94,7 @@ class SetGoal(PublishPoint):
 
 
 class SetInitialPose(SetGoal):
-    """Publishes the pose that is dragged on the ground, with how sure it is."""
+    """A tool that publishes the pose that is dragged on the ground, with a covariance."""
 
     does = "Setting estimate pose"
 
@@ -113,7 +113,7 @@ class SetInitialPose(SetGoal):
 
 
 def all_tools() -> tuple[Tool, ...]:
-    """Make the tools, in RViz's order and with its keys."""
+    """Create the tools, in RViz's order and with its keys."""
     return (
         Tool("Interact", "Interact", "i", "camera", Property("Hide Inactive Objects", True, flag)),
         Tool("MoveCamera", "Move Camera", "m", "camera"),
@@ -127,7 +127,7 @@ def all_tools() -> tuple[Tool, ...]:
 
 
 def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Give tools what a layout says of them, and say what is wrong with it."""
+    """Set the tools' properties from a layout, and yield the problems with it."""
     known = {tool.class_name: tool for tool in tools}
     for config in reversed(configs):  # so that the first one of a class counts
         wanted = text_at(config, "Class")

@@ -7,25 +7,23 @@ from typing import Any
 import numpy as np
 
 from course_lib.arrays import Matrix
-from course_lib.displays.drawn_display import INVALID, DrawnDisplay
 from course_lib.displays.frames import is_unit, placed
-from course_lib.displays.poses.arrow import (
+from course_lib.displays.poses.shapes import (
+    COVARIANCE_PROPERTIES,
+    Uncertain,
     arrows,
     axes_at,
+    covariances,
     matrices,
     numbers_of,
     rgba_of,
     shape_properties,
     shapes,
-)
-from course_lib.displays.poses.covariance import (
-    COVARIANCE_PROPERTIES,
-    Uncertain,
-    covariances,
     uncertain,
     uncertain_numbers,
 )
 from course_lib.displays.properties import Property, color, integer, number, vector, words
+from course_lib.displays.topic_display import INVALID, DrawnDisplay
 from course_lib.viewer.drawables import Drawable, Lines
 
 _FLAT = "Arrow (Flat)"
@@ -36,7 +34,7 @@ _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
 
 
 class PoseDisplay(DrawnDisplay):
-    """Shows the last pose as an arrow or as axes."""
+    """The last pose as an arrow or as axes."""
 
     class_name = "rviz_default_plugins/Pose"
     type_name = "geometry_msgs/msg/PoseStamped"
@@ -56,7 +54,7 @@ class PoseDisplay(DrawnDisplay):
 
 
 class PoseWithCovarianceDisplay(DrawnDisplay):
-    """Shows the last pose, and how uncertain it is."""
+    """The last pose, and its covariance."""
 
     class_name = "rviz_default_plugins/PoseWithCovariance"
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -77,7 +75,7 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
 
 
 class PoseArrayDisplay(DrawnDisplay):
-    """Shows the poses of the last message as flat arrows, as solid ones, or as axes."""
+    """The poses of the last message as flat arrows, as solid ones, or as axes."""
 
     class_name = "rviz_default_plugins/PoseArray"
     type_name = "geometry_msgs/msg/PoseArray"
@@ -97,7 +95,7 @@ class PoseArrayDisplay(DrawnDisplay):
         return matrices(self.numbers(message))
 
     def parts(self) -> Mapping[str, Drawable]:
-        """Return all arrows or axes at once, in the frame of the message."""
+        """Return all arrows or axes as one drawable, in the frame of the message."""
         if not self.kept or not len(poses := self.kept[0]):
             return {}
         if self["Shape"] != _FLAT:
@@ -108,7 +106,7 @@ class PoseArrayDisplay(DrawnDisplay):
 
 
 class OdometryDisplay(DrawnDisplay):
-    """Shows where something has been: a pose for each step that it has moved or turned."""
+    """The poses of a moving thing, one for each step that it has moved or turned."""
 
     class_name = "rviz_default_plugins/Odometry"
     type_name = "nav_msgs/msg/Odometry"
@@ -163,7 +161,7 @@ def _angle(first: Matrix, second: Matrix) -> float:
 
 
 class PathDisplay(DrawnDisplay):
-    """Shows the last paths as lines, and their poses as axes or arrows if asked.
+    """The last paths as lines, and their poses as axes or arrows if asked.
 
     The frame is that of the path; RViz does not look at the headers of its poses.
     """

@@ -32,7 +32,7 @@ _OF_LINKS = {"axes": "Show Axes", "trail": "Show Trail"}
 
 
 class RobotModelDisplay(TopicDisplay):
-    """Shows a robot as its description says, each link where tf2 knows it; joint states are not heard."""
+    """A robot by its description, each link at its tf2 frame; joint states are not subscribed to."""
 
     class_name = "rviz_default_plugins/RobotModel"
     type_name = "std_msgs/msg/String"
@@ -69,7 +69,7 @@ class RobotModelDisplay(TopicDisplay):
         return super().qos() if changed else Qos(depth=1, durability="transient_local")
 
     def changed(self, label: str) -> None:
-        """Start anew with another description; all else counts from the next frame on."""
+        """Restart with another description; other properties apply from the next frame on."""
         super().changed(label)
         switches = [f"Links/{link.name}" for link in self._links if link.has_geometry]
         if label == _ALL:
@@ -94,12 +94,12 @@ class RobotModelDisplay(TopicDisplay):
             self._read(self._file)
 
     def reset(self) -> None:
-        """Show the robot anew: it is still the same in another fixed frame."""
+        """Redraw the robot: it stays the same in another fixed frame."""
         super().reset()
         self._load()
 
     def process(self, message: Any) -> None:
-        """Take a description."""
+        """Draw the robot of a description."""
         self._urdf = message.data
         self._load()
 
@@ -132,7 +132,7 @@ class RobotModelDisplay(TopicDisplay):
             self.statuses.set("error", "URDF", "URDF is empty")
 
     def _load(self) -> None:
-        """Make the links of the description anew."""
+        """Create the links of the description, in place of earlier ones."""
         self.context.scene.delete(f"{self.path}/links")
         self._links, self._updated_ns = [], None
         self.shrink("Links")
@@ -172,7 +172,7 @@ class RobotModelDisplay(TopicDisplay):
         link.show(Wanted(shown, self["Alpha"] * self[f"{here}/Alpha"], transform is None))
 
     def _problems(self) -> str:
-        """Say in RViz's words what shapes could not be loaded."""
+        """List in RViz's words the shapes that could not be loaded."""
         failed = (link for link in self._links if link.looks.errors)
         return "".join(f"\n• for link '{link.name}':\n" + "\n".join(link.looks.errors) for link in failed)
 

@@ -1,4 +1,4 @@
-"""`course mark`: points and comments of a person, at once in gradebook, index and report."""
+"""`course mark`: points and comments of a person, which gradebook, index and report show."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -6,11 +6,10 @@ from pathlib import Path
 from course_lib.course.identity import normalise
 from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.grading.grade_one import Course, catalog_of, renew_report
-from course_lib.grading.handin.submission import Submission
-from course_lib.grading.marks.mark import read_result, result_path
-from course_lib.grading.marks.marks import add_mark, marks_path
-from course_lib.grading.out_folder import sole_use, writing
+from course_lib.grading.marks.mark import Result, read_result
+from course_lib.grading.marks.marks import add_mark, read_marks
+from course_lib.grading.records import Course, catalog_of, marks_path, result_path, sole_use, writing
+from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
 
 
@@ -25,7 +24,7 @@ def mark_by_hand(
     comment: str = "",
     course: Course | None = None,
 ) -> str:
-    """Keep what a person gives, and return a line with the mark as it is now.
+    """Store the points of a person, and return a line with the new mark.
 
     Args:
         out: The folder that `course grade` wrote.
@@ -40,24 +39,28 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
-    try:
-        number = float(points)
-    except ValueError as error:
-        raise CourseError(f"{points!r} is not a number of points") from error
+    number = _number(points)
     student = _known(student, out / "results", "student")
     exercise = _known(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
+    catalog = catalog_of(course or Course(exercises_dir(), solutions_dir()))
     with sole_use(out), writing(out):
-        result = read_result(path)
-        tasks = {known["task"]: known for known in result.get("tasks", ())}
+        result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
+        tasks = {known.task: known for known in (result.judgement.tasks if result.judgement else ())}
         task = _task(task, tasks, f"{exercise} of {student}")
-        given = add_mark(marks_path(out, student, exercise), tasks[task], number, row, comment)
-        course = course or Course(exercises_dir(), solutions_dir())
-        renew_report(Submission.from_plain(result), course, out)
-        write_tables(out, catalog_of(course).course.zone)
+        given = add_mark(file, tasks[task], number, row, comment)
+        report(result, read_marks(file), out, catalog)
+        write_tables(out, catalog.course.zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
     return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
+
+
+def _number(points: str) -> float:
+    try:
+        return float(points)
+    except ValueError as error:
+        raise CourseError(f"{points!r} is not a number of points") from error
 
 
 def _known(name: str, folder: Path, what: str) -> str:

@@ -1,105 +1,166 @@
-"""What is known of one graded submission: the file in OUT/results."""
+"""The stage `mark`: from judgements to a result, kept in OUT/results."""
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from course_lib.course.course_file import Late
+from course_lib.course.course_file import CourseFile, Late
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.handin.ids import MISMATCH
 from course_lib.grading.handin.submission import Submission
-from course_lib.grading.judge import CheckResult, TaskResult
-from course_lib.grading.marks.marks import HandMark, Mark, apply_marks, mark, marks_path, read_marks
-from course_lib.grading.run.run import ExerciseRun
+from course_lib.grading.judge import Judgement, TaskResult
+from course_lib.grading.marks.marks import HandMark, Mark, add_up, apply_marks, read_marks
+from course_lib.grading.records import marks_path, result_path
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
-MARK_COLUMNS = ("score", "max_score", "days_late", "penalty", "final")
+MARK_COLUMNS = tuple(field.name for field in fields(Mark))
 TEXT_COLUMNS = ("student", "exercise", "status", "reason", "message")
 COLUMNS = (*TEXT_COLUMNS[:2], *MARK_COLUMNS, *TEXT_COLUMNS[2:])
 
 
 @dataclass(frozen=True)
+class Fault:
+    """The failure of the kit or the machine because of which a submission has no judgement."""
+
+    kind: str
+    text: str
+
+    @classmethod
+    def of(cls, error: Exception) -> "Fault":
+        """Return the fault of an exception."""
+        return cls(type(error).__name__, str(error))
+
+
+@dataclass(frozen=True)
 class Result:
-    """One submission's marks and reasons.
+    """The record of one student's exercise.
 
     Args:
-        submission: What was handed in.
+        submission: The attempt that counts.
         status: `rejected` and `grader_error` have no mark.
-        reason: A word: which limit, which kind of rejection.
+        reason: A word: the limit, or the kind of rejection or fault.
         message: A sentence, if there is no mark.
-        run: What each task got, and why.
+        judgement: Each task's checks, without the points of persons; None if there is no mark.
         days_late: Started days.
-        percent_per_day: What each of them costs.
+        percent_per_day: The penalty for each of them.
         notes: For staff.
-        rules: A hash of the course file and the checks of that time.
-        remark: What the gradebook says of a time of receipt that is not certain.
-        attempts: What was handed in, all of it if the best counts, with the mark of each.
+        remark: The gradebook's words on a time of receipt that is not certain.
+        attempts: Identity and mark of each attempt.
+        digest: Of all that the result depends on; "" if it must be made again.
     """
 
     submission: Submission
     status: Status
     reason: str = ""
     message: str = ""
-    run: ExerciseRun | None = None
+    judgement: Judgement | None = None
     days_late: int = 0
     percent_per_day: float = 0.0
     notes: tuple[str, ...] = ()
-    attempts: tuple[dict[str, Any], ...] = ()
-    rules: str = ""
     remark: str = ""
-
-    @property
-    def isolation(self) -> str:
-        """How well it was kept apart from the machine that it ran on."""
-        return str(self.run.isolation) if self.run else "not run"
+    attempts: tuple[Mapping[str, Any], ...] = ()
+    digest: str = ""
 
     @property
     def mark(self) -> Mark | None:
         """The arithmetic, if there is a mark."""
-        return mark(self.run.results, self.days_late, Late(self.percent_per_day)) if self.run else None
+        if self.judgement is None:
+            return None
+        return add_up(self.judgement.tasks, self.days_late, Late(self.percent_per_day))
 
     def with_marks(self, marks: Sequence[HandMark]) -> "Result":
-        """The same with what persons gave, for the report."""
-        if self.run is None:
+        """Return the result with the points of persons, for the report."""
+        if self.judgement is None:
             return self
-        pairs = zip(self.run.tasks, self.run.results, strict=True)
-        results = [apply_marks(one, [asdict(row) for row in task.rubric], marks) for task, one in pairs]
-        row, run = row_of(self.content(), marks), replace(self.run, results=tuple(results))
-        return replace(self, run=run, status=row["status"], message=row["message"])
+        tasks = tuple(apply_marks(task, marks) for task in self.judgement.tasks)
+        row, judgement = row_of(self.as_plain(), marks), replace(self.judgement, tasks=tasks)
+        return replace(self, judgement=judgement, status=row["status"], message=row["message"])
 
-    def content(self) -> dict[str, Any]:
-        """What its file holds: nothing that a person gave is in it."""
-        return {
-            **self.submission.as_plain(),
-            **{name: value for name, value in vars(self).items() if name not in ("submission", "run")},
-            "isolation": self.isolation,
-            "notes": [*self.submission.notes, *self.notes, *self._broken_notes()],
-            **(self.run.as_plain() if self.run else {}),
-        }
+    def as_plain(self) -> dict[str, Any]:
+        """Return the content of the result's file."""
+        own = {name: value for name, value in vars(self).items() if name not in ("submission", "judgement")}
+        judged = self.judgement.as_plain() if self.judgement else {"isolation": "not run"}
+        return {**self.submission.as_plain(), **own, **judged}
 
-    def _broken_notes(self) -> list[str]:
-        return [f"a check could not judge it: {check}" for check in self.run.broken] if self.run else []
+    @classmethod
+    def from_plain(cls, content: Mapping[str, Any]) -> "Result":
+        """Return the result of a file's content."""
+        known = {field.name: content[field.name] for field in fields(cls) if field.name in content}
+        judgement = Judgement.from_plain(content) if "tasks" in content else None
+        return cls(**known, submission=Submission.from_plain(content), judgement=judgement)
 
     def write(self, out: Path) -> None:
-        """Write it to OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
-        text = json.dumps(self.content(), indent=1, ensure_ascii=False)
+        """Write OUT/results/STUDENT/EXERCISE.json, whole or not at all."""
+        text = json.dumps(self.as_plain(), indent=1, ensure_ascii=False)
         path = result_path(out, self.submission.student, self.submission.exercise)
         write_whole(path, text.encode("utf-8", "replace"))
 
 
-def result_path(out: Path, student: str, exercise: str) -> Path:
-    """Where the result of a submission is kept."""
-    return out / "results" / student / f"{exercise}.json"
+def mark(
+    attempts: Sequence[Submission],
+    judged: Sequence[Judgement | Fault | None],
+    course: CourseFile,
+    digest: str,
+) -> Result:
+    """Mark one student's attempts at an exercise; the best one counts.
+
+    Args:
+        attempts: The submissions, the oldest first.
+        judged: The judgement of each, or the fault because of which it has none; None if it is rejected.
+        course: Deadlines and late policy.
+        digest: Of all that the result depends on.
+    """
+    results = [_result(one, judgement, course) for one, judgement in zip(attempts, judged, strict=True)]
+    best = max(results, key=_rank)
+    finals = [result.mark.final if result.mark else None for result in results]
+    tried = [{**identity(one), "final": final} for one, final in zip(attempts, finals, strict=True)]
+    return replace(best, attempts=tuple(tried), digest=digest if best.judgement else "")
+
+
+def identity(submission: Submission) -> dict[str, str]:
+    """Return the identity of an attempt: its content, its time of receipt, and whether its ID is right."""
+    received = json.dumps(submission.received.as_plain())
+    return {"key": submission.key, "received": received, "id_flag": submission.id_flag}
+
+
+def _rank(result: Result) -> float:
+    """Return the mark; a fault counts more, as that attempt may be the best, and a rejection less."""
+    if result.status == "grader_error":
+        return math.inf
+    return result.mark.final if result.mark else -1.0
+
+
+def _result(submission: Submission, judged: Judgement | Fault | None, course: CourseFile) -> Result:
+    notes = tuple(submission.notes)
+    if judged is None:
+        reason = submission.reason or ("wrong exercise" if submission.sha256 else "unreadable")
+        return Result(submission, "rejected", reason, submission.problem, notes=notes)
+    if isinstance(judged, Fault):
+        return Result(submission, "grader_error", judged.kind, judged.text, notes=notes)
+    late, received = course.late, submission.received
+    deadline = course.deadline(submission.exercise.split("_")[0], submission.student)
+    broken = [f"a check could not judge it: {check}" for check in judged.broken]
+    return Result(
+        submission,
+        "limit" if judged.limit else "graded",
+        judged.limit,
+        judgement=judged,
+        days_late=received.days_late(deadline, late),
+        percent_per_day=late.percent_per_day,
+        notes=(*notes, *received.contradictions(deadline, late), *broken),
+        remark=received.remark(deadline, late),
+    )
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """The content of a result file, and its `row` of the gradebook with what persons gave.
+    """Return the content of a result file, with its `row` of the gradebook.
 
     Raises:
-        CourseError: It, or the file of marks, can't be read; names it.
+        CourseError: The file, or the file of marks, can't be read; names it.
     """
     marks = read_marks(marks_path(path.parents[2], path.parent.name, path.stem))
     try:
@@ -110,31 +171,24 @@ def read_result(path: Path) -> dict[str, Any]:
 
 
 def results_in(out: Path) -> Iterator[dict[str, Any]]:
-    """All results, by student and exercise, one at a time: together they may be large."""
+    """Yield all results, by student and exercise, one at a time: together they may be large."""
     return map(read_result, sorted((out / "results").glob("*/*.json")))
 
 
 def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:
-    """The line of the gradebook that a result and what persons gave come to."""
+    """Return the line of the gradebook for a result and the points of persons."""
     row = dict.fromkeys(MARK_COLUMNS, "") | {name: content[name] for name in TEXT_COLUMNS}
-    tasks = content.get("tasks", ())
-    results = [apply_marks(_task(task), task["rubric"], marks) for task in tasks]
-    if results:
-        full = sum(one.score >= one.points for one in results)
-        said = f"{full} of {len(results)} tasks have full marks"
+    tasks = [apply_marks(TaskResult.from_plain(task), marks) for task in content.get("tasks", ())]
+    if tasks:
+        full = sum(task.score >= task.points for task in tasks)
+        said = f"{full} of {len(tasks)} tasks have full marks"
         row["message"] = "; ".join(filter(None, (said, content.get("remark"))))
-        row |= asdict(mark(results, content["days_late"], Late(content["percent_per_day"])))
-    pairs = zip(tasks, results, strict=True)
-    if any(one.waits or (task["rubric"] and one.manual is None) for task, one in pairs):
+        row |= asdict(add_up(tasks, content["days_late"], Late(content["percent_per_day"])))
+    if any(task.waits for task in tasks):
         row["status"] = "needs_marking"
-    if results and content.get("id_flag") == MISMATCH:
+    if tasks and content.get("id_flag") == MISMATCH:
         row["reason"] = ", ".join(filter(None, (row["reason"], MISMATCH)))
         row["message"] = f"{content['id_note']}; {row['message']}"
         if not marks:  # a person who gave marks has seen it
             row["status"] = "needs_marking"
     return {name: row[name] for name in COLUMNS}
-
-
-def _task(task: Mapping[str, Any]) -> TaskResult:
-    known = {field.name: task[field.name] for field in fields(TaskResult)}
-    return TaskResult(**{**known, "checks": tuple(CheckResult(**check) for check in task["checks"])})

@@ -1,1 +1,1 @@
-"""What people read of results: tables, pages, the gradebook and the terminal's lines."""
+"""Pages, tables, the gradebook, and lines for the terminal."""

@@ -1,4 +1,4 @@
-"""Scenes in reports: small enough to be sent, with one file of JavaScript for all of them."""
+"""Scenes of reports, small enough to be sent, and expected scenes."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import Run, time_limit
+from course_lib.grading.judge import time_limit
 from course_lib.grading.personal import build
+from course_lib.grading.run.job import Run
 from course_lib.grading.task import Message, Task
 from course_lib.recording import Recording
 from course_lib.robots.resources import packages_only
@@ -30,7 +31,7 @@ MESSAGE = 500  # [B] that a message counts as, however small it is
 
 @dataclass(frozen=True)
 class Figure:
-    """A scene of a page: its element, "" if there is none, and what there is to say about it."""
+    """A scene of a page: its element, "" if there is none, a caption and a note."""
 
     caption: str
     view: "Markup | str"
@@ -38,7 +39,7 @@ class Figure:
 
 
 def figures(task: Task, runs: Iterable[Run], room: int) -> list[Figure]:
-    """What was published in the first public scenario, beside what was expected.
+    """Draw the messages of the first public scenario, and beside them the expected messages.
 
     Args:
         task: Its ghost is what was expected.
@@ -99,18 +100,18 @@ NAMESPACE = "expected"
 
 
 def expected(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
-    """What a right answer looks like, among what our side published."""
+    """Return a recording of the expected messages, with the scenario's inputs."""
     return _recording(_published(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
 
 
 def seen(evidence: Evidence, inputs: Iterable[Message]) -> Recording:
-    """What both sides published: without our transforms a scene lacks its frames."""
+    """Return a recording of inputs and evidence; without the inputs' transforms a scene lacks its frames."""
     samples = (*_published(inputs, evidence.personal), *evidence.samples)
     return Recording(sorted(samples, key=lambda sample: sample.stamp_ns))
 
 
 def compared(task: Task, evidence: Evidence) -> "Scene":
-    """The student's scene with the expected one in it, pale."""
+    """Draw the student's scene, with the expected markers in it, pale."""
     from course_lib.displays.render import scene_of
 
     ghosts = [(message.topic, build(message, evidence.personal)) for message in task.ghost]

@@ -21,7 +21,7 @@ _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-
 
 @dataclass(frozen=True)
 class Table:
-    """A task's result with lines below it; Jupyter shows the HTML, a terminal the text.
+    """A task's result with lines below it, as HTML for Jupyter and as text for a terminal.
 
     Args:
         result: Of the task.
@@ -55,7 +55,7 @@ class Table:
 
 
 def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
-    """Icon, word, title and reason of each check; of a hidden one its number and the kind of mistake."""
+    """Return icon, word, title and reason of each check; of a hidden one its number and kind of mistake."""
     made: list[tuple[str, str, str, str]] = []
     hidden = 0
     for check in checks:
@@ -73,12 +73,12 @@ def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
 
 
 def fill(template: str, **values: Any) -> str:
-    """A page of templates/, in which every text is escaped."""
+    """Return a page of templates/, in which every text is escaped."""
     return _templates().get_template(template).render(values)
 
 
 def printable(line: str) -> str:
-    """A line for the terminal; names that come from students may be broken, or try to control it."""
+    """Replace control characters and broken ones: a student's name may hold anything."""
     return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
 
 
@@ -91,17 +91,17 @@ def _templates() -> "Environment":
 
 
 def _tame(value: Any) -> Any:
-    """A text without terminal colours, control characters and turns of the reading direction."""
+    """Remove terminal colours, control characters and changes of the reading direction from a text."""
     return _WILD.sub("", value) if type(value) is str else value  # not what is markup already
 
 
-Row = Mapping[str, Any]  # of the gradebook
+Line = Mapping[str, Any]  # of the gradebook
 MOST_NAMED = 5  # students in a line
 MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
 
 
-def watched(rows: Iterable[Row], total: int) -> Iterator[Row]:
-    """The same rows, while a bar with rate and time left tells how far it is; problems go above it."""
+def watched(rows: Iterable[Line], total: int) -> Iterator[Line]:
+    """Yield the rows, with a progress bar in the terminal and a line for each problem above it."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     rate, columns = TextColumn("{task.fields[rate]}"), (BarColumn(), MofNCompleteColumn())
@@ -122,13 +122,13 @@ def say(line: str) -> None:
     print(printable(line))  # noqa: T201  the terminal is its page
 
 
-def counts(rows: Iterable[Row]) -> str:
-    """How many there are of each status."""
+def counts(rows: Iterable[Line]) -> str:
+    """Return the number of rows of each status, as a sentence."""
     return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row["status"] for row in rows).items()))
 
 
 def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
-    """A line per task that checks mark, of all results: how many, the mean, how many have full marks."""
+    """Return a line per task that checks mark: number of results, mean, and number of full marks."""
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:

@@ -1,4 +1,4 @@
-"""What is derived from all results: gradebook.csv, the index, and what an instructor must look at."""
+"""Tables of all results: gradebook.csv, and the index with submissions to look at."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ from course_lib.grading.handin.copies import Alike, alike_in
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
 from course_lib.grading.reports.table import fill
-from course_lib.grading.run.outcome import read_usage
+from course_lib.grading.run.run import read_usage
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 
@@ -35,7 +35,7 @@ def write_gradebook(out: Path) -> Path:
 
 
 def harmless(value: Any) -> Any:
-    """A text that a spreadsheet would take for a formula gets an apostrophe in front."""
+    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
@@ -53,7 +53,7 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class Flag:
-    """Some words on a submission, and the page that shows more, or ""."""
+    """A reason to look at a submission, and the page that shows more, or ""."""
 
     kind: str
     text: str
@@ -62,7 +62,7 @@ class Flag:
 
 @dataclass(frozen=True)
 class Concern:
-    """A kind of thing to look at, with pages in OUT/reports that show more."""
+    """A reason to look at several submissions, with pages in OUT/reports that show more."""
 
     text: str
     pages: tuple[str, ...] = ()
@@ -151,7 +151,7 @@ def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
 
 
 def _failures(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Each check with how many submissions did not pass it, the most first."""
+    """Return each check with the number of submissions that did not pass it, the most first."""
     judged, failed = Counter[tuple[Any, ...]](), Counter[tuple[Any, ...]]()
     for result in results:
         for task in result.get("tasks", ()):

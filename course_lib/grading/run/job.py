@@ -1,4 +1,4 @@
-"""What running a submission needs: plain data, that may go to another process or machine."""
+"""The record that the stage `run` starts from: plain data, which may go to another process or machine."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -9,11 +9,13 @@ import msgpack
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.catalog import Catalog
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.personal import personal_values
 from course_lib.grading.task import Scenario, Task
 
-ANSWER = (Scenario("answer"),)  # a task that a person marks may have no scenario, and yet its text is needed
+VERSION = 3  # of stored evidence
+ANSWER = (Scenario("answer"),)  # of a written task without scenarios: its text is evidence nevertheless
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,18 @@ class Step:
     hidden: bool = False
 
     def unjudged(self) -> "Step":
-        """The same without what only the judge needs: checks and what is expected."""
+        """Return the step without checks and expected messages, which only the judge needs."""
         task = replace(self.task, scenarios=(), ghost=())
         return Step(task, replace(self.scenario, checks=()), self.hidden)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scenario that has been run, and its evidence."""
+
+    scenario: Scenario
+    evidence: Evidence
+    hidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -38,10 +49,10 @@ class Job:
         cells: Its code.
         student: The ID that personal values derive from; None is a guest.
         steps: The scenarios in order.
-        limits: What it may use.
-        files: What was handed in beside it, by path.
-        need: The sandbox without which it is not run.
-        refused: Paths of the course that it must not read where it runs.
+        limits: The resources that it may use.
+        files: Texts that were handed in with it, by path.
+        need: The least isolation in which it is run.
+        refused: Paths of the course that it must not read on the machine where it runs.
     """
 
     cells: tuple[str, ...]
@@ -59,14 +70,17 @@ class Job:
 
     @property
     def key(self) -> str:
-        """The same for what has the same evidence: identical files, inputs and personal values."""
+        """The digest of all that the evidence depends on; submissions with equal keys are run once.
+
+        The kit is no part of it, so that a corrected check can judge the evidence that is there.
+        """
         steps = [step.unjudged() for step in self.steps]
-        content = [self.cells, self.personal, sorted(self.files.items()), steps]
+        content = [VERSION, self.cells, self.personal, sorted(self.files.items()), steps, self.limits]
         return hashlib.sha256(msgpack.packb(content, default=_by_field)).hexdigest()[:32]
 
 
 def plan(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> tuple[Step, ...]:
-    """Every scenario of every task, public first."""
+    """Return every scenario of every task, public scenarios first."""
     public = [(task, task.scenarios or ANSWER * (task.kind == "written")) for task in tasks]
     steps = [Step(task, scenario) for task, scenarios in public for scenario in scenarios]
     if hidden:

@@ -1,4 +1,4 @@
-"""What comes out of student code, as plain data: values, errors, printed lines and usage."""
+"""Plain data from student code: returned values, errors, printed lines and usage."""
 
 import io
 import json
@@ -6,10 +6,8 @@ import os
 import re
 import sys
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +31,7 @@ NOT_MADE = "is not in the notebook: no cell that ran to its end makes it"  # beh
 
 @dataclass
 class Outcome:
-    """What came back: plain data."""
+    """Returned values and errors of student code."""
 
     returns: list[Any] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
@@ -48,7 +46,7 @@ def plain(value: Any) -> Any:
 
 
 def is_plain(value: Any, depth: int = MAX_DEPTH + 3) -> bool:
-    """Whether a value from outside is what `plain` makes."""
+    """Return whether a value from the worker has the form that `plain` returns."""
     if depth < 0:
         return False
     if type(value) is list:
@@ -132,7 +130,7 @@ _STAMP = re.compile(r"\[\d+\.\d{9}\] ")  # of a log line: it makes equal lines d
 
 
 class Bounded(io.StringIO):
-    """A text of which only the beginning is kept, so that an endless loop does not fill the memory."""
+    """A text that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
 
     def write(self, text: str) -> int:
         """Keep what there is room for."""
@@ -202,18 +200,6 @@ def wait_any_child() -> Usage:
     """
     _, _, used = os.wait3(0)
     return Usage(round(used.ru_utime + used.ru_stime, 3), round(used.ru_maxrss / _RSS_PER_MB, 1))
-
-
-def usage_path(out: Path, key: str) -> Path:
-    """Where it is kept, by the key of the evidence."""
-    return out / "evidence" / f"{key}.usage.json"
-
-
-def read_usage(out: Path, key: str) -> Usage | None:
-    """What a run used; None if that is not known."""
-    with suppress(OSError, ValueError, TypeError):
-        return Usage(**json.loads(usage_path(out, key).read_text(encoding="utf-8")))
-    return None
 
 
 def still_running(seconds: float, line: str = "") -> str:

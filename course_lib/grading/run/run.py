@@ -1,115 +1,124 @@
-"""The stage `run`: from a job to evidence, which is kept in a file."""
+"""The stage `run`: from a job to evidence, stored under the job's digest."""
 
 import gzip
-from collections.abc import Mapping, Sequence
-from contextlib import closing
-from dataclasses import asdict, dataclass, field, fields, replace
+import json
+import threading
+from collections.abc import Sequence
+from contextlib import closing, suppress
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import Any
 
 import msgpack
 
+from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.jail.launch import shared_template
-from course_lib.grading.judge import Run, TaskResult, judge_task
-from course_lib.grading.run.job import Job, Step, plan
+from course_lib.grading.jail.isolation import Isolation, Need
+from course_lib.grading.jail.launch import WorkerError, shared_template
+from course_lib.grading.records import evidence_path, usage_path, writing
+from course_lib.grading.run.job import VERSION, Job, Run, Step
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
-from course_lib.grading.task import Task
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos
+
+TRIES = 2
+LEVEL = 2  # of compression: a higher one takes longer than the run did
+_one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
 
 
 @dataclass(frozen=True)
 class ExerciseRun:
-    """What came out of a notebook, and what the checks say."""
+    """The evidence of all scenarios of one submission, and the log of its cells."""
 
-    tasks: tuple[Task, ...]
     runs: tuple[Run, ...]
     log: CellLog
     isolation: Isolation
-    results: tuple[TaskResult, ...] = ()
     usage: Usage = field(default_factory=Usage)
 
-    @property
-    def cell_errors(self) -> list[str]:
-        """What went wrong while the cells were run, once, before the scenarios."""
-        return [*self.log.stopped.values(), *self.log.errors]
 
-    @property
-    def broken(self) -> list[str]:
-        """Each check that raised an exception, with task and scenario; for staff."""
-        rows = [(task.task, check) for task in self.results for check in task.checks if check.broken]
-        return [f"{task}, {check.scenario}, {check.title!r}: {check.broken}" for task, check in rows]
+@dataclass(frozen=True)
+class Ran:
+    """An `ExerciseRun` as it is stored, and the usage, which differs from run to run."""
 
-    def as_plain(self) -> dict[str, Any]:
-        """What a result file says of it."""
-        digests = {f"{r.evidence.task}/{r.scenario.name}": r.evidence.recording.digest() for r in self.runs}
-        return {
-            "tasks": [
-                {**asdict(result), "score": result.score, "rubric": [asdict(row) for row in task.rubric]}
-                for task, result in zip(self.tasks, self.results, strict=True)
-            ],
-            "cell_errors": self.cell_errors,
-            "output": self.log.output,
-            "digests": digests,
-        }
+    evidence: bytes
+    usage: Usage
 
 
-def run_exercise(
-    cells: Sequence[str],
-    tasks: Sequence[Task],
-    catalog: Catalog,
-    student: str | None,
-    *,
-    hidden: bool,
-    files: Mapping[str, str] | None = None,
-) -> ExerciseRun:
-    """Run every scenario of every task, public first, and judge what came out."""
-    steps = plan(tasks, catalog, hidden=hidden)
-    job = Job(tuple(cells), student, steps, catalog.course.limits, files or {})
-    return judge_exercise(run_scenarios(job), tasks, catalog)
+def demand(need: Need, refused: tuple[str, ...] = ()) -> None:
+    """Check that this machine isolates submissions as well as is needed.
+
+    Raises:
+        CourseError: It does not; names what is missing and what to type.
+    """
+    shared_template(refused).isolation.demand(need)
+
+
+def run(job: Job) -> Ran:
+    """Run a submission in the jail of this machine.
+
+    Raises:
+        CourseError: The machine's isolation is less than the job needs.
+        WorkerError: No worker lives long enough: a fault of the kit or of the machine.
+    """
+    with _one_at_a_time:
+        for _ in range(TRIES):
+            demand(job.need, job.refused)
+            template = shared_template(job.refused)
+            try:
+                made = run_scenarios(job)
+            except (OSError, WorkerError):  # it may have been killed before
+                template.close()
+            else:
+                if template.is_sound:
+                    return Ran(pack(made), made.usage)
+                template.close()  # it was killed, and the submission with it: the evidence means nothing
+    raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times")
 
 
 def run_scenarios(job: Job) -> ExerciseRun:
-    """Run all scenarios; nothing is judged yet."""
+    """Run all scenarios of a job."""
     template = shared_template(job.refused)
-    with closing(SubmissionRun(job.cells, job.personal, job.limits, template, job.files)) as session:
-        runs = [Run(s.scenario, session.run(s.task, s.scenario), s.hidden) for s in job.steps]
-    return ExerciseRun((), tuple(runs), session.log, session.isolation, usage=session.usage)
+    with closing(SubmissionRun(job.cells, job.personal, job.limits, template, job.files)) as submission:
+        runs = [Run(s.scenario, submission.run(s.task, s.scenario), s.hidden) for s in job.steps]
+    return ExerciseRun(tuple(runs), submission.log, submission.isolation, submission.usage)
 
 
-def judge_exercise(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> ExerciseRun:
-    """Return the same run with its tasks and their results."""
-    results = [
-        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
-        for task in tasks
-    ]
-    return replace(run, tasks=tuple(tasks), results=tuple(results))
+def keep(out: Path, key: str, ran: Ran) -> None:
+    """Write evidence and usage, each whole or not at all.
+
+    Raises:
+        OutError: They can't be written.
+    """
+    with writing(out):
+        write_whole(usage_path(out, key), json.dumps(asdict(ran.usage)).encode())
+        write_whole(evidence_path(out, key), ran.evidence)
 
 
-VERSION = 2
-LEVEL = 2  # of compression: a higher one takes longer than the run did
+def read_usage(out: Path, key: str) -> Usage | None:
+    """Return what a run used, or None if that is not known."""
+    with suppress(OSError, ValueError, TypeError):
+        return Usage(**json.loads(usage_path(out, key).read_text(encoding="utf-8")))
+    return None
 
 
-def pack(run: ExerciseRun) -> bytes:
-    """All that came out of a submission: the same bytes for the same evidence."""
+def pack(made: ExerciseRun) -> bytes:
+    """Return the bytes to store: the same ones for the same evidence."""
     content = {
         "version": VERSION,
-        "isolation": run.isolation.layers,
-        "log": run.log,
-        "evidence": [one.evidence for one in run.runs],
+        "isolation": made.isolation.layers,
+        "log": made.log,
+        "evidence": [one.evidence for one in made.runs],
     }
     return gzip.compress(msgpack.packb(content, default=_by_field), LEVEL, mtime=0)
 
 
 def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
-    """What `pack` made, with the checks of today.
+    """Return what `pack` stored, with the checks of today.
 
     Raises:
-        CourseError: It is something else, or of other scenarios.
+        CourseError: The bytes are damaged, or of other scenarios.
     """
     try:
         content = msgpack.unpackb(gzip.decompress(data), strict_map_key=False)
@@ -120,11 +129,11 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
         log, isolation = CellLog(**content["log"]), Isolation(tuple(content["isolation"]))
     except Exception as error:  # a file may hold anything
         raise CourseError(f"stored evidence can't be read ({error!r}): grade without --rejudge") from error
-    return ExerciseRun((), tuple(runs), log, isolation)
+    return ExerciseRun(tuple(runs), log, isolation)
 
 
 def _by_field(data: Any) -> dict[str, Any]:
-    """A dataclass as its fields, without what it has worked out from them."""
+    """Return the fields of a dataclass, without cached properties."""
     return {field.name: getattr(data, field.name) for field in fields(data)}
 
 

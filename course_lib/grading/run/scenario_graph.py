@@ -24,7 +24,7 @@ NOT_EVIDENCE = ("/rosout", "/parameter_events")
 
 @dataclass(frozen=True)
 class Instructions:
-    """What the student's side gets to know: the task's kind, the seed, the arguments of calls."""
+    """The part of a scenario that the student's side gets: kind of the task, seed, arguments of calls."""
 
     kind: str
     seed: int
@@ -32,7 +32,7 @@ class Instructions:
 
 
 class ScenarioGraph:
-    """The graph of one scenario, with our inputs on it and a recorder of what the student's side publishes.
+    """The graph of one scenario, with its inputs and a recorder of the student's messages.
 
     Args:
         task: Whose scenario it is.
@@ -65,7 +65,7 @@ class ScenarioGraph:
         self.part = Instructions(task.kind, scenario.seed, calls)
 
     def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
-        """What came out, so far."""
+        """Return the evidence, with the messages recorded so far."""
         return Evidence(
             task=self._task.id,
             scenario=self._scenario.name,
@@ -88,14 +88,14 @@ ALL = 8 << 20  # bytes for all topics
 
 
 class ImageRoom:
-    """Counts what each topic's pictures take."""
+    """A limit on the bytes of pictures in evidence, by topic and in all."""
 
     def __init__(self) -> None:
         self._taken = Counter[str]()
         self._kept = 0
 
     def fitted(self, sample: Sample) -> Sample:
-        """The sample, without its pixels where there is no more room for them."""
+        """Return the sample, without its pixels where there is no more room for them."""
         if sample.type_name not in PICTURES:
             return sample
         self._taken[sample.topic] += len(sample.cdr)

@@ -1,4 +1,4 @@
-"""The student's side of a scenario: runs the student's object, in the worker and in the kernel."""
+"""The student's side of a scenario, in the worker and in the kernel."""
 
 import _thread
 import ctypes
@@ -67,7 +67,7 @@ def _actions(part: Instructions, subject: Any, outcome: Outcome) -> list[Callabl
 
 
 def run_node(make: Any) -> None:
-    """Make the node, or the nodes, and spin them; a function that returns None has run itself."""
+    """Create the node, or the nodes, and spin them; a function that returns None has run itself."""
     import rclpy
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
     from rclpy.node import Node
@@ -91,7 +91,7 @@ def run_node(make: Any) -> None:
 
 
 def _initialises(make: Any) -> bool:
-    """Whether a function calls `rclpy.init()` itself, as every `main()` does."""
+    """Return whether a function calls `rclpy.init()` itself, as every `main()` does."""
     code = getattr(make, "__code__", None)
     return code is not None and "init" in code.co_names
 
@@ -109,7 +109,7 @@ AGAIN = 1.0  # [s] code that swallows an interrupt gets another one
 
 
 class Watchdog:
-    """Says whether it had to interrupt."""
+    """A thread that interrupts a run after a time limit."""
 
     def __init__(self) -> None:
         self.barked = False
@@ -131,7 +131,7 @@ class Watchdog:
                 _thread.interrupt_main()
 
     def stop(self) -> None:
-        """Watch no more."""
+        """End the thread."""
         self._over.set()
 
 

@@ -1,4 +1,4 @@
-"""Runs a submission's scenarios in workers and brings back the evidence."""
+"""A submission's scenarios in workers: the grader's end."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or i
 
 
 class CrowdedError(ChannelError):
-    """A cell has used up the processes that a submission may have, and the scenarios need one."""
+    """A cell that used up all processes of a submission; the scenarios need one."""
 
 
 LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
@@ -39,7 +39,7 @@ LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
 
 @dataclass
 class CellLog:
-    """What the cells brought out when they were run first, before all scenarios."""
+    """Output and errors of the cells, which are run before all scenarios."""
 
     output: str = ""
     errors: list[str] = field(default_factory=list)
@@ -49,7 +49,7 @@ class CellLog:
 
 
 class SubmissionRun:
-    """One submission and its workers, of which `close` leaves nothing behind.
+    """One submission and its workers, until `close`.
 
     A worker that had to be killed is followed by a fresh one, in which the cell that hung is left out.
 
@@ -123,7 +123,7 @@ class SubmissionRun:
         return self._deadline - wall.monotonic()
 
     def _ready_worker(self) -> WorkerProcess | None:
-        """The worker, with all cells run; None when the time is over."""
+        """Return the worker, in which all cells have been run, or None when the time is over."""
         self._deadline = wall.monotonic() + self._cells_left
         while self._worker is None and self._left() > 0:
             self._worker = WorkerProcess(self._template, self._limits, self._cells)
@@ -133,7 +133,7 @@ class SubmissionRun:
         return self._worker
 
     def _run_cells(self, worker: WorkerProcess) -> bool:
-        """Whether all cells were run; if not, the one to blame has been noted."""
+        """Run all cells; return False after noting the cell that prevents it."""
         values = {task: dict(values) for task, values in self._personal.items()}
         current, limit, log = -1, self._limits.cell_seconds, self.log
         try:
@@ -171,7 +171,7 @@ class SubmissionRun:
             return False
 
     def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
-        """Let the worker run a scenario on the stage; also says which limit ended it, if one did."""
+        """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
         seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
         worker.allow(seconds)
@@ -192,7 +192,7 @@ class SubmissionRun:
 
 
 def limit_met(errors: Sequence[str]) -> str:
-    """Which limit the student's code met, by the errors that it got."""
+    """Return the limit behind the errors of student code, or ""."""
     return next((LIMITS_MET[start] for e in errors for start in LIMITS_MET if e.startswith(start)), "")
 
 
@@ -218,14 +218,14 @@ def _drive(channel: Channel, stage: ScenarioGraph, room: Room) -> Outcome:
 
 
 def _sentences(texts: list[Any]) -> list[str]:
-    """Texts from the worker, as many and as long as they may be."""
+    """Cut the number and the length of the worker's texts."""
     if not all(isinstance(text, str) for text in texts):
         raise ChannelError("what came are not sentences")
     return [text[: 2 * MAX_LENGTH] for text in texts[:MAX_ERRORS]]
 
 
 class TimeShares:
-    """Half of the time is reserved for the tasks in equal parts; the other half goes to whichever needs it.
+    """Time of a submission: half of it in equal parts for its tasks, the other half for any of them.
 
     Args:
         seconds: Of the wall clock, for the scenarios of all tasks.

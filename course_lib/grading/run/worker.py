@@ -25,9 +25,9 @@ from course_lib.ros.baton import baton
 from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from course_lib.ros.process import make_shell
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
-from course_lib.ros.shell import make_shell
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -36,13 +36,13 @@ CELLS_SEED = 0
 USUAL = (  # what most notebooks import
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
     "std_msgs.msg",     "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
-    "course_lib.displays.viewer", "course_lib.tools.magic", "course_lib.tools.tracebacks",
+    "course_lib.displays.viewer", "course_lib.tools.notebook",
 )  # fmt: skip
 NO_SHELL = "There is no shell when graded: this line is left out."
 
 
 class Worker:
-    """One submission.
+    """The loop in which a worker does what the grader asks for.
 
     Args:
         channel: To the grader.
@@ -112,7 +112,7 @@ class Worker:
         return [describe(error)] if error is not None else []
 
     def _is_crowded(self) -> bool:
-        """Whether a cell has left so many processes and threads behind that no further one can start."""
+        """Return whether the cells left so many processes and threads that no further one can start."""
         if not hasattr(os, "waitid"):
             return False  # macOS, where processes are not bounded
         try:
@@ -149,7 +149,7 @@ class Worker:
         self._channel.send(["result", outcome.returns, outcome.errors])
 
     def _subject(self, task: str, name: str) -> Any:
-        """What `check` was called with, else what has the declared name."""
+        """Return the object that `check` was called with, else the object with the declared name."""
         if task in self._bound:
             return self._bound[task]
         if name not in self._shell.user_ns:

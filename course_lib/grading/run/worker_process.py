@@ -1,4 +1,4 @@
-"""The grader's end of a worker: starts it in the jail, talks to it, reads what it prints."""
+"""A worker in the jail, with a channel and its printed text."""
 
 import os
 import threading
@@ -19,7 +19,7 @@ HEAVY = {  # what takes long to import, by the word that tells who needs it
 
 
 class WorkerProcess:
-    """A worker as the grader has it, until it is closed.
+    """A worker in the jail, from its start until `close`.
 
     Args:
         template: What it is a fork of.
@@ -48,11 +48,11 @@ class WorkerProcess:
             raise WorkerError(f"a worker can't be put into the jail: {problem} {said}")
 
     def allow(self, seconds: float) -> None:
-        """What it says must come within so many [s] of the wall clock, or the channel's timeout is raised."""
+        """Set the wall-clock time [s] in which the worker must answer."""
         self.channel.deadline = wall.monotonic() + seconds
 
     def take_output(self) -> str:
-        """What was printed since the last call."""
+        """Return the text printed since the last call."""
         return self._output.take()
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class WorkerProcess:
 
 
 class Output:
-    """Reads a pipe all the time, so that a flood can't block, and keeps the beginning of each step."""
+    """The text in a pipe, read continuously so that a flood can't block; the start of each step is kept."""
 
     def __init__(self, pipe: int, limit: int) -> None:
         self._pipe, self._limit = pipe, limit
@@ -74,7 +74,7 @@ class Output:
         self._reader.start()
 
     def take(self) -> str:
-        """The output of the step that has just ended: what it printed is in the pipe, if not yet here."""
+        """Return the text of the step that has just ended, including the part that is still in the pipe."""
         with self._lock:
             self._read()
             text = bytes(self._kept).decode("utf-8", "replace")
@@ -95,7 +95,7 @@ class Output:
                     self._over = self._read() == 0 or self._over
 
     def _read(self) -> int | None:
-        """How many bytes there were; 0 at the end of the pipe, None if there is nothing now."""
+        """Return the number of bytes read; 0 at the end of the pipe, None if there are none now."""
         try:
             chunk = os.read(self._pipe, PIPE_HOLDS)
         except BlockingIOError:

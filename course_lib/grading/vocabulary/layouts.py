@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
-from course_lib.displays.group import GROUP
+from course_lib.displays.display import GROUP
 from course_lib.displays.layout import Config, Layout, layout_of, text_at
 from course_lib.displays.registry import full_name, short_name
 from course_lib.displays.session import RvizSession

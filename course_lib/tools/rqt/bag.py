@@ -1,4 +1,4 @@
-"""`%rqt bag FOLDER`: a recording on a time line, its messages, and played to the nodes."""
+"""`%rqt bag FOLDER`: a recording on a time line, played to the nodes on request."""
 
 import asyncio
 from bisect import bisect_right
@@ -11,17 +11,17 @@ import numpy as np
 from course_lib.errors import CourseError, counted
 from course_lib.recording import read_bag
 from course_lib.ros import wall
-from course_lib.tools.message_text import Style, to_yaml
+from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.sources import PLAYER
 
 _LEFT, _WIDTH, _ROW = 190, 560, 22  # [px] names, time line, height of a topic
 _STEP = 0.05  # [s] of the wall clock between two steps of playing
 
 
-class BagView(View):
-    """A row per topic with a mark where messages are; a cursor, and the message below it."""
+class BagView(RqtView):
+    """A row per topic with a mark for each message; a cursor, and the message before it."""
 
     name, title = "bag", "Bag"
 
@@ -48,7 +48,7 @@ class BagView(View):
         self.add_choice("Message of", list(self._topics), None)
 
     def stop(self) -> None:
-        """End playing, and leave the graph."""
+        """Stop playing, and remove the player from the graph."""
         super().stop()
         if self._task is not None:
             self._task.cancel()
@@ -56,7 +56,7 @@ class BagView(View):
             self.graph.remove_node(self._node)
 
     def picture(self) -> str:
-        """Draw the time line, and write the last message before the cursor."""
+        """Draw the time line above the last message before the cursor."""
         length = self.controls["Time [s]"].max
         x, height = _LEFT + self._at / length * _WIDTH, _ROW * len(self._topics) + 22
         shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
@@ -67,7 +67,7 @@ class BagView(View):
         return drawing(shapes, _LEFT + _WIDTH + 90, height, said) + self._message()
 
     def _line(self, row: int, topic: str) -> str:
-        """Draw one topic: its name, a mark per pixel that has messages, how many there are."""
+        """Draw one topic: name, a mark per pixel with messages, number of messages."""
         stamps = self._times[[s.topic == topic for s in self._samples]] * 1e-9
         pixels = np.unique((stamps / self.controls["Time [s]"].max * _WIDTH).round()).astype(int)
         marks = "".join(f"M{_LEFT + pixel} {_ROW * row + 5}v12" for pixel in pixels.tolist())
@@ -86,11 +86,11 @@ class BagView(View):
         return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{words}</pre>"
 
     def _index(self, seconds: float) -> int:
-        """Say how many messages there are up to a time [s]."""
+        """Return the number of messages up to a time [s]."""
         return bisect_right(self._times.tolist(), round(seconds * 1e9))
 
     def _move(self) -> None:
-        """Take the cursor to where the slider is."""
+        """Move the cursor to the slider's time."""
         if abs(self["Time [s]"] - self._at) > self.controls["Time [s]"].step:
             self._at = self["Time [s]"]
         self.refresh()
@@ -104,7 +104,7 @@ class BagView(View):
             self._task = self._loop.create_task(self._keep_playing())
 
     async def _keep_playing(self) -> None:
-        """Move the cursor with the wall clock, from the start again if it is at the end."""
+        """Move the cursor with the wall clock; from the end it returns to the start."""
         slider, last = self.controls["Time [s]"], wall.monotonic()
         if self._at >= slider.max:
             self._at = 0.0
@@ -116,7 +116,7 @@ class BagView(View):
         self.controls["Play"].value = False
 
     def play_to(self, seconds: float) -> None:
-        """Move the cursor on to a time [s]; publishes what lies between, if that is wanted."""
+        """Move the cursor on to a time [s], and publish the messages between if Publish is checked."""
         first = self._index(self._at) if self._at > 0 else 0
         if self["Publish"]:
             self._publish(range(first, self._index(seconds)))

@@ -1,4 +1,4 @@
-"""`%rqt graph`: who publishes what to whom (rqt_graph's dotcode.py says what is hidden when)."""
+"""`%rqt graph`: nodes and topics as a drawing, with the filters of rqt_graph's dotcode.py."""
 
 import re
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.qos import incompatible
 from course_lib.tools.rqt.layered import Edge, Layers, Point, layered
 from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
 _KINDS = {  # what each check box hides
@@ -25,13 +25,13 @@ _BAD = " (QoS!)"  # some publisher does not reach some subscription
 _HALF = 14.0  # [px] half the height of a node
 
 
-class GraphView(View):
-    """Ellipses are nodes, boxes topics; a dashed box is a topic whose QoS keeps messages from some."""
+class GraphView(RqtView):
+    """Nodes as ellipses, topics as boxes, dashed where incompatible QoS keeps messages back."""
 
     name, title = "graph", "Node Graph"
 
     def build(self) -> None:
-        """Make the controls of rqt_graph."""
+        """Create the controls of rqt_graph."""
         self.add_choice("Show", (NODES, ACTIVE, ALL), ACTIVE)
         self.add_text("Node filter", "/")
         self.add_text("Topic filter", "/")
@@ -63,12 +63,12 @@ class GraphView(View):
         return not hidden and passes(name, self[f"{kind} filter"])
 
     def _names(self) -> dict[int, str]:
-        """Give the full names of the shown nodes by their numbers."""
+        """Return the full names of the shown nodes, by id."""
         full = {node.id: node.full_name for node in self.graph.nodes()}
         return {number: name for number, name in full.items() if self._shown(name, "Node")}
 
     def _ends(self) -> dict[str, list[EndpointInfo]]:
-        """Give the shown topics' endpoints at shown nodes; an action's topics count as one, as in rqt."""
+        """Return the shown topics' endpoints at shown nodes; an action's topics are one, as in rqt."""
         names, found = self._names(), dict[str, list[EndpointInfo]]()
         for end in self.graph.endpoints():
             topic = re.sub("/_action/.*", "/action_topics", end.topic)
@@ -85,7 +85,7 @@ class GraphView(View):
         )
 
     def _edges(self) -> dict[Edge, list[str]]:
-        """Give the arrows with what is written on them; topics' names begin with a space, as in rqt."""
+        """Return the arrows with their labels; names of topics begin with a space, as in rqt."""
         names, edges = self._names(), dict[Edge, list[str]]()
         for topic, ends in self._ends().items():
             if self["Show"] == NODES:
@@ -101,16 +101,16 @@ class GraphView(View):
         return edges
 
     def _incompatible(self) -> set[str]:
-        """Name the topics of which some publisher does not reach some subscription."""
+        """Return the topics on which some publisher does not match some subscription."""
         ends = self._ends().items()
         return {t for t, e in ends for a in e for b in e if a.kind < b.kind and incompatible(a.qos, b.qos)}
 
 
 def passes(name: str, rule: str) -> bool:
-    """Say whether a name passes a filter: patterns with commas between them, those with a - keep names out.
+    """Return whether a name passes a filter of comma-separated patterns; a leading - excludes names.
 
     Raises:
-        CourseError: One is no regular expression.
+        CourseError: One is not a regular expression.
     """
     parts = [part.strip() for part in rule.split(",") if part.strip() not in ("", "/")]
     try:
@@ -119,7 +119,7 @@ def passes(name: str, rule: str) -> bool:
         return not out and (not wanted or any(re.fullmatch(part, name) for part in wanted))
     except re.error as error:
         raise CourseError(
-            f"{rule!r} is no filter: {error}. Write names or patterns, like /arm/.*, -/tf"
+            f"{rule!r} is not a filter: {error}. Write names or patterns, like /arm/.*, -/tf"
         ) from error
 
 

@@ -1,4 +1,4 @@
-"""Draws directed graphs in layers from left to right, groups of nodes in lanes of their own."""
+"""Layout of directed graphs in layers from left to right, with a lane per group of nodes."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ _SWEEPS = 4
 
 @dataclass(frozen=True)
 class Layers:
-    """Where nodes (centres), edges (points to pass) and groups (x, y, width, height) are drawn, [px]."""
+    """Positions of nodes (centres), edges (points) and groups (x, y, width, height), [px]."""
 
     places: Mapping[str, Point]
     routes: Mapping[Edge, Sequence[Point]]
@@ -25,7 +25,7 @@ class Layers:
 def layered(
     widths: Mapping[str, float], edges: Iterable[Edge], groups: Mapping[str, str], gap: float
 ) -> Layers:
-    """Place nodes so that edges lead to the right where they can, and cross little.
+    """Place nodes so that most edges lead to the right, with few crossings.
 
     Args:
         widths: Of the nodes, by name, [px].
@@ -47,7 +47,7 @@ def layered(
 
 
 def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
-    """Give each node the length of the longest way to it; edges that close a circle do not count."""
+    """Return the length of the longest path to each node; edges that close a circle do not count."""
     heights: dict[str, int] = {}  # the longest way from each node on; -1 while it is looked for
 
     def height(name: str) -> int:
@@ -66,7 +66,7 @@ def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
 
 
 def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
-    """List the cells that an edge goes through, from left to right: long ones bend round other nodes."""
+    """List the cells that an edge passes from left to right; long edges bend round other nodes."""
     left, right = sorted(edge, key=lambda name: depths[name])
     between = range(depths[left] + 1, depths[right])
     bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
@@ -74,7 +74,7 @@ def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
-    """Sort each cell by where its neighbours are."""
+    """Sort each cell by the positions of its neighbours."""
     near: dict[str, list[str]] = {}
     for one, other in links:
         near.setdefault(one, []).append(other)
@@ -124,7 +124,7 @@ def _placed(
 def _route(
     edge: Edge, chain: Sequence[tuple[str, int]], places: Mapping[str, Point], widths: Mapping[str, float]
 ) -> list[Point]:
-    """Lead an edge from the border of its start to that of its end; one that goes back keeps a bit lower."""
+    """Return the points of an edge from border to border; an edge that leads back is drawn lower."""
     back = chain[0][0] != edge[0]
     points = [places[name] for name, _ in chain]
     (x0, y0), (x1, y1) = points[0], points[-1]

@@ -46,7 +46,7 @@ _SIGNS = {  # a shape for each, so that its colour is not all that tells
 
 
 def icon(sign: str) -> str:
-    """Draw the sign of a level; what it means must stand beside it in words."""
+    """Draw the sign of a level; its meaning must stand beside it in words."""
     colour, shape, line = _SIGNS[sign]
     stroke = tag("path", d=line, stroke="white", stroke_width=1.8, fill="none")
     box = {"class": "rqt-icon", "viewBox": "0 0 14 14", "aria_hidden": "true"}
@@ -54,12 +54,12 @@ def icon(sign: str) -> str:
 
 
 def colour_of(sign: str) -> str:
-    """Give the colour of a sign."""
+    """Return the colour of a sign."""
     return _SIGNS[sign][0]
 
 
 def tag(name: str, inside: str = "", /, **attributes: object) -> str:
-    """Write an element; numbers with one decimal, ``stroke_width`` as ``stroke-width``."""
+    """Return an element; floats get one decimal, ``stroke_width`` becomes ``stroke-width``."""
     words = ""
     for key, value in attributes.items():
         short = f"{value:.1f}" if isinstance(value, float) else str(value)
@@ -68,18 +68,18 @@ def tag(name: str, inside: str = "", /, **attributes: object) -> str:
 
 
 def text(words: str, x: float, y: float, anchor: str = "start", /, **attributes: object) -> str:
-    """Write words into a picture."""
+    """Return a text element of an SVG."""
     return tag("text", escape(words), x=x, y=y, text_anchor=anchor, **attributes)
 
 
 def drawing(shapes: str, width: float, height: float, said: str) -> str:
-    """Write a picture, with words for those who cannot see it."""
+    """Return an SVG with alternative text."""
     box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": said}
     return tag("svg", shapes, role="img", width=width, **box)
 
 
 def chart(figure: "Figure", said: str) -> str:
-    """Write a figure of matplotlib as such a picture; its black words get the page's colour."""
+    """Return a matplotlib figure as SVG with alternative text; black text gets the page's colour."""
     from matplotlib import rc_context
 
     file = StringIO()
@@ -90,7 +90,7 @@ def chart(figure: "Figure", said: str) -> str:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:
-    """Write a table; its cells are HTML."""
+    """Return a table with cells of HTML."""
     head = "".join(tag("th", name, scope="col") for name in heads)
     body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
     return tag("table", f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>", aria_label=said)

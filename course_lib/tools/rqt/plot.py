@@ -1,15 +1,100 @@
-"""`%rqt plot /topic/field …`: numbers over time."""
+"""`%rqt plot /topic/field …`: numbers in messages over time, named by their paths."""
 
+import re
 from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import cycle, takewhile
 from typing import Any
 
 import numpy as np
 
+from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import Sample
-from course_lib.tools.rqt.field_path import FieldPath, parse
+from course_lib.ros.messages import Message
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
 from course_lib.tools.rqt.markup import chart
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.view import RqtView
+
+_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
+
+
+@dataclass(frozen=True)
+class FieldPath:
+    """A number in the messages of a topic."""
+
+    text: str
+    topic: str
+    type_name: str
+    steps: tuple[tuple[str, int | None], ...]  # field, and index in it
+
+    def read(self, message: Message) -> float:
+        """Return the number; NaN where a list is shorter."""
+        value: object = message
+        for name, index in self.steps:
+            value = getattr(value, name)
+            if index is not None:
+                if index >= len(value):  # type: ignore[arg-type]  # parse() has seen that it is a list
+                    return float("nan")
+                value = value[index]  # type: ignore[index]  # as above
+        return float(value)  # type: ignore[arg-type]  # parse() has seen that it is a number
+
+
+def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
+    """Parse a path.
+
+    Args:
+        text: /topic/field/part[0].
+        topics: The types of each topic.
+
+    Raises:
+        CourseError: With rqt_plot's words, and what may have been meant.
+    """
+    path = "/" + text.strip("/")
+    fitting = [topic for topic in topics if f"{path}/".startswith(f"{topic}/")]
+    if not fitting:
+        raise CourseError(f"topic {path} does not exist{did_you_mean(path, topics)}")
+    topic = max(fitting, key=len)
+    type_name = topics[topic][0]
+    words = path[len(topic) :].strip("/")
+    here, steps, field = type_name, list[tuple[str, int | None]](), None
+    for word in filter(None, words.split("/")):
+        fields = {field.name: field for field in definition(here).fields} if here else {}
+        step = _STEP.fullmatch(word)
+        if step is None or step[1] not in fields:
+            raise CourseError(
+                f"{path}: {here or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
+            )
+        field, index = fields[step[1]], None if step[2] is None else int(step[2])
+        _check_index(path, word, field, index)
+        steps.append((field.name, index))
+        here = field.base if field.is_message else ""
+    if field is None or field.is_message or PRIMITIVES[field.base].python not in (bool, int, float):
+        numbers = [f"{path}/{name}" for name in _numbers(here)] if here else []
+        why = "is not a number" if steps else f'no field specified in topic name "{path}"'
+        raise CourseError(
+            f"{f'{path} ' if steps else ''}{why}. Numbers here: {', '.join(numbers) or 'none'}."
+        )
+    return FieldPath(path, topic, type_name, tuple(steps))
+
+
+def _check_index(path: str, word: str, field: FieldDefinition, index: int | None) -> None:
+    if index is None and field.container != "scalar":
+        raise CourseError(f"{path}: {field.name} is a list. Say which of it, like {field.name}[0].")
+    if index is not None and (field.container == "scalar" or 0 < field.size <= index):
+        size = f"a list of {field.size}" if field.container == "array" else "no list"
+        raise CourseError(f"{path}: there is no {word}, {field.name} is {size}.")
+
+
+def _numbers(type_name: str, deep: int = 2) -> Iterator[str]:
+    """Yield the paths of the numbers in a message; lists with an index."""
+    for field in definition(type_name).fields:
+        name = field.name if field.container == "scalar" else f"{field.name}[0]"
+        if field.is_message and deep:
+            yield from (f"{name}/{inner}" for inner in _numbers(field.base, deep - 1))
+        elif not field.is_message and PRIMITIVES[field.base].python in (bool, int, float):
+            yield name
+
 
 _SAMPLES = 100_000  # that a curve keeps
 _LONG = 5000  # samples of a curve that is drawn as pixels: as lines it would be heavy for the page
@@ -23,17 +108,17 @@ _LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve,
 )
 
 
-class PlotView(View):
-    """Curves of what came since the view was opened, by the time of publication."""
+class PlotView(RqtView):
+    """Curves of the numbers since the view was opened, by the time of publication."""
 
     name, title, listens = "plot", "MatPlot", True
 
     def build(self) -> None:
-        """Make the controls, and a curve for each word."""
+        """Create the controls, and a curve for each word."""
         from ipywidgets import BoundedFloatText, Text
 
         self._start_ns = self.graph.now_ns
-        self._curves: dict[str, tuple[FieldPath, deque[tuple[float, float]]]] = {}
+        self.curves: dict[str, tuple[FieldPath, deque[tuple[float, float]]]] = {}
         hint, wide = "/topic/field /topic/list[0]", {"width": "480px"}
         topics = Text(" ".join(self.words), description="Topics", placeholder=hint, layout=wide)
         topics.continuous_update = False
@@ -44,13 +129,13 @@ class PlotView(View):
         self._choose()
 
     def buttons(self) -> list[Any]:
-        """Add a button that forgets what came."""
-        return [self.button("Clear", "trash", self._clear)]
+        """Add a button that clears the collected messages."""
+        return [self.button("Clear", "trash", self.clear)]
 
     def hear(self, sample: Sample) -> None:
-        """Take the numbers out of a message."""
+        """Append the numbers of a message to the curves."""
         message = None
-        for path, points in self._curves.values():
+        for path, points in self.curves.values():
             if (path.topic, path.type_name) == (sample.topic, sample.type_name):
                 message = message or sample.message()
                 points.append(((sample.stamp_ns - self._start_ns) * 1e-9, path.read(message)))
@@ -61,18 +146,18 @@ class PlotView(View):
             super().refresh()
 
     def picture(self) -> str:
-        """Draw the curves, with a legend that says the last values."""
+        """Draw the curves, with the last values in the legend."""
         from matplotlib.figure import Figure
 
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
         below = 0.5 + 0.24 * len(
-            self._curves
+            self.curves
         )  # [inch] for the legend; layouts by themselves take twice as long
         figure = Figure(figsize=(7.2, 2.7 + below))
         place = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
         axes = figure.subplots(gridspec_kw=place)
-        for (name, (_, points)), (colour, dash) in zip(self._curves.items(), cycle(_LOOKS)):
+        for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
             shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
             said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: nothing came yet"
             look = {"label": said, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
@@ -85,15 +170,16 @@ class PlotView(View):
         return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
 
     def _choose(self) -> None:
-        """Let there be the curves that are named."""
+        """Create the requested curves; existing ones keep their points."""
         topics = self.source.topics()
         paths = [parse(word, topics) for word in self["Topics"].split()]
-        self._curves = {
-            path.text: self._curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths
+        self.curves = {
+            path.text: self.curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths
         }
         self.say("" if paths else "Name what to plot, like /joint_states/position[0], and press Enter.")
         self.refresh()
 
-    def _clear(self) -> None:
-        for _, points in self._curves.values():
+    def clear(self) -> None:
+        """Remove the points of all curves."""
+        for _, points in self.curves.values():
             points.clear()

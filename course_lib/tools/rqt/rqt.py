@@ -1,4 +1,4 @@
-"""`%rqt …`: a table of its views, and perspectives: which views there are, as a file."""
+"""`%rqt …`: the table of its views, and perspectives, which store open views in a file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,14 +12,11 @@ from course_lib.ros.graph import current_graph
 from course_lib.ros.notices import say
 from course_lib.ros.pace import SECONDS_WITHOUT_A_PAGE
 from course_lib.tools.rqt.bag import BagView
-from course_lib.tools.rqt.console import ConsoleView
 from course_lib.tools.rqt.graph import GraphView
+from course_lib.tools.rqt.monitors import ConsoleView, RobotMonitorView, TopicView
 from course_lib.tools.rqt.plot import PlotView
-from course_lib.tools.rqt.reconfigure import ReconfigureView
-from course_lib.tools.rqt.robot_monitor import RobotMonitorView
-from course_lib.tools.rqt.service_caller import ServiceCallerView
-from course_lib.tools.rqt.topic import TopicView
-from course_lib.tools.rqt.view import View
+from course_lib.tools.rqt.services import ReconfigureView, ServiceCallerView
+from course_lib.tools.rqt.view import RqtView
 
 _CLASSES = (
     GraphView,
@@ -31,7 +28,7 @@ _CLASSES = (
     ReconfigureView,
     RobotMonitorView,
 )
-VIEWS: Mapping[str, type[View]] = {view.name: view for view in _CLASSES}
+VIEWS: Mapping[str, type[RqtView]] = {view.name: view for view in _CLASSES}
 _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt save FILE."
 
 
@@ -39,11 +36,11 @@ _USAGE = f"Write %rqt {' | '.join(VIEWS)}, %rqt --perspective-file FILE, or %rqt
 class OpenViews:
     """The views of one run that are open."""
 
-    by_words: dict[tuple[str, ...], View] = field(default_factory=dict)
+    by_words: dict[tuple[str, ...], RqtView] = field(default_factory=dict)
 
 
 def rqt(words: Sequence[str]) -> None:
-    """Do what `rqt <words>` does: show views below the cell.
+    """Run `rqt <words>`: show views below the cell.
 
     Raises:
         CourseError: No such view, or what the view or the file finds wrong.
@@ -59,7 +56,7 @@ def rqt(words: Sequence[str]) -> None:
             raise CourseError(_USAGE)
 
 
-def _view_class(name: str) -> type[View]:
+def _view_class(name: str) -> type[RqtView]:
     plain = name.removeprefix("rqt_")
     if plain not in VIEWS:
         raise CourseError(
@@ -68,8 +65,8 @@ def _view_class(name: str) -> type[View]:
     return VIEWS[plain]
 
 
-def _show(views: Sequence[View]) -> None:
-    """Show views that follow the run; without a page, their pictures after a while of it."""
+def _show(views: Sequence[RqtView]) -> None:
+    """Show views that follow the run; without a page, their pictures after a while."""
     from IPython.display import HTML, display
 
     opened = current_graph().part(OpenViews).by_words
@@ -93,10 +90,10 @@ def _show(views: Sequence[View]) -> None:
 
 
 def _save(file: Path) -> None:
-    """Write the views that are open, with their words and what their controls say."""
+    """Write the open views with their words and the values of their controls."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    views: list[View] = [v for v in current_graph().part(OpenViews).by_words.values() if not v.closed]
+    views: list[RqtView] = [v for v in current_graph().part(OpenViews).by_words.values() if not v.closed]
     about = [
         {"view": view.name, "words": view.words, "controls": {name: view[name] for name in view.controls}}
         for view in views
@@ -116,19 +113,19 @@ def _read(file: Path) -> list[Any]:
     except OSError as error:
         raise CourseError(f"Can't read {file}: {error.strerror}. `%rqt save {file}` writes one.") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CourseError(f"{file} is no perspective: {error}") from error
+        raise CourseError(f"{file} is not a perspective: {error}") from error
     if not isinstance(views, list) or not all(isinstance(one, dict) for one in views):
-        raise CourseError(f"{file} is no perspective of %rqt: `%rqt save {file}` writes one.")
+        raise CourseError(f"{file} is not a perspective of %rqt: `%rqt save {file}` writes one.")
     return views
 
 
-def _restored(about: dict[str, Any], file: str) -> list[View]:
-    """Make a view as a perspective says; none, and a line that says why, where its words fit nothing now."""
+def _restored(about: dict[str, Any], file: str) -> list[RqtView]:
+    """Create a view from a perspective; print the reason where its words match nothing now."""
     try:
         view_class, words = _view_class(str(about["view"])), [str(word) for word in about.get("words", [])]
         settings = dict(about.get("controls", {}))
     except (KeyError, TypeError, ValueError) as error:
-        raise CourseError(f"{file}: {about!r} is no view: write view, words and controls.") from error
+        raise CourseError(f"{file}: {about!r} is not a view: write view, words and controls.") from error
     try:
         view = view_class(current_graph(), words)
     except CourseError as error:

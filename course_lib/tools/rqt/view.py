@@ -1,4 +1,4 @@
-"""What all views of rqt have in common: named controls, and a picture that follows the run."""
+"""The base of rqt's views: named controls, and a picture that follows the run."""
 
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 PERIOD = 0.25  # [s] of the wall clock between two pictures
 
 
-class View:
-    """One view: its controls by name, its picture as HTML; subclasses say what is in them.
+class RqtView:
+    """A view with named controls and a picture as HTML, filled by subclasses.
 
     Args:
         graph: The nodes to look at.
@@ -48,25 +48,25 @@ class View:
         self.build()
 
     def build(self) -> None:
-        """Make the controls; raises a CourseError if the words behind the view's name are wrong."""
+        """Create the controls; raises a CourseError for wrong words behind the view's name."""
 
     def hear(self, sample: Sample) -> None:
-        """Take a message that was published."""
+        """Process a published message."""
 
     def picture(self) -> str:
-        """Draw the present state as HTML."""
+        """Return the present state as HTML."""
         raise NotImplementedError
 
     def refresh(self) -> None:
-        """Bring what a page shows up to date."""
+        """Update the page."""
         self.screen.value = self.picture()
 
     def __getitem__(self, name: str) -> Any:
-        """Return what a control says."""
+        """Return the value of a control."""
         return self.controls[name].value
 
     def add(self, control: Any, action: Callable[[], None] | None = None) -> Any:
-        """Add a control by its name; each change draws a new picture, or does its own action."""
+        """Add a control under its description; a change of its value runs the action, or a refresh."""
         self.controls[control.description] = control
         control.style.description_width = "initial"
         control.observe(lambda _: self.soon(action or self.refresh), "value")
@@ -87,7 +87,7 @@ class View:
     def add_choice(
         self, name: str, options: Sequence[str], value: str | None, action: Callable[[], None] | None = None
     ) -> None:
-        """Add a list to choose from; None is no choice."""
+        """Add a list of options; the value None selects nothing."""
         from ipywidgets import Dropdown
 
         self.add(
@@ -95,14 +95,14 @@ class View:
         )
 
     def offer(self, name: str, options: Sequence[str]) -> None:
-        """Change what there is to choose from; the choice stays if it can."""
+        """Replace the options of a choice; its value stays if it is among them."""
         control, kept = self.controls[name], self[name]
         if control.options != tuple(options):
             control.options = tuple(options)
             control.value = kept if kept in options else None
 
     def button(self, name: str, icon: str, action: Callable[[], None]) -> Any:
-        """Make a button with a name and an action, after which the picture is drawn anew."""
+        """Return a button that runs an action and a refresh."""
         from ipywidgets import Button
 
         def act() -> None:
@@ -114,11 +114,11 @@ class View:
         return button
 
     def buttons(self) -> list[Any]:
-        """List the buttons that stand beside the title."""
+        """Return the buttons beside the title."""
         return [self.button("Refresh", "refresh", lambda: None)]
 
     def body(self) -> list[Any]:
-        """List what stands below the controls."""
+        """Return the widgets below the controls."""
         return [self.screen]
 
     def listen(self) -> None:
@@ -126,30 +126,30 @@ class View:
         self._stops = [self.graph.tap(self._take), self.graph.watch_time(lambda _: self._tick())]
 
     def stop(self) -> None:
-        """Follow the graph no more."""
+        """Stop following the graph."""
         while self._stops:
             self._stops.pop()()
 
     def wanted(self) -> str | None:
-        """Give the full name of the node or service that the first word names, if there is one."""
+        """Return the full name of the node or service in the first word, or None."""
         return "/" + self.words[0].strip("/") if self.words else None
 
     def check_time(self) -> None:
-        """Make sure that nodes can answer; raises a CourseError while robot time is paused."""
+        """Raise a CourseError while robot time is paused, because no node can answer."""
         if pace.wanted() == "real" and pace.speed_of(self.graph).paused:
             raise CourseError(
                 "Robot time is paused, nobody answers: ▶ in the viewer's Time panel lets it go on."
             )
 
     def close(self) -> None:
-        """Follow the graph no more, and leave the page."""
+        """Stop following the graph, and leave the page."""
         self.stop()
         self.closed = True
         if self._frame is not None:
             self._frame.close()
 
     def restore(self, settings: Mapping[str, Any]) -> None:
-        """Set controls; what is not there now, like a node, is said above the picture.
+        """Set controls; a value that does not exist now, like a node, is named above the picture.
 
         Raises:
             CourseError: There is no such control.
@@ -166,7 +166,7 @@ class View:
                 self.say(f"“{name}” can't be {value!r} now.")
 
     def widget(self) -> "VBox":
-        """Make what a cell shows, which follows the graph from now on."""
+        """Return the widget for a cell; from now on it follows the graph."""
         from ipywidgets import HTML, HBox, VBox
 
         self._loop = asyncio.get_running_loop()
@@ -180,16 +180,16 @@ class View:
         return self._frame
 
     def static(self) -> str:
-        """Write what a page without widgets shows."""
+        """Return the view as HTML for pages without widgets."""
         head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
         return f"{STYLE}<div class='rqt'>{head}<div class='rqt-screen'>{self.picture()}</div></div>"
 
     def say(self, text: str) -> None:
-        """Show a line of text above the picture; "" takes it away."""
+        """Show a line of text above the picture; "" removes it."""
         self.notice.value = f"<div role='status' class='rqt-notice'>{escape(text)}</div>" if text else ""
 
     def soon(self, action: Callable[[], None]) -> None:
-        """Do something in the kernel's main thread: a page's words may come in another one."""
+        """Run an action in the kernel's main thread: messages of a page may arrive in another one."""
         if self._loop is None:
             self._act(action)
         else:
@@ -206,7 +206,7 @@ class View:
         self._tick()
 
     def _tick(self) -> None:
-        """Draw what is new, not too often; the last news, too, if nothing comes after it."""
+        """Draw at most once per PERIOD; the last change is drawn late if none follows."""
         if self._loop is None:
             return  # without a page, `static` draws once
         left = self._drawn + PERIOD - wall.monotonic()

@@ -28,8 +28,7 @@ _SIDES: tuple[tuple[str, Literal["pub", "sub"], str], ...] = (
 )
 
 
-def list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the topics' names."""
+def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     topics = source.topics(hidden=arguments.hidden)
     if arguments.count or not arguments.verbose:
         write_names(topics, arguments, write)
@@ -42,8 +41,7 @@ def list_all(source: Source, arguments: Namespace, write: Write) -> None:
         write("\n")
 
 
-def info(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a topic's type and how many publish and subscribe, or who; raises a CourseError if unknown."""
+def _info(source: Source, arguments: Namespace, write: Write) -> None:
     topic, end = arguments.topic_name, "\n\n" if arguments.verbose else "\n"
     types = source.topics().get(topic)
     if not types:
@@ -60,7 +58,7 @@ def info(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
-    """Describe a publisher or a subscription, as rclpy's TopicEndpointInfo does."""
+    """Describe an endpoint as rclpy's TopicEndpointInfo does."""
     gid = ".".join(f"{byte:02x}" for byte in endpoint.id.to_bytes(16, "big"))
     return (
         f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
@@ -98,8 +96,8 @@ _VERBOSE = flag(
 )
 _LIST = (*NODE_OPTIONS, show_types("topic"), count("topic"), hidden("topic"), _VERBOSE)
 TOPIC_LISTS = (
-    Verb("topic", "list", "Output a list of available topics", _LIST, list_all),
-    Verb("topic", "info", "Print information about a topic", (*NODE_OPTIONS, _NAME, _VERBOSE), info),
+    Verb("topic", "list", "Output a list of available topics", _LIST, _list_all),
+    Verb("topic", "info", "Print information about a topic", (*NODE_OPTIONS, _NAME, _VERBOSE), _info),
     type_verb("topic", "Print a topic's type", _topics, _NAME),
     find_verb("topic", _topics, _TYPE),
 )

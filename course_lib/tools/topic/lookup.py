@@ -1,26 +1,88 @@
-"""What the verbs of `ros2 topic` do alike: find a topic's type, listen, filter messages."""
+"""Options of the verbs of `ros2 topic`, and access to a topic's type, QoS and messages."""
 
-from collections.abc import Callable, Iterator
+from argparse import Namespace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
-from course_lib.tools.sources import Heard, Listening, Source
-from course_lib.tools.topic.qos import PRESETS
-from course_lib.tools.verb import Write
+from course_lib.tools.sources import Listening, Source, TimedSample
+from course_lib.tools.verb import Option, Write, value
+
+PRESETS: Mapping[str, Qos] = {
+    "system_default": Qos(depth=1),
+    "sensor_data": Qos(depth=5, reliability="best_effort"),
+    "services_default": Qos(),
+    "parameters": Qos(depth=1000),
+    "parameter_events": Qos(depth=1000),
+    "action_status_default": Qos(depth=1, durability="transient_local"),
+    "default": Qos(),
+}
+_CHOICES: Mapping[str, tuple[str, ...]] = {
+    "history": ("keep_last", "keep_all"),
+    "reliability": ("reliable", "best_effort"),
+    "durability": ("transient_local", "volatile"),
+    "liveliness": ("automatic", "manual_by_topic"),
+}
+
+
+def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
+    """Return the `--qos-…` options (ros2topic.api); `verb` is subscribe or publish."""
+    return (
+        value(
+            "--qos-profile",
+            choices=tuple(PRESETS),
+            default=preset,
+            help=f"Quality of service preset profile to {verb} with (default: {preset})",
+        ),
+        value("--qos-depth", type=int, metavar="N", help=f"Queue size setting to {verb} with"),
+        *(
+            value(f"--qos-{name}", choices=names, help=f"Quality of service {name} setting to {verb} with")
+            for name, names in _CHOICES.items()
+        ),
+    )
+
+
+def asked_qos(arguments: Namespace) -> Qos | None:
+    """Return the preset with the requested settings, or None if none was requested."""
+    names = (*_CHOICES, "depth")
+    given: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in names}
+    changes = {name: setting for name, setting in given.items() if setting is not None}
+    return replace(PRESETS[arguments.qos_profile], **changes) if changes else None
+
+
+def adapted_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
+    """Return the strongest QoS that all publishers offer, as ROS requests it."""
+    qos = preset
+    for name, strong, weak in (
+        ("reliability", "reliable", "best_effort"),
+        ("durability", "transient_local", "volatile"),
+    ):
+        count = sum(getattr(one, name) == strong for one in offered)
+        if 0 < count < len(offered):
+            policy = f"QoS{name.capitalize()}Policy."
+            write(
+                f"Some, but not all, publishers are offering {policy}{strong.upper()}. Falling back to "
+                f"{policy}{weak.upper()} as it will connect to all publishers\n"
+            )
+        common: dict[str, Any] = {name: strong if count == len(offered) else weak}
+        qos = replace(qos, **common) if offered else qos
+    return qos
+
 
 SENSOR_DATA = PRESETS["sensor_data"]
 
 
 def full_name(topic: str) -> str:
-    """Give a topic's name as the graph knows it."""
+    """Return a topic's name with its leading slash."""
     return topic if topic.startswith("/") else f"/{topic}"
 
 
 def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
-    """Find a topic's type; if it is not there yet, wait for it, as `hz`, `bw` and `delay` do.
+    """Return a topic's type; wait for the topic if `blocking`, as `hz`, `bw` and `delay` do.
 
     Raises:
         CourseError: There is no such topic, its type is not known here, or it has several.
@@ -45,7 +107,7 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
 
 
 def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
-    """Say how long nothing came on a topic and why, and what topics there are."""
+    """Return the error text for a silent topic: duration, reason, existing topics."""
     seconds = (source.graph.now_ns - since_ns) * 1e-9
     return (
         f"No message came on {topic} in {seconds:g} s of robot time.{source.why_silent(topic, qos)} "
@@ -55,8 +117,8 @@ def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
 
 def listen(
     source: Source, topic: str, write: Write, *, verb: str, every: float | None = None
-) -> Iterator[Heard]:
-    """Yield robot time [ns] and what comes on a topic, or, once per `every` [s], nothing, until ■.
+) -> Iterator[TimedSample]:
+    """Yield the messages of a topic, and ticks, until ■.
 
     Without a page it ends after a while, and says so; raises a CourseError if nothing has come.
     """
@@ -73,7 +135,7 @@ def listen(
 
 
 def passes(expression: str | None) -> Callable[[Any], bool]:
-    """Make a test for messages of a Python expression that calls them m.
+    """Return a predicate from a Python expression in which m is the message.
 
     The test raises a CourseError if the expression fails.
     """
@@ -82,7 +144,7 @@ def passes(expression: str | None) -> Callable[[Any], bool]:
     try:
         code = compile(expression, "--filter", "eval")
     except SyntaxError as error:
-        raise CourseError(f"--filter {expression!r} is no Python expression: {error.msg}.") from error
+        raise CourseError(f"--filter {expression!r} is not a Python expression: {error.msg}.") from error
 
     def test(message: Any) -> bool:
         try:

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import Message, message_class
-from course_lib.tools.asking import kind_of, own_node
-from course_lib.tools.message_fields import fill
-from course_lib.tools.sources import NODE_NAME, Source
-from course_lib.tools.topic.qos import PRESETS, asked_qos, qos_options
+from course_lib.tools.message_yaml import fill, kind_of
+from course_lib.tools.sources import NODE_NAME, Source, own_node
+from course_lib.tools.topic.lookup import PRESETS, asked_qos, qos_options
 from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
 
 if TYPE_CHECKING:
@@ -21,12 +20,7 @@ if TYPE_CHECKING:
 LOOK_EVERY = 0.1  # [s] for subscriptions; the wait is told of each tenth time
 
 
-def run(source: Source, arguments: Namespace, write: Write) -> None:
-    """Publish a message again and again, or a few times.
-
-    Raises:
-        CourseError: Nobody can hear it, or type, values or topic are wrong.
-    """
+def _run(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(message_class, arguments.message_type, "msg")
     message: Any = kind()
     set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
@@ -78,7 +72,6 @@ def _wait_for_subscriptions(
 
 
 def _beats(source: Source, arguments: Namespace, write: Write) -> Iterator[int]:
-    """Count at the rate that was asked for, so far or until ■; without a page for a while."""
     times = 1 if arguments.once else arguments.times
     limit = None if times else source.limit()
     start_ns, count = source.graph.now_ns, 0
@@ -112,4 +105,4 @@ _OPTIONS = (
     *qos_options("publish", "default"),
     *NODE_OPTIONS[:2],
 )
-TOPIC_PUB = Verb("topic", "pub", "Publish a message to a topic", _OPTIONS, run)
+TOPIC_PUB = Verb("topic", "pub", "Publish a message to a topic", _OPTIONS, _run)

@@ -64,7 +64,7 @@ function hit(mesh, uniforms, caster, hits) {
 /** @param {ArrayLike<number>} array @param {number} size */
 const perInstance = (array, size) => new THREE.InstancedBufferAttribute(array, size, size === 4);
 
-/** @param {any} lines */
+/** @param {any} lines drawn in the order of materials.js: opaque by depth, transparent from far to near */
 export function buildLines(lines) {
   const { points } = lines;
   const count = points.length / 3;

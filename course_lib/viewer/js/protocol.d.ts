@@ -57,7 +57,7 @@ export interface ToolButton {
   gesture: "camera" | "select" | "focus" | "measure" | "pose" | "point";
 }
 
-/** Properties of tools that the page itself follows. */
+/** The properties of tools that the page itself follows. */
 export interface ToolSettings {
   single: boolean;
   color: string;
@@ -226,7 +226,7 @@ export interface PublishGesture {
   angle?: number;
 }
 
-/** What a time bar shows, [s]; the wall time is that of a live graph, the range that of a recording. */
+/** The state of a time bar, [s]; wall time is that of a live graph, the range that of a recording. */
 export interface TimeState {
   elapsed: number;
   paused: boolean;
@@ -239,7 +239,7 @@ export interface TimeState {
   note?: string;
 }
 
-/** What somebody did with a time bar; nothing asks for the time. */
+/** An order of a time bar; without any field it requests the time. */
 export interface TimeChange {
   now?: number;
   step?: number;

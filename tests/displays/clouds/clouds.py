@@ -16,7 +16,7 @@ Order: TypeAlias = Literal["<", ">"]
 
 
 def cloud(points: npt.NDArray[np.void], frame: str = "map", stamp_ns: int = 0) -> PointCloud2:
-    """Make a cloud of a structured array: its fields, with their offsets and byte order."""
+    """Create a cloud of a structured array: its fields, with their offsets and byte order."""
     dtype = points.dtype
     assert dtype.names
     assert dtype.fields

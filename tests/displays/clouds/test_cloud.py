@@ -40,7 +40,7 @@ def test_a_field_beyond_its_point_is_left_out_and_named() -> None:
     message.fields[1].offset = 9
     channels, wrong = channels_of(message)
     assert sorted(channels) == ["x", "z"]
-    assert wrong == ["field 'y' (datatype 7, offset 9) is no number within the 12 bytes of a point."]
+    assert wrong == ["field 'y' (datatype 7, offset 9) is not a number within the 12 bytes of a point."]
 
 
 @pytest.mark.parametrize("change", [{"width": 3}, {"height": 2}, {"point_step": 13}, {"data": b""}])

@@ -43,7 +43,7 @@ def info(width: int = 2, focal_length: float = 100.0) -> CameraInfo:
 
 
 def hear(bench: Bench, *messages: Any, at: float = 0.0) -> None:
-    """Let messages be published, each on its topic."""
+    """Publish messages, each on its topic."""
     for message in messages:
         by_type = COLOR if getattr(message, "encoding", "") == "rgb8" else DEPTH
         bench.hear(INFO if isinstance(message, CameraInfo) else by_type, message, at)

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image as Pictures
 from sensor_msgs.msg import CompressedImage, Image
 
-from course_lib.displays.images.pixels import (
+from course_lib.displays.images.display import (
     Range,
     UnsupportedEncodingError,
     reduced,
@@ -105,7 +105,7 @@ def test_packed_pictures_are_read() -> None:
     deep = io.BytesIO()
     Pictures.fromarray(np.array([[1000, 3000]], np.uint16)).save(deep, "png")
     assert unpacked(CompressedImage(data=deep.getvalue()), whole)[0, :, 0].tolist() == [0, 255]
-    with pytest.raises(ValueError, match="no picture of format 'jpeg'"):
+    with pytest.raises(ValueError, match="not a picture of format 'jpeg'"):
         unpacked(CompressedImage(format="jpeg", data=b"nothing"), whole)
 
 

@@ -6,8 +6,8 @@ from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import INVALID
 from course_lib.displays.map import palette
+from course_lib.displays.topic_display import INVALID
 from course_lib.viewer.drawables import Sheet
 from tests.displays.bench import Bench
 

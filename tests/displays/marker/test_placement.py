@@ -1,4 +1,4 @@
-"""Where markers stand: frames, stamps and quaternions."""
+"""Placement of markers: frames, stamps and quaternions."""
 
 from math import pi
 

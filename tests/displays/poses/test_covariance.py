@@ -6,7 +6,7 @@ from geometry_msgs.msg import PoseWithCovariance
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_lib.displays.poses.covariance import COVARIANCE_PROPERTIES, covariances, uncertain
+from course_lib.displays.poses.shapes import COVARIANCE_PROPERTIES, covariances, uncertain
 from course_lib.displays.properties import PropertyHolder
 from course_lib.viewer.drawables import Solids
 from tests.displays.poses.test_poses import pose

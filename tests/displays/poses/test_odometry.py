@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
 
-from course_lib.displays.drawn_display import INVALID
+from course_lib.displays.topic_display import INVALID
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import add, drawn, extent
 

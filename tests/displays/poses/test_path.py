@@ -6,7 +6,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import INVALID
+from course_lib.displays.topic_display import INVALID
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import drawn, extent, pose
@@ -27,7 +27,7 @@ def path(*xs: float, turned: bool = False) -> Path:
 
 
 def xs(bench: Bench) -> list[list[float]]:
-    """Where the points of each line are along x."""
+    """Return the x coordinates of the points of each line."""
     lines = [thing for name, thing in sorted(drawn(bench).items()) if name.startswith("line")]
     return [line.points[:, 0].tolist() for line in lines]
 

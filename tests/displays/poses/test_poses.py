@@ -5,7 +5,7 @@ import pytest
 from geometry_msgs.msg import Pose, PoseArray, PoseStamped
 
 from course_lib.displays.display import Display
-from course_lib.displays.drawn_display import INVALID
+from course_lib.displays.topic_display import INVALID
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
 

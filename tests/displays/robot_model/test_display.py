@@ -1,4 +1,4 @@
-"""What RViz's RobotModel says (robot_model_display.cpp, tf_link_updater.cpp)."""
+"""Statuses of RViz's RobotModel (robot_model_display.cpp, tf_link_updater.cpp)."""
 
 from pathlib import Path
 

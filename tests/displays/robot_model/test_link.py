@@ -1,4 +1,4 @@
-"""What RViz's RobotModel shows of a link (robot_link.cpp, robot.cpp)."""
+"""Links of RViz's RobotModel (robot_link.cpp, robot.cpp)."""
 
 from pathlib import Path
 

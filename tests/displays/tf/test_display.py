@@ -1,4 +1,4 @@
-"""What RViz's TF display says and shows (tf_display.cpp, frame_info.cpp)."""
+"""RViz's TF display (tf_display.cpp, frame_info.cpp)."""
 
 from typing import Any
 

@@ -156,7 +156,8 @@ def test_a_submission_finds_nothing_of_a_course_in_an_environment(
     write_notebook(checkout / "in/bob/week01_exercise.ipynb", RIGHT, student="bob")
     attack = f"{ATTACK.format(paths=paths)}\n# next cell\n{RIGHT}"
     write_notebook(checkout / "in/eve/week01_exercise.ipynb", attack, student="eve")
-    grade = "from pathlib import Path; from course_lib.grading.grade import grade, Course\n"
+    grade = "from pathlib import Path; from course_lib.grading.grade import grade\n"
+    grade += "from course_lib.grading.records import Course\n"
     grade += "grade(Path('in'), Path('out'), jobs=1, course=Course(Path('exercises'), Path('solutions')))"
     command = [str(checkout / "bin/python"), "-c", grade]
     environment = {**os.environ, "PYTHONPATH": str(checkout)}

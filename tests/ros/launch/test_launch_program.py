@@ -9,7 +9,7 @@ from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros.launch_program import arguments_of
 from course_lib.ros.messages import deserialize, message_class
-from course_lib.ros.program import Program
+from course_lib.ros.process import Program
 from tests.ros.launch.run import recorded
 
 Write = Callable[..., Path]

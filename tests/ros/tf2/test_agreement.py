@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_errors import TransformException
-from course_lib.ros.tf2_transform import Transform
+from course_lib.ros.tf2_transform import Transform, TransformException
 from tests.ros.tf2.random_trees import random_case
 
 DEBIAN = "/usr/bin/python3"

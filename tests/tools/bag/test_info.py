@@ -31,5 +31,5 @@ def test_info_needs_neither_a_program_nor_a_recording(
 def test_what_is_no_bag_is_refused(run: Run, tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="Bag path 'x' does not exist!"):
         run("info x")
-    with pytest.raises(CourseError, match="is a folder but no bag"):
+    with pytest.raises(CourseError, match="is a folder but not a bag"):
         run(f"info {tmp_path}")

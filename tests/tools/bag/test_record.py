@@ -69,7 +69,7 @@ def test_a_bag_is_filtered_into_another_one(bag: Path) -> None:
     [
         ("record", r"\[ERROR\] \[ros2bag\]: Need to specify at least one option out of --all, --all-topics"),
         ("record -a -o five", r"^\[ERROR\] \[ros2bag\]: Output folder 'five' already exists\.$"),
-        ("record -e ([", r"argument -e/--regex: '\(\[' is no regular expression"),
+        ("record -e ([", r"argument -e/--regex: '\(\[' is not a regular expression"),
         ("record -a -s sqlite3", "invalid choice: 'sqlite3'"),
     ],
 )

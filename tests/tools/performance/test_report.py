@@ -19,8 +19,8 @@ from course_lib.ros.driving import running_nodes, spin_for
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import Message, serialize, type_name
 from course_lib.ros.qos import Qos
-from course_lib.tools.performance.measure import header_stamp
-from course_lib.tools.performance.report import PerformanceReport
+from course_lib.tools.performance import PerformanceReport
+from course_lib.tools.performance_rows import header_stamp
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 
@@ -49,7 +49,7 @@ class Camera(Node):
 
 
 class Detector(Node):
-    """Takes 80 ms for each image, and has something to do four times a second."""
+    """A node that works 80 ms per image, and on a timer four times a second."""
 
     def __init__(self) -> None:
         super().__init__("detector")

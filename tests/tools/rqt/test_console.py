@@ -2,7 +2,7 @@ import pytest
 from rclpy.node import Node
 
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.console import ConsoleView
+from course_lib.tools.rqt.monitors import ConsoleView
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, passes
 
 
 def drawn(view: GraphView) -> list[str]:
-    """Give the words in the picture."""
+    """Return the words in the picture."""
     return re.findall("<text[^>]*>([^<]*)<", view.picture())
 
 
@@ -73,7 +73,7 @@ def test_filters_take_patterns_and_exceptions() -> None:
     names = ["/arm/a", "/arm/b", "/leg"]
     assert [name for name in names if passes(name, "/")] == names
     assert [name for name in names if passes(name, "/arm/.*, -/arm/b")] == ["/arm/a"]
-    with pytest.raises(CourseError, match=r"'\(\[' is no filter"):
+    with pytest.raises(CourseError, match=r"'\(\[' is not a filter"):
         passes("/a", "([")
 
 

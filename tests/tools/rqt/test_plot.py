@@ -7,8 +7,7 @@ from rclpy.node import Node
 from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.field_path import parse
-from course_lib.tools.rqt.plot import PlotView
+from course_lib.tools.rqt.plot import PlotView, parse
 
 TOPICS = {
     "/arm/joint_states": ["sensor_msgs/msg/JointState"],
@@ -59,7 +58,7 @@ def test_curves_show_what_came_by_robot_time(graph: Graph, arm: Node) -> None:
     start_ns = graph.now_ns
     view.listen()
     spin_for(1.0)
-    ((_, points),) = view._curves.values()
+    ((_, points),) = view.curves.values()
     assert len(points) == 20
     assert points[3][0] == pytest.approx(0.2)
     assert points[3][1] == pytest.approx(sin(start_ns * 1e-9 + 0.2), abs=1e-6)
@@ -72,8 +71,8 @@ def test_curves_are_added_by_typing_and_keep_what_they_have(graph: Graph, arm: N
     spin_for(0.5)
     view.controls["Topics"].value += " /arm/joint_states/position[1]"
     spin_for(0.5)
-    assert [len(points) for _, points in view._curves.values()] == [20, 10]
-    view._clear()
+    assert [len(points) for _, points in view.curves.values()] == [20, 10]
+    view.clear()
     assert "nothing came yet" in view.picture()
 
 
@@ -94,7 +93,7 @@ def test_a_pause_keeps_the_picture_and_goes_on_listening(graph: Graph, arm: Node
 def test_a_long_curve_is_a_small_picture_and_keeps_its_peaks(graph: Graph, arm: Node) -> None:
     view = PlotView(graph, ["/arm/joint_states/position[0]"])
     view.controls["Autoscroll"].value = False
-    ((_, points),) = view._curves.values()
+    ((_, points),) = view.curves.values()
     noise = np.random.default_rng(0).normal(0, 0.1, 100_000)
     flat = [(number * 1e-5, value) for number, value in enumerate(noise.tolist())]
     points.extend(flat)

@@ -8,7 +8,7 @@ from rclpy.parameter import Parameter
 from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.reconfigure import ReconfigureView
+from course_lib.tools.rqt.services import ReconfigureView
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def view(graph: Graph, arm: Node) -> ReconfigureView:
 
 
 def row(view: ReconfigureView, name: str) -> tuple[Any, str, str]:
-    control, note, said = view._rows[name].children
+    control, note, said = view.rows[name].children
     return control, note.value, said.value
 
 
@@ -48,7 +48,7 @@ def test_a_refused_value_is_taken_back_with_the_reason(view: ReconfigureView, ar
     assert row(view, "frame")[0].value == arm.get_parameter("frame").value == "base"
     assert "Not set: there is only base" in row(view, "frame")[2]
     row(view, "limits")[0].value = "[1.0"
-    assert "is no value of a parameter" in row(view, "limits")[2]
+    assert "is not a parameter value" in row(view, "limits")[2]
 
 
 def test_what_others_set_is_shown(view: ReconfigureView, arm: Node) -> None:

@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.robot_monitor import RobotMonitorView
+from course_lib.tools.rqt.monitors import RobotMonitorView
 
 Tell = Callable[..., None]
 
@@ -43,7 +43,7 @@ def tell(planner: Node) -> Tell:
 
 def test_a_branch_is_as_bad_as_its_worst_leaf(view: RobotMonitorView, tell: Tell) -> None:
     tell("/diagnostics_agg", Sensors_Camera=1, Sensors_Lidar=0, Motors_elbow=2)
-    assert [view._worst(path) for path in view._paths()] == ["error", "error", "warn", "warn", "ok"]
+    assert [view.worst(path) for path in view.paths()] == ["error", "error", "warn", "warn", "ok"]
     assert "ERROR" in view.picture()
 
 
@@ -61,7 +61,7 @@ def test_the_aggregator_replaces_what_nodes_say_themselves(view: RobotMonitorVie
     tell("/diagnostics", camera=2)
     tell("/diagnostics_agg", Sensors_camera=0)
     tell("/diagnostics", camera=2)
-    assert view._paths() == ["/Sensors", "/Sensors/camera"]
+    assert view.paths() == ["/Sensors", "/Sensors/camera"]
 
 
 def test_the_history_is_read_out_too(view: RobotMonitorView, tell: Tell) -> None:

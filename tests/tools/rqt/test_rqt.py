@@ -61,8 +61,8 @@ def test_a_perspective_brings_views_back_as_they_were(show: Show, arm: Node, tmp
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[", "is no perspective"),
-        ("a: 1", "is no perspective of %rqt"),
+        ("[", "is not a perspective"),
+        ("a: 1", "is not a perspective of %rqt"),
         ("- view: grahp", "Did you mean graph"),
         ("- {}", "write view, words and controls"),
         ("- {view: graph, controls: {Shw: x}}", "has no control 'Shw'. Did you mean Show"),

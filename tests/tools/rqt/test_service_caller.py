@@ -6,7 +6,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
 from course_lib.ros.pace import speed_of
-from course_lib.tools.rqt.service_caller import ServiceCallerView
+from course_lib.tools.rqt.services import ServiceCallerView
 
 
 @pytest.fixture
@@ -22,13 +22,13 @@ def view(graph: Graph) -> ServiceCallerView:
 
 
 def call(view: ServiceCallerView, request: str) -> str:
-    view._request.value = request
+    view.request.value = request
     view.buttons()[0].click()
     return str(view.screen.value)
 
 
 def test_a_request_begins_with_default_values(view: ServiceCallerView) -> None:
-    assert view._request.value == "a: 0\nb: 0\n"
+    assert view.request.value == "a: 0\nb: 0\n"
 
 
 def test_the_response_is_shown(view: ServiceCallerView) -> None:
@@ -39,7 +39,7 @@ def test_the_response_is_shown(view: ServiceCallerView) -> None:
     ("request_", "said"),
     [
         ("c: 1", "object has no attribute &#x27;c&#x27;"),
-        ("a: [", "is no YAML"),
+        ("a: [", "is not YAML"),
         ("a: {b: 1}", "Failed to populate field"),
     ],
 )

@@ -3,7 +3,7 @@ from rclpy.node import Node
 from course_lib.recording import record
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.topic import TopicView
+from course_lib.tools.rqt.monitors import TopicView
 
 
 def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node) -> None:
@@ -12,7 +12,7 @@ def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node
     with record(graph) as recorder:
         spin_for(2.0)
     size = next(len(s.cdr) for s in recorder.recording().samples if s.topic == "/arm/joint_states")
-    assert view._about("/arm/joint_states", ["sensor_msgs/msg/JointState"])[:3] == [
+    assert view.cells("/arm/joint_states", ["sensor_msgs/msg/JointState"])[:3] == [
         "sensor_msgs/msg/JointState",
         f"{size * 20 / 1000:.2f} KB/s",
         "20.00",
@@ -24,7 +24,7 @@ def test_a_row_opens_to_the_whole_value(graph: Graph, arm: Node) -> None:
     view.listen()
     spin_for(0.2)
     view.refresh()
-    line, value = view._rows["/arm/joint_states"].children
+    line, value = view.rows["/arm/joint_states"].children
     assert "position:\n- " in value.value
     line.children[0].value = False
     assert value.value == ""
@@ -34,5 +34,5 @@ def test_the_filter_leaves_topics_out(graph: Graph, arm: Node) -> None:
     view = TopicView(graph, [])
     view.controls["Filter"].value = "joint"
     view.refresh()
-    assert len(view._table.children) == 1
+    assert len(view.table.children) == 1
     assert "not heard yet" in view.picture()

@@ -10,7 +10,7 @@ from course_lib.ros.messages import serialize
 from course_lib.ros.qos import Qos
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
-from course_lib.tools.topic.measure import bandwidth
+from course_lib.tools.topic.subscribe import bandwidth
 
 Run = Callable[[str], str]
 

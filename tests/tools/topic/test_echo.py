@@ -88,7 +88,7 @@ def test_the_filter_sees_the_message_or_the_field(run: Run, talker: Node) -> Non
     assert run("topic echo /chatter --once --field data --filter '6'in(m)") == "hello 6\n---\n"
     with pytest.raises(CourseError, match=r"--filter 'm.dat' fails: AttributeError: 'String' object has no"):
         run("topic echo /chatter --filter m.dat")
-    with pytest.raises(CourseError, match=r"--filter 'm\(' is no Python expression"):
+    with pytest.raises(CourseError, match=r"--filter 'm\(' is not a Python expression"):
         run("topic echo /chatter --filter m(")
 
 

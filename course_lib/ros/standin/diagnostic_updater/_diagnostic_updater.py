@@ -9,7 +9,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from course_lib.ros.hints import Mistake, mark
+from course_lib.ros.mistakes import Mistake, mark
 
 _GAP = " " * 16  # ROS's text was broken over lines of its source
 _NO_HARDWARE_ID = _GAP.join(

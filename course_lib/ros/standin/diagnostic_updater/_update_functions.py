@@ -11,7 +11,7 @@ from rclpy.clock import ROSClock
 from rclpy.publisher import Publisher
 from rclpy.time import Time
 
-from course_lib.ros.hints import Mistake, mark
+from course_lib.ros.mistakes import Mistake, mark
 from diagnostic_updater._diagnostic_updater import (
     CompositeDiagnosticTask,
     DiagnosticStatusWrapper,

@@ -5,8 +5,8 @@ from functools import partial
 from typing import Any
 
 from course_lib.ros.baton import DeadlockError, baton
-from course_lib.ros.hints import Mistake, marked
 from course_lib.ros.messages import deserialize
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.constants import S_TO_NS
 from rclpy.executors import wait_until
 from rclpy.impl.node_handle import NodeHandle

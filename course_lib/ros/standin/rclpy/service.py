@@ -6,8 +6,8 @@ from functools import partial
 from typing import Any
 
 from course_lib.ros.graph import Graph
-from course_lib.ros.hints import Mistake, mark, marked
 from course_lib.ros.messages import Message, deserialize, serialize, type_name
+from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import Alarm
-from course_lib.ros.hints import Mistake, marked
+from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.notices import say
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock

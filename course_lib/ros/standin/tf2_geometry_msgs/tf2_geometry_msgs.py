@@ -1,4 +1,4 @@
-"""Applies transforms to the stamped types of geometry_msgs; importing it teaches them to buffers."""
+"""Transforms of the stamped types of geometry_msgs; importing it registers them for buffers."""
 
 from typing import Any
 

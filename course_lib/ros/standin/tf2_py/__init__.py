@@ -1,1 +1,6 @@
-from course_lib.ros.tf2_errors import *  # noqa: F403  # all of them
+from course_lib.ros.tf2_transform import ConnectivityException as ConnectivityException
+from course_lib.ros.tf2_transform import ExtrapolationException as ExtrapolationException
+from course_lib.ros.tf2_transform import InvalidArgumentException as InvalidArgumentException
+from course_lib.ros.tf2_transform import LookupException as LookupException
+from course_lib.ros.tf2_transform import TimeoutException as TimeoutException
+from course_lib.ros.tf2_transform import TransformException as TransformException

@@ -1,4 +1,4 @@
-"""The buffer that programs look transforms up in."""
+"""The buffer in which programs look up transforms."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
@@ -14,7 +14,7 @@ from rclpy.time import Time
 from std_msgs.msg import Header
 from tf2_msgs.srv import FrameGraph
 
-from course_lib.ros import tf2_core, tf2_frames, tf2_transform
+from course_lib.ros import tf2_core, tf2_transform
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from tf2_ros.buffer_interface import TransformRegistration
@@ -26,10 +26,10 @@ _log = RcutilsLogger()  # C++ names none
 
 
 class Buffer:
-    """Remembers transforms, waits for them, and carries things from frame to frame.
+    """A buffer of transforms, which also waits for them and transforms messages from frame to frame.
 
     A lookup takes coordinates in the source frame to the target frame; the time zero, `Time()`, means the
-    latest at which all of the chain is known. What is not known raises one of tf2's TransformExceptions.
+    latest at which all of the chain is known. A failure raises one of tf2's TransformExceptions.
     A timeout waits for another thread that spins the listener's node: in a callback of the same thread
     nothing can come in meanwhile, as on a robot.
 
@@ -45,11 +45,11 @@ class Buffer:
         self._on_new_data: dict[Callable[[], None], None] = {}  # a set that keeps its order
 
     def set_transform(self, transform: TransformStamped, authority: str) -> None:
-        """Remember a transform; one that breaks tf2's rules is logged and ignored."""
+        """Store a transform; one that breaks tf2's rules is logged and ignored."""
         self._set(transform, authority, is_static=False)
 
     def set_transform_static(self, transform: TransformStamped, authority: str) -> None:
-        """Remember a transform that holds at any time."""
+        """Store a transform that holds at any time."""
         self._set(transform, authority, is_static=True)
 
     def lookup_transform(
@@ -82,7 +82,7 @@ class Buffer:
         timeout: Duration = NO_WAIT,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Say whether a lookup would succeed; with `return_debug_tuple` as (whether, why not)."""
+        """Return whether a lookup would succeed; with `return_debug_tuple` also why not."""
         asked = target_frame, source_frame, _ns(time)
         problem = self._wait(lambda: self._core.can_transform(*asked), timeout)
         baton.poll()
@@ -112,9 +112,9 @@ class Buffer:
         return self.lookup_transform(target_frame, source_frame, time)
 
     def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
-        """Carry something with a header into another frame, at the time of its stamp.
+        """Transform a message with a header into another frame, at the time of its stamp.
 
-        Raises a TypeException for an unknown type: `import tf2_geometry_msgs` teaches those of geometry_msgs.
+        Raises a TypeException for an unknown type; `import tf2_geometry_msgs` registers its types.
         """
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
@@ -124,14 +124,14 @@ class Buffer:
 
     def all_frames_as_yaml(self) -> str:
         """Describe all frames that have a parent, as YAML."""
-        return tf2_frames.as_yaml(self._core)
+        return tf2_core.as_yaml(self._core)
 
     def all_frames_as_string(self) -> str:
         """Name all frames that have a parent, one in a line."""
         return self._core.described()
 
     def clear(self) -> None:
-        """Forget all dynamic transforms."""
+        """Remove all dynamic transforms."""
         self._core.clear()
 
     def _describe(self, request: FrameGraph.Request, response: FrameGraph.Response) -> FrameGraph.Response:
@@ -149,7 +149,7 @@ class Buffer:
             look()
 
     def _wait(self, ask: Callable[[], str | None], timeout: Duration) -> str | None:
-        """Wait until nothing stands in the way, and say what does; in a cell the live nodes run meanwhile."""
+        """Wait until `ask()` returns no problem; in a cell live nodes run meanwhile. Returns the last one."""
         if not isinstance(timeout, Duration):
             raise TypeError(
                 f"timeout must be an rclpy.duration.Duration, like Duration(seconds=1.0), not {timeout!r}"

@@ -5,8 +5,8 @@ from functools import partial
 from typing import Any, Literal, TypeVar
 
 from course_lib.ros.graph import EndpointInfo
-from course_lib.ros.hints import Mistake, mark
 from course_lib.ros.messages import Message, type_name
+from course_lib.ros.mistakes import Mistake, mark
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock

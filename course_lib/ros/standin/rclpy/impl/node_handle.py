@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from course_lib.ros.graph import NodesOfProgram
-from course_lib.ros.hints import Mistake
+from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle

@@ -1,0 +1,263 @@
+"""`performance_report`: measurements of topics and callbacks, as tables and charts."""
+
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from html import escape
+from io import BytesIO, StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.recording import Recording, read_bag, record
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import current_graph
+from course_lib.tools.performance_rows import (
+    CallbackRow,
+    CallbackRun,
+    TopicRow,
+    callback_rows,
+    callback_run,
+    topic_rows,
+)
+from course_lib.tools.sources import ALWAYS_THERE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from rclpy.node import Node
+
+_COLUMNS: dict[str, tuple[str, float, str]] = {  # field: heading, factor, format
+    "rate": ("Rate (Hz)", 1, ".2f"),
+    "jitter": ("Jitter (ms)", 1e3, ".2f"),
+    "latency": ("Latency (ms)", 1e3, ".1f"),
+    "longest_latency": ("Longest latency (ms)", 1e3, ".1f"),
+    "size": ("Size (B)", 1, ".0f"),
+    "bandwidth": ("Bandwidth (KB/s)", 1e-3, ".2f"),
+    "longest": ("Longest (ms)", 1e3, ".1f"),
+    "longest_wait": ("Longest wait (ms)", 1e3, ".1f"),
+    "busy": ("Busy (%)", 1e2, ".1f"),
+    "load": ("Processor (%) *", 1e2, ".2f"),
+}
+_NOTE = "* processor time on this machine at the wall clock's pace: all other numbers are by robot time"
+
+
+_SHORTEST = 0.004  # of the picture's width: what a callback that takes no robot time is drawn with
+_RAN, _WAITED = "tab:blue", "lightgrey"
+_ROW = 0.35  # [inch]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture with its alternative text."""
+
+    figure: "Figure"
+    alt: str
+
+    def png(self) -> bytes:
+        """Return the picture as PNG."""
+        file = BytesIO()
+        self.figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
+        return file.getvalue()
+
+    def save(self, path: str | Path) -> None:
+        """Write the picture as a PNG file."""
+        Path(path).write_bytes(self.png())
+
+    def _repr_html_(self) -> str:
+        data = b64encode(self.png()).decode()
+        return f'<img alt="{escape(self.alt)}" src="data:image/png;base64,{data}"/>'
+
+
+def _overview(topics: Sequence[TopicRow], callbacks: Sequence[CallbackRow]) -> Chart:
+    from matplotlib.figure import Figure
+
+    panels = [
+        ("Rate [Hz]", [(row.topic, row.rate) for row in topics]),
+        ("Mean latency [ms]", [(row.topic, row.latency * 1e3) for row in topics if row.latency is not None]),
+        ("Busy, robot time [%]", [(f"{row.node} {row.callback}", row.busy * 1e2) for row in callbacks]),
+    ]
+    panels = [(title, bars) for title, bars in panels if bars]
+    figure = Figure(figsize=(8, sum(1 + _ROW * len(bars) for _, bars in panels)), layout="constrained")
+    heights = [2 + len(bars) for _, bars in panels]
+    grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
+    for axes, (title, bars) in zip(grid.flat, panels, strict=True):
+        _bars(axes, title, bars)
+    lines = (
+        f"{title}: {', '.join(f'{name} {value:.3g}' for name, value in bars)}." for title, bars in panels
+    )
+    return Chart(figure, "Bars. " + " ".join(lines))
+
+
+def _timeline(calls: Sequence[CallbackRun], start_ns: int, begin: float, end: float) -> Chart:
+    """Draw a lane per callback: dark while it ran, hatched while it was ready and waited."""
+    from matplotlib.figure import Figure
+
+    lanes: dict[str, list[tuple[float, float, float]]] = {}  # ready, begun, ended [s]
+    for call in calls:
+        times = [(ns - start_ns) * 1e-9 for ns in (call.ready_ns, call.start_ns, call.end_ns)]
+        if times[0] <= end and times[2] >= begin:
+            lanes.setdefault(f"{call.node} {call.callback}", []).append((times[0], times[1], times[2]))
+    if not lanes:
+        raise CourseError(
+            f"No callback ran from {begin:g} to {end:g} s. Measure nodes: performance_report(5.0, node)"
+        )
+    figure = Figure(figsize=(10, 1 + _ROW * len(lanes)), layout="constrained")
+    axes = figure.subplots()
+    shortest = _SHORTEST * (end - begin)
+    for number, runs in enumerate(lanes.values()):
+        waits = [(ready, began - ready) for ready, began, _ in runs if began > ready]
+        axes.broken_barh(waits, (number - 0.2, 0.4), facecolor=_WAITED, edgecolor="grey", hatch="////")
+        bars = [(began, max(ended - began, shortest)) for _, began, ended in runs]
+        axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN, edgecolor="white", linewidth=0.5)
+    axes.set(xlim=(begin, end), ylim=(len(lanes) - 0.4, -0.6), xlabel="robot time [s]")
+    axes.set_yticks(range(len(lanes)), list(lanes))
+    axes.set_title("Callbacks: dark while they ran, hatched while they waited for their turn", fontsize=10)
+    axes.grid(axis="x", alpha=0.4)
+    lines = (_lane(name, runs) for name, runs in lanes.items())
+    return Chart(figure, f"Callback timeline from {begin:g} to {end:g} s of robot time. {' '.join(lines)}")
+
+
+def _bars(axes: "Axes", title: str, bars: Sequence[tuple[str, float]]) -> None:
+    drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
+    axes.bar_label(drawn, fmt="%.3g", padding=3)
+    axes.set_title(title, fontsize=10, loc="left")
+    axes.invert_yaxis()
+    axes.margins(x=0.12)
+
+
+def _lane(name: str, runs: Sequence[tuple[float, float, float]]) -> str:
+    longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
+    wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
+    return f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
+
+
+@dataclass(frozen=True, repr=False)
+class PerformanceReport:
+    """Measurements of topics and callbacks; a cell shows them as tables.
+
+    Attributes:
+        seconds: Measured robot time, [s].
+        start_ns: Start of the measured time, [ns].
+        calls: Every run of a callback, in the order of their ends; empty for a bag.
+    """
+
+    seconds: float
+    start_ns: int
+    topics: tuple[TopicRow, ...]
+    callbacks: tuple[CallbackRow, ...]
+    calls: tuple[CallbackRun, ...]
+
+    @property
+    def busy(self) -> dict[str, float]:
+        """The share of robot time in which callbacks of a node ran, by node."""
+        nodes = dict.fromkeys((row.node for row in self.callbacks), 0.0)
+        for row in self.callbacks:
+            nodes[row.node] += row.busy
+        return nodes
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the measurements that repeat in every run, without `load`, as dicts and lists."""
+        callbacks = [{k: v for k, v in asdict(row).items() if k != "load"} for row in self.callbacks]
+        return {
+            "seconds": self.seconds,
+            "topics": [asdict(row) for row in self.topics],
+            "callbacks": callbacks,
+            "nodes": self.busy,
+        }
+
+    def figure(self) -> Chart:
+        """Draw rates, latencies and the busy shares of callbacks as bars."""
+        return _overview(self.topics, self.callbacks)
+
+    def timeline(self, begin: float = 0.0, end: float | None = None) -> Chart:
+        """Draw the callbacks' runs and waits from `begin` to `end` [s] of the measured time.
+
+        Raises:
+            CourseError: No callback ran in that time.
+        """
+        until = min(self.seconds, begin + 1.0) if end is None else end
+        return _timeline(self.calls, self.start_ns, begin, until)
+
+    def __repr__(self) -> str:
+        from rich.console import Console
+        from rich.table import Table
+
+        console = Console(file=StringIO(), width=140, markup=False, force_jupyter=False, force_terminal=False)
+        for title, heads, rows in self._grids():
+            table = Table(*heads, title=title, title_justify="left")
+            for row in rows:
+                table.add_row(*row)
+            console.print(table)
+        console.print(_NOTE if self.callbacks else "")
+        return str(console.file.getvalue())  # type: ignore[attr-defined]  # it is the StringIO from above
+
+    def _repr_html_(self) -> str:
+        def line(kind: str, cells: Sequence[str]) -> str:
+            return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+        tables = "".join(
+            f"<table><caption>{escape(title)}</caption>{line('th', heads)}"
+            f"{''.join(line('td', row) for row in rows)}</table>"
+            for title, heads, rows in self._grids()
+        )
+        return tables + (f"<p>{_NOTE}</p>" if self.callbacks else "")
+
+    def _grids(self) -> Iterator[tuple[str, list[str], list[list[str]]]]:
+        """Yield title, headings and rows of each table that has rows."""
+        for title, rows in (
+            (f"Topics in {self.seconds:g} s of robot time", self.topics),
+            ("Callbacks", self.callbacks),
+        ):
+            plain = [asdict(row) for row in rows]
+            if plain:
+                heads = [_COLUMNS[name][0] if name in _COLUMNS else name.capitalize() for name in plain[0]]
+                yield title, heads, [[_cell(*item) for item in row.items()] for row in plain]
+
+
+def performance_report(what: "float | Recording | str | Path", *nodes: "Node") -> PerformanceReport:
+    """Measure nodes while they run, together with live ones, or measure a recording.
+
+    Args:
+        what: Seconds of robot time, like `performance_report(5.0, camera, detector)`; or a recording, or a
+            bag's folder.
+        nodes: Nodes to run.
+
+    Raises:
+        CourseError: Not a time, no node to run, or no bag in the folder.
+    """
+    if not isinstance(what, int | float):
+        recording = what if isinstance(what, Recording) else read_bag(what)
+        return _report(recording, recording.start_ns, recording.end_ns, (), 0)
+    graph, calls = current_graph(), list[CallbackRun]()
+
+    def listen(*call: Any) -> None:
+        calls.append(callback_run(*call))
+
+    start_ns = graph.now_ns
+    graph.callback_listeners.append(listen)
+    try:
+        with record(graph) as recorder:
+            spin_for(what, *nodes)
+    finally:
+        graph.callback_listeners.remove(listen)
+    samples = [sample for sample in recorder.recording().samples if sample.stamp_ns >= start_ns]
+    return _report(Recording(samples), start_ns, graph.now_ns, calls, graph.delay_ns)
+
+
+def _report(
+    recording: Recording, start_ns: int, end_ns: int, calls: Sequence[CallbackRun], delay_ns: int
+) -> PerformanceReport:
+    seconds = (end_ns - start_ns) * 1e-9
+    topics = [row for row in topic_rows(recording.samples, delay_ns) if row.topic not in ALWAYS_THERE]
+    callbacks = callback_rows(calls, seconds) if seconds else ()
+    return PerformanceReport(seconds, start_ns, tuple(topics), tuple(callbacks), tuple(calls))
+
+
+def _cell(name: str, value: Any) -> str:
+    if value is None:
+        return "-"
+    if name not in _COLUMNS:
+        return str(value)
+    _, factor, form = _COLUMNS[name]
+    return f"{value * factor:{form}}"

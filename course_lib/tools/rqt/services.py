@@ -1,0 +1,224 @@
+"""`%rqt service_caller` and `reconfigure`: views that call the services of nodes."""
+
+from html import escape
+from typing import Any
+
+from course_lib.errors import CourseError, did_you_mean
+from course_lib.ros.graph import Sample
+from course_lib.ros.messages import message_class, service_class
+from course_lib.tools.message_yaml import Style, fill, to_yaml
+from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
+from course_lib.tools.rqt.markup import table
+from course_lib.tools.rqt.view import RqtView
+from course_lib.tools.sources import answer, own_node
+
+ANSWER_LIMIT = 2.0  # [s] of robot time for an answer: the page waits meanwhile
+
+
+class ServiceCallerView(RqtView):
+    """A service, its request as YAML, its response or an error."""
+
+    name, title = "service_caller", "Service Caller"
+
+    def build(self) -> None:
+        """Create the controls; a word selects the first service."""
+        from ipywidgets import Textarea
+
+        wanted, names = self.wanted(), sorted(self._services())
+        if wanted and wanted not in names:
+            raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names) or '.'}")
+        self._told = ""
+        self.add_choice("Service", names, wanted, self._choose)
+        self.request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})
+        self.request.style.description_width = "initial"
+        self._choose()
+
+    def buttons(self) -> list[Any]:
+        """Add the button Call."""
+        return [self.button("Call", "play", self._call), *super().buttons()]
+
+    def body(self) -> list[Any]:
+        """Return the request above the response."""
+        return [self.request, self.screen]
+
+    def refresh(self) -> None:
+        """Update the choice of services; the request stays."""
+        self.offer("Service", sorted(self._services()))
+        self.screen.value = self._told
+
+    def picture(self) -> str:
+        """Return the services as a table."""
+        return table(("Service", "Type"), sorted(self._services().items()), "Services")
+
+    def _services(self) -> dict[str, str]:
+        """Return the services of nodes with their types."""
+        return {e.service[0]: e.service[1] for e in self.graph.endpoints() if e.is_service and e.service}
+
+    def _choose(self) -> None:
+        """Fill the request with the default values."""
+        if type_name := self._services().get(self["Service"]):
+            request = message_class(f"{type_name}_Request")()
+            self.request.value = to_yaml(request, Style(truncate=None))
+            self._told = f"<p class='rqt-dim'>{type_name}: not called yet.</p>"
+        self.refresh()
+
+    def _call(self) -> None:
+        self.say("")
+        self._told = self.screen.value = "<p class='rqt-dim'>No response.</p>"
+        name = self["Service"]
+        if name not in self._services():
+            raise CourseError("Choose a service first.")
+        self.check_time()
+        kind: Any = service_class(self._services()[name])
+        request = kind.Request()
+        fill(request, self.request.value)
+        with own_node(self.source) as node:
+            response = answer(
+                self.source, node.create_client(kind, name).call_async(request), name, ANSWER_LIMIT
+            )
+        self._told = f"<b>Response</b><pre>{escape(to_yaml(response, Style()))}</pre>"
+
+
+_EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
+_EDITOR_LAYOUT = {"width": "420px", "flex": "none"}
+_EDITOR_STYLE = {"description_width": "180px"}
+
+
+class ReconfigureView(RqtView):
+    """A row per parameter of a node: a slider, a check box or a field, by its type and its range."""
+
+    name, title = "reconfigure", "Dynamic Reconfigure"
+
+    def build(self) -> None:
+        """Create the controls; a word selects the first node."""
+        from ipywidgets import VBox
+
+        self._values: dict[str, Any] = {}
+        self.rows: dict[str, Any] = {}
+        self._reading = False  # whether values come from the node, not from the page
+        self.table = VBox()
+        wanted, nodes = self.wanted(), parameter_nodes(self.source)
+        chosen = found_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
+        self.add_choice("Node", nodes, chosen, self._read)
+        self.add_text("Filter", hint="part of a name")
+
+    def buttons(self) -> list[Any]:
+        """Add a button that reads all values."""
+        return [self.button("Refresh", "refresh", self._read)]
+
+    def body(self) -> list[Any]:
+        """Return the rows, which are read soon."""
+        self.soon(self._read)
+        return [self.table]
+
+    def hear(self, sample: Sample) -> None:
+        """Show values that other clients set."""
+        if (sample.topic, sample.type_name) == _EVENTS and self.rows:
+            event: Any = sample.message()
+            if event.node == self["Node"]:
+                changes = (*event.new_parameters, *event.changed_parameters)
+                self._show({change.name: plain_value(change.value) for change in changes})
+
+    def refresh(self) -> None:
+        """Update the choice of nodes, and show the rows that pass the filter."""
+        self.offer("Node", parameter_nodes(self.source))
+        self.table.children = tuple(row for name, row in self.rows.items() if self["Filter"] in name)
+
+    def picture(self) -> str:
+        """Return the parameters of the node, or of all nodes, as a table."""
+        rows = []
+        for node in [self["Node"]] if self["Node"] else parameter_nodes(self.source):
+            for name, value, about in self._parameters(node):
+                rows.append([escape(cell) for cell in (node, name, _shown(value), _note(about))])
+        return table(("Node", "Parameter", "Value", "Description"), rows, "Parameters")
+
+    def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
+        """Return names, values and descriptors of a node's parameters."""
+        self.check_time()
+        with asked(self.source, node) as ask:
+            names = sorted(ask("list_parameters").result.names)
+            values, about = ask("get_parameters", names).values, ask("describe_parameters", names).descriptors
+        return list(zip(names, map(plain_value, values), about, strict=True))
+
+    def _read(self) -> None:
+        """Create the rows of the chosen node."""
+        node = self["Node"]
+        self.say("" if node else "Choose a node.")
+        found = self._parameters(node) if node else []
+        self._values = {name: value for name, value, _ in found}
+        self.rows = {name: self._row(name, value, about) for name, value, about in found}
+        self.refresh()
+
+    def _row(self, name: str, value: Any, about: Any) -> Any:
+        from ipywidgets import HTML, HBox
+
+        control = _editor(name, value, about)
+        control.tooltip, control.disabled = about.description or name, about.read_only or value is None
+
+        def act(change: dict[str, Any]) -> None:
+            if not self._reading:
+                self.soon(lambda: self._set(name, change["new"]))
+
+        control.observe(act, "value")
+        return HBox([control, HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>"), HTML()])
+
+    def _set(self, name: str, new: Any) -> None:
+        """Set a parameter; a refused value is reset, and the reason shown."""
+        from rclpy.parameter import Parameter
+
+        from course_lib.ros.parameter_yaml import read_value
+
+        was = self._values[name]
+        self.check_time()
+        try:
+            value = read_value(new) if isinstance(new, str) and not isinstance(was, str) else new
+            with asked(self.source, self["Node"]) as ask:
+                (result,) = ask("set_parameters", [Parameter(name, value=value)]).results
+            refusal = "" if result.successful else result.reason or "the node refuses it"
+        except ValueError as error:
+            refusal = f"{new!r} is not a parameter value: {error}"
+        if refusal:
+            self._show({name: was})
+        said = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
+        self.rows[name].children[2].value = said
+
+    def _show(self, values: dict[str, Any]) -> None:
+        """Show values that came from the node."""
+        self._reading = True
+        for name in values.keys() & self.rows.keys():
+            control = self.rows[name].children[0]
+            self._values[name] = values[name]
+            control.value = _shown(values[name]) if isinstance(control.value, str) else values[name]
+        self._reading = False
+
+
+def _note(about: Any) -> str:
+    """Return a descriptor as one line."""
+    ranges = (*about.integer_range, *about.floating_point_range)
+    limits = [f"{limits.from_value:g} … {limits.to_value:g}" for limits in ranges]
+    texts = (*limits, "read-only" if about.read_only else "", about.description, about.additional_constraints)
+    return " · ".join(filter(None, texts))
+
+
+def _editor(name: str, value: Any, about: Any) -> Any:
+    """Return the control for a value's type and its descriptor's range."""
+    import ipywidgets as widgets
+
+    settings: dict[str, Any] = {"description": name, "style": _EDITOR_STYLE, "layout": _EDITOR_LAYOUT}
+    if isinstance(value, bool):
+        return widgets.Checkbox(value, **settings)
+    if not isinstance(value, int | float):
+        return widgets.Text(_shown(value), continuous_update=False, **settings)
+    is_int = isinstance(value, int)
+    for limits in about.integer_range if is_int else about.floating_point_range:
+        low, high = limits.from_value, limits.to_value
+        step = limits.step or (1 if is_int else (high - low) / 1000)
+        slider, form = (widgets.IntSlider, "d") if is_int else (widgets.FloatSlider, ".4g")
+        settings |= {"min": low, "max": high, "step": step, "readout_format": form}
+        return slider(value, continuous_update=False, **settings)
+    return (widgets.IntText if is_int else widgets.FloatText)(value, **settings)
+
+
+def _shown(value: Any) -> str:
+    """Return a value as the text of a field."""
+    return "not set" if value is None else str(value)
