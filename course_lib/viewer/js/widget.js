@@ -16,42 +16,19 @@ async function load(model) {
   return page["__KEY__"];
 }
 
-const LATE = 5000; // [ms] after a restore, longer than a view of JupyterLab's looks for its model
-const AGAIN = 250; // [ms]
+const LATE = 4000; // [ms], longer than a view of JupyterLab's polls for its model
 
-/**
- * Render the views that a reloaded page has given up just as their models came.
- *
- * A view of jupyterlab_widgets 3.0 polls for its model for 2 s. Where the models come during the last pause, it does
- * not look again, finds the manager restored, and says "model not found" for good. Until no view can be at that point,
- * the manager counts as not restored: then such a view waits for the next `restored` signal.
- *
- * @param {any} manager JupyterLab's manager of one notebook; other hosts have no `restored`.
- */
+// A view of jupyterlab_widgets 3.0 polls for its model for 2 s. Where a reloaded page gets the models in the last pause,
+// the view finds the manager restored and says "model not found" for good. While `restoredStatus` is false, it waits.
+/** @param {any} manager JupyterLab's manager of one notebook; other hosts have no `restored`. */
 function renderLateViews(manager) {
   if (!manager.restored?.emit || manager.__KEY__late) return;
   manager.__KEY__late = true;
-  let end = 0;
-  let timer = 0;
-  let emits = false;
-  const renderAgain = () => {
-    if (Date.now() > end) {
-      clearInterval(timer);
-      timer = 0;
-      delete manager.restoredStatus; // a view without a model says so from now on
-    }
-    emits = true;
+  Object.defineProperty(manager, "restoredStatus", { value: false, configurable: true });
+  setTimeout(() => {
+    delete manager.restoredStatus;
     manager.restored.emit(undefined);
-    emits = false;
-  };
-  const restored = () => {
-    if (emits) return;
-    end = Date.now() + LATE;
-    Object.defineProperty(manager, "restoredStatus", { value: false, configurable: true });
-    timer ||= setInterval(renderAgain, AGAIN);
-  };
-  manager.restored.connect(restored);
-  restored(); // the models of anywidget load their modules after the signal, as a rule
+  }, LATE);
 }
 
 export default {
