@@ -248,7 +248,7 @@ def main() -> None:
         what = error.format_message().rstrip(".").replace("Input should be", "expected")
         _fail(f"{what}. See: {context.command_path if context else 'course'} --help", debug)
     except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}. Mend that, or name another file or folder.", debug)
+        _fail(f"{error.filename}: {error.strerror}. Correct that, or name another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(INTERRUPTED)
     sys.exit(code or 0)

@@ -44,7 +44,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Week:
+class WeekSettings:
     """One week: deadlines in the course's local time, points by the task's short name.
 
     Args:
@@ -66,7 +66,7 @@ class Week:
         if self.points and not math.isclose(total, POINTS_PER_WEEK):
             raise CourseError(f"points: they sum to {total:g}, expected {POINTS_PER_WEEK}")
         if twice := sorted(self.points.keys() & self.bonus.keys()):
-            raise CourseError(f"bonus: {', '.join(twice)} is in points too")
+            raise CourseError(f"bonus: {', '.join(twice)} is in points and in bonus")
         object.__setattr__(self, "extensions", {normalise(s): when for s, when in self.extensions.items()})
 
 
@@ -75,7 +75,7 @@ class CourseFile:
     """All of course.toml."""
 
     title: str
-    weeks: Mapping[str, Week]
+    weeks: Mapping[str, WeekSettings]
     time_zone: ZoneInfo | None = None  # the machine's
     late: Late = Late()
     limits: Limits = Limits()
@@ -90,7 +90,7 @@ class CourseFile:
         """The zone of deadlines and of local times.
 
         Raises:
-            CourseError: course.toml names none, and the machine's can't be told.
+            CourseError: course.toml names none, and this machine does not report its own.
         """
         return self.time_zone or machine_zone()
 
@@ -123,7 +123,7 @@ def machine_zone() -> ZoneInfo:
     """Return the zone that the operating system is set to.
 
     Raises:
-        CourseError: It can't be told.
+        CourseError: The machine does not report it.
     """
     from tzlocal import get_localzone
 

@@ -3,6 +3,7 @@
 import copy
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -43,9 +44,10 @@ def read_notebook(path: Path) -> Notebook:
         notebook = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read as a notebook: {error}") from error
-    if not isinstance(notebook, dict) or notebook.get("nbformat") != 4 or "cells" not in notebook:
-        raise CourseError(f"{path} is no notebook of format 4. Save it again in JupyterLab.")
-    return notebook
+    cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None
+    if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
+        raise CourseError(f"{path} is not a notebook of format 4. Save it again in JupyterLab.")
+    return dict(notebook)
 
 
 def notebook_text(notebook: Notebook) -> str:
@@ -53,10 +55,17 @@ def notebook_text(notebook: Notebook) -> str:
     return json.dumps(notebook, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
-def source(cell: dict[str, Any]) -> str:
-    """Return a cell's text; the file format allows a string or a list of lines."""
+def code_cells(notebook: Notebook) -> list[tuple[int, dict[str, Any]]]:
+    """Return the code cells with their numbers, as JupyterLab counts all cells."""
+    numbered = enumerate(notebook["cells"], 1)
+    return [(number, cell) for number, cell in numbered if cell.get("cell_type") == "code"]
+
+
+def source(cell: Mapping[str, Any]) -> str:
+    """Return a cell's text; the file format allows a string or a list of lines, a file may hold anything."""
     text = cell.get("source", "")
-    return text if isinstance(text, str) else "".join(text)
+    lines = text if isinstance(text, list) else [text]
+    return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
 
 
 def stamp(notebook: Notebook, student: str) -> bool:
@@ -68,7 +77,7 @@ def stamp(notebook: Notebook, student: str) -> bool:
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
-    """Store the ID in every exercise of the student's folder; files that are no notebooks are left alone."""
+    """Store the ID in every exercise of the student's folder; skip files that are not notebooks."""
     exercises = sorted(folder.glob("week*_exercise*.ipynb"))
     for path in exercises:
         try:

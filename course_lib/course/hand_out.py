@@ -149,7 +149,7 @@ def release(out: Path) -> list[Path]:
     if stale:
         names = ", ".join(path.name for path in stale)
         raise CourseError(
-            f"made anew from the solutions, please look and commit, then release again: {names}"
+            f"written again from the solutions: {names}. Review and commit them, then release again."
         )
     settings = _without_extensions(root / "exercises" / "course.toml")
     try:

@@ -24,7 +24,7 @@ def normalise(text: str) -> str:
     strange = sorted({c for c in student if not (c.isalnum() or c in EXTRA_CHARACTERS)})
     if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum():
         raise CourseError(
-            f"{text!r} is no student ID: it has up to {MAX_LENGTH} letters, digits and "
+            f"{text!r} is not a student ID: expected up to {MAX_LENGTH} letters, digits and "
             f"{' '.join(EXTRA_CHARACTERS)}, the first a letter or a digit. Example: 20231234"
         )
     return student

@@ -8,8 +8,7 @@ from zoneinfo import ZoneInfo
 
 from rich.table import Table
 
-from course_lib.course.course_file import Week as Settings
-from course_lib.course.course_file import shipped_course_file
+from course_lib.course.course_file import WeekSettings, shipped_course_file
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
 from course_lib.course.installation import exercises_dir, lessons_dir
@@ -20,7 +19,7 @@ CONTENTS_FILE = "contents.md"
 PAGE = """\
 # Contents and progress
 
-*Made anew by every `course lab`. Your own notes are safe in any other file.*
+*Every `course lab` writes this page again. Your own notes are safe in any other file.*
 
 | lesson | minutes | exercise | hand in by | public checks passed |
 |---|---|---|---|---|
@@ -42,7 +41,7 @@ class Week:
     minutes: int  # [min] of the lesson
     lesson: str  # file name
     exercise: str | None  # file name
-    settings: Settings  # of course.toml
+    settings: WeekSettings  # of course.toml
 
 
 def load_weeks() -> tuple[Week, ...]:
@@ -51,7 +50,7 @@ def load_weeks() -> tuple[Week, ...]:
     return tuple(_week(path, settings) for path in sorted(lessons_dir().glob("week*.ipynb")))
 
 
-def _week(lesson: Path, settings: Mapping[str, Settings]) -> Week:
+def _week(lesson: Path, settings: Mapping[str, WeekSettings]) -> Week:
     notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
     exercise = exercises_dir() / f"{name}_exercise.ipynb"
     return Week(
@@ -60,7 +59,7 @@ def _week(lesson: Path, settings: Mapping[str, Settings]) -> Week:
         minutes=notebook["metadata"]["course"]["minutes"],
         lesson=lesson.name,
         exercise=exercise.name if exercise.exists() else None,
-        settings=settings.get(name, Settings("")),
+        settings=settings.get(name, WeekSettings("")),
     )
 
 

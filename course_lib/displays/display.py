@@ -34,7 +34,7 @@ class Context:
     now_ns: int = 0  # robot time, [ns]
     # called with new interests, to get what publishers hold for latecomers
     joined: Callable[[Iterable[Interest]], None] = lambda interests: None
-    # called when somebody has changed a property, to show it immediately
+    # called when a property has changed, to show it immediately
     touched: Callable[[], None] = lambda: None
     _followed: dict[str, Matrix] = field(default_factory=dict)
 

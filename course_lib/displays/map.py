@@ -78,7 +78,7 @@ class MapDisplay(DrawnDisplay):
     _cells: Bytes = np.empty((0, 0), np.uint8)  # shape (height, width)
 
     def changed(self, label: str) -> None:
-        """Subscribe to other topics, or redraw; updates come beside the map unless said otherwise."""
+        """Subscribe to other topics, or redraw; the topic of updates is beside that of the map by default."""
         super().changed(label)
         if label == "Topic":
             self[_UPDATES] = f"{self['Topic']}_updates"

@@ -69,7 +69,7 @@ def film_of(
 
 
 def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
-    """Return a session with a layout, or one that fits a recording, which has heard nothing yet."""
+    """Return a session with a layout, or one that fits a recording, before its first message."""
     session = RvizSession(Scene(), start_ns=recording.start_ns, match_qos=False)
     if rviz_path is None:
         _show_all(session, recording)

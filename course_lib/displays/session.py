@@ -60,7 +60,7 @@ class RvizSession:
         self.tools = all_tools()
         self.after_frame: list[Callable[[], None]] = []
         self._match_qos = match_qos
-        self.types: dict[str, str] = {}  # of the topics that were heard
+        self.types: dict[str, str] = {}  # of the topics with messages
         self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
         self._last_ns = start_ns  # of the last message
         self._frame_ns = start_ns  # of the last frame
@@ -227,7 +227,7 @@ class RvizSession:
             if display.enabled:
                 display.update()
         camera = self.view.camera(self.context.frames)
-        if camera != self._camera:  # another one than before: whoever moved the scene's own is left alone
+        if camera != self._camera:  # a camera set in the scene itself stays
             self._camera = self.context.scene.camera = camera
         self._tell()
 
@@ -236,7 +236,7 @@ class RvizSession:
         return [*self.global_rows(), *(row for display in self.displays for row in self.rows_of(display))]
 
     def global_rows(self) -> list[StatusRow]:
-        """List what RViz's Global Status says, with our hints."""
+        """List RViz's Global Status, with our hints."""
         level, text = self.context.frames.global_status()
         self.statuses.set(level, "Fixed Frame", text)
         self.statuses.hint("Target Frame", *self.view.lost(self.context.frames))

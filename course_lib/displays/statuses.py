@@ -1,4 +1,4 @@
-"""Statuses of a display, as RViz shows them, and our hints where RViz says nothing."""
+"""Statuses of a display, as RViz shows them, and hints where RViz has no status."""
 
 from collections.abc import Mapping
 from html import escape
@@ -41,7 +41,7 @@ class Statuses:
         self._hints[name] = texts
 
     def delete(self, name: str) -> None:
-        """Forget all that was said under a name."""
+        """Remove the status and the hints of a name."""
         self._said.pop(name, None)
         self._hints.pop(name, None)
 
@@ -72,7 +72,7 @@ class StatusTable(list[StatusRow]):
 
 
 def _row(row: StatusRow) -> str:
-    """Return one row in HTML; that of a hint says that RViz2 is silent there."""
+    """Return one row in HTML; that of a hint has a title about it."""
     icon, word, color = LEVELS[row.level]
     title = ' title="from this viewer; RViz2 says nothing here"' if row.level == "hint" else ""
     return (

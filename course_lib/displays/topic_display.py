@@ -15,7 +15,7 @@ from course_lib.errors import counted
 from course_lib.ros.qos import Qos
 from course_lib.viewer.drawables import Drawable
 
-HINT_AFTER = NS // 2  # [ns] that a message waits before a hint says so, if its frame is known at all
+HINT_AFTER = NS // 2  # [ns] that a message waits for a known frame before a hint is added
 # By the fields of Qos; in RViz's words, its default first.
 _POLICIES = {
     "history": ("Keep Last", "Keep All"),
@@ -53,7 +53,7 @@ class TopicDisplay(Display):
 
     type_name: ClassVar[str]
     topic_label: ClassVar[str] = "Topic"
-    status_label: ClassVar[str] = "Topic"  # of what it says of its messages
+    status_label: ClassVar[str] = "Topic"  # name of the status of its messages
     properties = topic_properties()
 
     def __init__(self, *args: Any) -> None:
@@ -62,7 +62,7 @@ class TopicDisplay(Display):
         self._since_ns = 0
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout; before Galactic it says ``Topic: /x``, ``Unreliable: true``."""
+        """Set properties from a layout; older than Galactic, it has ``Topic: /x``, ``Unreliable: true``."""
         topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
             unreliable = str(config.get("Unreliable")).lower() == "true"
@@ -144,7 +144,7 @@ class TopicDisplay(Display):
 class FilteredDisplay(TopicDisplay):
     """A display whose messages wait until tf2 knows their frame at their stamp (MessageFilterDisplay)."""
 
-    queue_label: ClassVar[str] = "Topic/Filter size"  # of the property that says how many may wait
+    queue_label: ClassVar[str] = "Topic/Filter size"  # of the property with the length of the queue
     properties = (*topic_properties(), Property(queue_label, 10, integer(1)))
 
     def __init__(self, *args: Any) -> None:
@@ -211,7 +211,7 @@ INVALID = "Message contained invalid floating point values (nans or infs)"
 class DrawnDisplay(FilteredDisplay):
     """A display whose picture is made of its properties and of what it keeps: of one message, or of more."""
 
-    length_label: ClassVar[str] = ""  # of the property that says of how many messages; 0 keeps all
+    length_label: ClassVar[str] = ""  # of the property with the number of kept messages; 0 keeps all
     in_frame: ClassVar[bool] = (
         False  # whether the parts lie in the last message's frame, not in the fixed one
     )

@@ -50,7 +50,7 @@ class ViewController(PropertyHolder):
         self._target: Matrix = np.eye(4)
         self._followed = ""  # the target frame that the camera was last placed with
         self.name = "Current View"
-        self.touched: Callable[[], None] = lambda: None  # called when somebody has changed a property
+        self.touched: Callable[[], None] = lambda: None  # called when a property has changed
         for label, value in properties.items():
             self[label] = value
 

@@ -175,7 +175,7 @@ class Viewer:
         return Visualizer(self.scene)
 
     def statuses(self) -> StatusTable:
-        """Return what RViz's Displays panel says, and hints where RViz is silent."""
+        """Return the statuses of RViz's Displays panel, and hints where RViz is silent."""
         self.look()
         return StatusTable(self.session.rows())
 
@@ -204,7 +204,7 @@ class Viewer:
         save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
-        """Draw the scene into a PNG of a size in [px]; the result says what drew it.
+        """Draw the scene into a PNG of a size in [px]; the result names its renderer.
 
         That is a page that shows the viewer, else Chromium or Chrome, else numpy.
         """

@@ -90,7 +90,7 @@ def view_config(view: ViewController) -> dict[str, Any]:
 
 
 def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a holder's part of a layout, over what its former layout said."""
+    """Return a holder's part of a layout, over its part of the former layout."""
     config: dict[str, Any] = {**holder.config, **known}
     parents = {prop.path[:-1] for prop in holder.properties}
     for prop in holder.properties:

@@ -38,7 +38,7 @@ class Report:
 def lacks(folder: Path) -> Report:
     """Look a package's folder through; raises a CourseError if there is none."""
     if not folder.is_dir():
-        raise CourseError(f"There is no folder {folder}. Give the one with package.xml in it.")
+        raise CourseError(f"There is no folder {folder}. Name the one that holds package.xml.")
     name = folder.resolve().name
     required = [path.format(name) for path in _REQUIRED]
     missing = [f"the file {path}" for path in required if not (folder / path).is_file()]
@@ -117,7 +117,7 @@ def _imports(folder: Path) -> set[str]:
         try:
             tree = ast.parse(file.read_text(encoding="utf-8"))
         except SyntaxError as error:
-            raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Mend it first.") from error
+            raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
         for node in ast.walk(tree):
             if isinstance(node, ast.Import):
                 found |= {alias.name.partition(".")[0] for alias in node.names}

@@ -5,6 +5,7 @@ import io
 import re
 import sys
 import tokenize
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -111,27 +112,18 @@ class NodeModule:
 
 
 def _sorted(imports: set[str]) -> str:
-    """Sort imports as ament_flake8 wants them: the standard library, then all others, each by name."""
-    groups: dict[bool, list[str]] = {}
-    for line in sorted(
-        imports, key=lambda line: (line.split()[1].lower(), line.split()[0] == "import", line)
-    ):
-        groups.setdefault(line.split()[1].partition(".")[0] in sys.stdlib_module_names, []).append(line)
-    return "\n\n".join("\n".join(_joined(groups[group])) for group in (True, False) if group in groups)
-
-
-def _joined(lines: Sequence[str]) -> list[str]:
-    """Join imports from one module into a line, unless it gets too long."""
-    names: dict[str, list[str]] = {}
-    for line in lines:
+    """Sort imports as ament_flake8 expects them: the standard library, then all others, each by name."""
+    names = defaultdict[str, list[str]](list)
+    for line in imports:
         head, _, name = line.partition(" import ")
-        names.setdefault(head, []).extend([name] if name else [])
-    joined = {h: f"{h} import {', '.join(sorted(n, key=str.lower))}" if n else h for h, n in names.items()}
-    short = {
-        head: [line] if len(line) < MAX_LINE else [f"{head} import {n}" for n in sorted(names[head])]
-        for head, line in joined.items()
-    }
-    return [line for lines in short.values() for line in lines]
+        names[head] += [name] if name else []
+    groups: dict[bool, list[str]] = {True: [], False: []}
+    for head in sorted(names, key=lambda head: (head.split()[1].lower(), head.startswith("import"), head)):
+        is_standard = head.split()[1].partition(".")[0] in sys.stdlib_module_names
+        joined = f"{head} import {', '.join(sorted(names[head], key=str.lower))}" if names[head] else head
+        fits = len(joined) < MAX_LINE
+        groups[is_standard] += [joined] if fits else [f"{head} import {name}" for name in sorted(names[head])]
+    return "\n\n".join("\n".join(lines) for lines in groups.values() if lines)
 
 
 def _tidy(text: str) -> str:

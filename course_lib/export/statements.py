@@ -1,13 +1,14 @@
 """The code to export: cells of a notebook or a Python file, as module-level statements."""
 
 import ast
-import json
 import re
 import symtable
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.errors import CourseError
 
 _MARK = re.compile(r"\s*#\s*\|?\s*export\s*$", re.MULTILINE)
@@ -27,24 +28,20 @@ def read_cells(file: Path) -> list[Cell]:
     """Read a .py file, as one cell, or a notebook's code cells; magics are left out.
 
     Raises:
-        CourseError: The file cannot be read, or is no Python.
+        CourseError: The file cannot be read, or is not a notebook.
     """
+    if file.suffix == ".ipynb":
+        return [_cell(number, cell) for number, cell in code_cells(read_notebook(file))]
     try:
-        text = file.read_text(encoding="utf-8")
+        return [Cell(1, file.read_text(encoding="utf-8"), marked=True)]
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text"
-        raise CourseError(f"{file} cannot be read: {reason}. Give a notebook or a Python file.") from error
-    if file.suffix != ".ipynb":
-        return [Cell(1, text, marked=True)]
-    try:
-        cells = [(n, c) for n, c in enumerate(json.loads(text)["cells"], 1) if c["cell_type"] == "code"]
-        sources = [(number, "".join(cell["source"]), cell.get("metadata", {})) for number, cell in cells]
-    except (ValueError, KeyError, TypeError) as error:
-        raise CourseError(f"{file} is no notebook of format 4. Save it again in JupyterLab.") from error
-    return [
-        Cell(number, without_magics(source), bool(_MARK.match(source)) or "export" in meta.get("tags", ()))
-        for number, source, meta in sources
-    ]
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise CourseError(f"{file} cannot be read: {reason}. Name a notebook or a Python file.") from error
+
+
+def _cell(number: int, cell: dict[str, Any]) -> Cell:
+    code, tags = source(cell), cell.get("metadata", {}).get("tags", ())
+    return Cell(number, without_magics(code), bool(_MARK.match(code)) or "export" in tags)
 
 
 def without_magics(source: str) -> str:
@@ -91,11 +88,11 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
             nodes = ast.parse(cell.source).body
         except SyntaxError as error:
             raise CourseError(
-                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Mend it first."
+                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Correct it first."
             ) from error
         for node, text in _parts(cell.source, nodes):
             now, later = _needs(text)
-            gives, changes = frozenset(_bound(node)), frozenset(_changed(node))
+            gives, changes = frozenset(bound_names(node)), frozenset(_changed(node))
             if isinstance(node, ast.AugAssign):
                 now |= gives
             elif not isinstance(node, ast.Assign):  # X = X + 1 needs the X before it
@@ -125,7 +122,7 @@ def _parts(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast.stmt, s
             yield node, "\n".join(line.rstrip() for line in lines[begin:end])
 
 
-def _bound(node: ast.AST) -> Iterator[str]:
+def bound_names(node: ast.AST) -> Iterator[str]:
     """Yield the names that a statement binds in its module."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
         yield node.name
@@ -136,7 +133,7 @@ def _bound(node: ast.AST) -> Iterator[str]:
         yield node.id
     if not isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp | ast.Lambda):
         for child in ast.iter_child_nodes(node):
-            yield from _bound(child)
+            yield from bound_names(child)
 
 
 def _changed(node: ast.stmt) -> Iterator[str]:

@@ -56,7 +56,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
         )
     task = catalog.task(task_id)
     if subject is MISSING:
-        raise CourseError(f"check needs your object, too. Write: {_call(task)}")
+        raise CourseError(f"check needs your object as its second argument. Write: {_call(task)}")
     personal = personal_values(task, student)
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
     result = judge_task(task, *catalog.points(task), runs)

@@ -9,9 +9,9 @@ from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import CodeCell, parse_notebook
 from course_lib.grading.handin.submission import NO_EXERCISE, unpack
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import TaskResult, judge
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.outcome import NOT_MADE
@@ -24,7 +24,7 @@ def check_file(path: Path) -> bool:
     """Run a notebook, print a table per task, and return whether everything passed.
 
     Raises:
-        CourseError: It can't be read, or is no exercise of the course.
+        CourseError: It can't be read, or is not an exercise of the course.
     """
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()

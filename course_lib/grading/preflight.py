@@ -13,8 +13,8 @@ import course_lib
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.judge import Judgement, TaskResult, judge
 from course_lib.grading.records import Course, catalog_of, digest_of, kit_digest, writing
 from course_lib.grading.run.job import Job, plan

@@ -27,7 +27,7 @@ class DeadlockError(CourseError):
 
 
 class Baton:
-    """Hands the right to run from thread to thread, in an order that depends on nothing but the program."""
+    """The right to run, which goes from thread to thread in an order that depends only on the program."""
 
     def __init__(self) -> None:
         self._threads: dict[int, ProgramThread] = {}  # by thread identifier
@@ -48,7 +48,7 @@ class Baton:
 
     @contextmanager
     def known(self) -> Iterator[None]:
-        """Let the calling thread belong to the program for a while."""
+        """Turn the calling thread into a program thread for the length of a `with` block."""
         ident = _thread.get_ident()
         me = self._threads.get(ident)
         if me is not None:
@@ -70,7 +70,7 @@ class Baton:
 
     @contextmanager
     def unknown(self) -> Iterator[None]:
-        """Let the calling program thread be an ordinary one for a moment; it keeps the baton."""
+        """Run a `with` block of a program thread as an ordinary thread; it keeps the baton."""
         ident = _thread.get_ident()
         me = self._threads.pop(ident, None)
         try:
@@ -80,11 +80,11 @@ class Baton:
                 self._threads[ident] = me
 
     def new_thread(self, name: str, *, main: bool = False, visits: bool = False) -> ProgramThread:
-        """Make a thread's place in the order of threads."""
+        """Create a thread's place in the order of threads."""
         return ProgramThread(next(self._numbers), name=name, main=main, visits=visits)
 
     def line_up(self, thread: ProgramThread) -> None:
-        """Let a thread that has just been started wait for its first turn."""
+        """Queue a thread that has just been started for its first turn."""
         thread.wait = Wait(current_graph(), always, "its start")
         self._waiting.append(thread)
 
@@ -93,7 +93,7 @@ class Baton:
         self._stop_waiting(thread)
 
     def enter(self, me: ProgramThread) -> None:
-        """Make the calling thread a program thread; returns when it has the baton."""
+        """Turn the calling thread into a program thread; returns when it has the baton."""
         with self._mutex:
             self._threads[_thread.get_ident()] = me
             if me.wait is None:
@@ -216,7 +216,7 @@ class Baton:
         main.raises = error
 
     def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
-        """Give the baton to `other`, or put it down until the main thread is back; block until it returns."""
+        """Hand the baton to `other`, or put it down until the main thread is back; block until it returns."""
         with self._mutex:
             self._give(me, other or self._runnable(me, current_graph()))
         self._await_turn(me)

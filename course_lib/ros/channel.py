@@ -21,7 +21,7 @@ class ChannelError(CourseError):
 
 
 class FrameSizeError(ChannelError):
-    """The other side sent more at once than is taken."""
+    """The other side sent a frame above the limit."""
 
 
 class ChannelClosedError(ChannelError):
@@ -53,7 +53,7 @@ class Channel:
             self._socket.sendall(data)
 
     def receive(self) -> list[Any]:
-        """Receive the next frame; raises a ChannelError if none comes in time, or what comes is no frame."""
+        """Receive the next frame; raises a ChannelError if none comes in time, or it is malformed."""
         (size,) = _HEADER.unpack(self._read(_HEADER.size))
         if size > MAX_FRAME:
             raise FrameSizeError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
@@ -98,7 +98,7 @@ class Channel:
 
 
 class _Count:
-    """Counts what a frame holds while it is unpacked."""
+    """A count of the items of a frame while it is unpacked."""
 
     def __init__(self) -> None:
         self._left = MAX_ITEMS

@@ -18,12 +18,12 @@ class Alarm:
         self.cancelled = False
 
     def cancel(self) -> None:
-        """Make sure that the event does not happen."""
+        """Cancel the event."""
         self.cancelled = True
 
 
 class Clock:
-    """Owns the heap: events in the order (due time, node start order, entity order, sequence)."""
+    """The clock and its heap of events, in the order (due time, node start order, entity order, sequence)."""
 
     def __init__(self, start_ns: int = START_NS) -> None:
         self.now_ns = start_ns
@@ -31,14 +31,14 @@ class Clock:
         self._sequence = 0
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Have `action` called at `due_ns`, or at once in the order of events if that has passed."""
+        """Schedule `action` at `due_ns`, or next in the order of events if that has passed."""
         alarm = Alarm(max(due_ns, self.now_ns), action)
         self._sequence += 1
         heapq.heappush(self._heap, (alarm.due_ns, node, entity, self._sequence, alarm))
         return alarm
 
     def next_due_ns(self) -> int | None:
-        """Say when the next event is due; None if nothing will ever happen."""
+        """Return the time of the next event; None if there is none."""
         while self._heap and self._heap[0][4].cancelled:
             heapq.heappop(self._heap)
         return self._heap[0][0] if self._heap else None
@@ -47,5 +47,5 @@ class Clock:
         return len(self._heap)
 
     def pop(self) -> Alarm:
-        """Take the next event out of the heap."""
+        """Remove and return the next event."""
         return heapq.heappop(self._heap)[4]

@@ -21,7 +21,7 @@ class Done:
     """The result of a call that has driven nodes; `await` takes it as well."""
 
     def __await__(self) -> Generator[None, None, None]:
-        """Return: there is nothing left to wait for."""
+        """Complete immediately when awaited."""
         return
         yield
 

@@ -114,11 +114,11 @@ class Graph:
             self._deliver(sample, subscription)
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Have `action` called at robot time `due_ns`, in the order of events."""
+        """Schedule `action` at robot time `due_ns`, in the order of events."""
         return self._clock.call_at(due_ns, action, node=node, entity=entity)
 
     def advance(self) -> bool:
-        """Let the next event happen; False if none is left before the end, and `ended` from then on."""
+        """Run the next event; False if none is left before the end, and `ended` from then on."""
         due_ns = self._clock.next_due_ns()
         at_end = self.end_ns is not None and (due_ns is None or due_ns > self.end_ns)
         target_ns = self.end_ns if at_end else due_ns
@@ -134,12 +134,12 @@ class Graph:
         return alarm is not None
 
     def next_due_ns(self) -> int | None:
-        """Say when the next event is due, [ns]; None if nothing will ever happen."""
+        """Return the time of the next event, [ns]; None if there is none."""
         return self._clock.next_due_ns()
 
     @property
     def pending(self) -> int:
-        """How many events are to come."""
+        """The number of events to come."""
         return len(self._clock)
 
     def rest(self, node: int) -> None:
@@ -159,20 +159,20 @@ class Graph:
         return [info for info in self._topics.endpoints() if info.node not in self._resting]
 
     def tap(self, listener: Callable[[Sample], None]) -> Callable[[], None]:
-        """Show every sample on a topic to `listener` at once; returns what ends that.
+        """Call `listener` with every sample on a topic as it is published; returns what ends that.
 
-        As in `ros2 bag record`, what services are asked and answer is not among them.
+        As in `ros2 bag record`, requests and responses of services are not among them.
         """
         self._taps.append(listener)
         return lambda: self._taps.remove(listener)
 
     def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
-        """Call `listener(now_ns)` whenever robot time moves; returns what ends that."""
+        """Call `listener(now_ns)` whenever robot time moves; returns a function that ends that."""
         self._watchers.append(listener)
         return lambda: self._watchers.remove(listener)
 
     def latched(self) -> list[Sample]:
-        """List what TRANSIENT_LOCAL publishers hold for late subscriptions, oldest first."""
+        """List the samples that TRANSIENT_LOCAL publishers keep for late subscriptions, oldest first."""
         kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
         return sorted(kept, key=lambda sample: sample.stamp_ns)
 
@@ -204,11 +204,11 @@ class NodesOfProgram:
     ids: set[int] = field(default_factory=set)
 
 
-class _Program(threading.local):
+class _ProgramName(threading.local):
     name = ""
 
 
-program = _Program()  # which of the programs that share a graph the calling thread belongs to
+program = _ProgramName()  # which of the programs that share a graph the calling thread belongs to
 _current = Graph()
 
 
@@ -219,7 +219,7 @@ def current_graph() -> Graph:
 
 @contextmanager
 def use_graph(graph: Graph) -> Iterator[Graph]:
-    """Let the stand-in talk to another graph for a while."""
+    """Use another graph as the current one for the length of a `with` block."""
     global _current
     before, _current = _current, graph
     try:

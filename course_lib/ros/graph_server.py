@@ -1,4 +1,4 @@
-"""Gives a student's process its place in a graph that lives here, out of its reach."""
+"""The server of a graph for a student's process, which cannot reach the graph itself."""
 
 from collections.abc import Callable
 from dataclasses import astuple, dataclass
@@ -24,7 +24,7 @@ class RecordingLimitError(ChannelError):
 
 @dataclass
 class Room:
-    """How much may still be published in one run.
+    """The messages and bytes that may still be published in one run.
 
     Args:
         messages: Of any type.
@@ -42,7 +42,7 @@ class Room:
         return cls(round(MESSAGES_AT_ONCE + MESSAGES_A_SECOND * seconds), round(PICTURES_A_SECOND * seconds))
 
     def take(self, type_name: str, size: int) -> None:
-        """Take what a message needs.
+        """Subtract a message.
 
         Raises:
             RecordingLimitError: There is no more room; the message says of what.
@@ -61,7 +61,7 @@ class Room:
 
 
 class GraphServer:
-    """Serves one process over its channel; every frame from there is checked as hostile input."""
+    """The server of one process over its channel; every frame from there is checked as hostile input."""
 
     def __init__(self, graph: Graph, channel: Channel, room: Room | None = None) -> None:
         self.graph = graph
@@ -107,7 +107,7 @@ class GraphServer:
                 self._channel.send(["answer", answer])
 
     def end(self) -> None:
-        """Tell the process that the run is over and serve it until it sends its last frame."""
+        """End the run and serve the process until it sends its last frame."""
         while self.last_frame is None:
             self._channel.send(["end", self.graph.now_ns])
             self.serve()

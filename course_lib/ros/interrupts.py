@@ -46,7 +46,7 @@ class Callback:
 
     @property
     def seconds(self) -> float:
-        """How long it has been under way, [s] of the wall clock."""
+        """The time that it has been under way, [s] of the wall clock."""
         return wall.monotonic() - self.since
 
 
@@ -60,7 +60,7 @@ def write_once(callback: Callback, line: str) -> None:
 
 
 class Watch:
-    """Looks at the callback under way now and then, from a thread of its own."""
+    """A thread that watches the callback under way."""
 
     def __init__(self) -> None:
         self.under_way: Callback | None = None
@@ -70,7 +70,7 @@ class Watch:
 
     @property
     def stop_waits(self) -> bool:
-        """Whether an interrupt is this watch's, for a Stop that waits; else it is the user's ■."""
+        """True if an interrupt comes from this watch, for a Stop that waits; else it is the user's ■."""
         callback = self.under_way
         return bool(self._clicks) or (callback is not None and callback.unwanted_since is not None)
 
@@ -151,7 +151,7 @@ class LiveInterrupts:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Let ■ reach the callbacks that a kernel's cell drives, also where the cell awaits."""
+    """Pass ■ to the callbacks that a kernel's cell drives, also where the cell awaits."""
     before: Any = signal.getsignal(signal.SIGINT)
     is_main = threading.current_thread() is threading.main_thread()
     is_cells = before is signal.default_int_handler or getattr(before, "__module__", "") == KERNELS

@@ -84,7 +84,7 @@ class LaunchProgram(Process):
         self._go_on()
 
     def arguments(self) -> str:
-        """Say which arguments there are, as `ros2 launch --show-args` does."""
+        """Describe the arguments as `ros2 launch --show-args` does."""
         lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
         for argument in declared(self.describe(), self._context):
             lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
@@ -121,7 +121,7 @@ class LaunchProgram(Process):
         graph.call_at(graph.now_ns + round(seconds * 1e9), come, node=THREADS, entity=0)
 
     def emit(self, event: Event) -> None:
-        """Let the event handlers take an event, soon; a Shutdown then ends all processes."""
+        """Queue an event for the event handlers; a Shutdown then ends all processes."""
         self._due.append(partial(self._handle, event))
 
     def _handle(self, event: Event) -> None:
@@ -137,7 +137,7 @@ class LaunchProgram(Process):
         sys.stdout.write(f"[{level}] [{name}]: {text}\n")
 
     def describe(self) -> Entities:
-        """Give what is to be started."""
+        """Return the description of the launch."""
         source(self.file)
         return LaunchDescriptionSource(self.file).get_launch_description(self._context)
 
@@ -184,7 +184,7 @@ class LaunchProgram(Process):
         return bool(self._due) or len(self._processes.ended) > self._told
 
     def _note_ends(self) -> bool:
-        """Tell of processes that have ended; says whether others have not."""
+        """Report processes that have ended; returns whether others are still running."""
         while self._told < len(self._processes.ended):
             self._told += 1
             self._tell_end(self._processes.ended[self._told - 1])
@@ -215,13 +215,13 @@ class RunProgram(LaunchProgram):
         return LaunchDescription([self._node])
 
     def log(self, level: str, name: str, text: str) -> None:
-        """Say only what went wrong."""
+        """Write warnings and errors only."""
         if level != "INFO":
             super().log(level, name, text)
 
 
 def arguments_of(file: Path) -> str:
-    """Say which arguments a launch file declares; raises a CourseError if it is none."""
+    """Describe the arguments that a launch file declares; raises a CourseError for any other file."""
     try:
         return LaunchProgram(file, (), {}).arguments()
     except _COMPLAINTS as error:
@@ -229,7 +229,7 @@ def arguments_of(file: Path) -> str:
 
 
 def forget_imported() -> None:
-    """Have the packages of earlier processes read again: their files may have changed."""
+    """Unload the packages of earlier processes: their files may have changed."""
     for name in [name for name in sys.modules if name.partition(".")[0] in _imported]:
         del sys.modules[name]
     _imported.clear()

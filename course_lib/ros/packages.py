@@ -33,7 +33,7 @@ def find_package(name: str) -> Package | None:
 
 
 def packages() -> dict[str, Path]:
-    """Give the share folder of each package, by name.
+    """Return the share folder of each package, by name.
 
     First what is installed under the prefixes on AMENT_PREFIX_PATH, then the sources in the folders on
     ROS_PACKAGE_PATH, in the working folder and in its src.
@@ -47,7 +47,7 @@ def packages() -> dict[str, Path]:
 
 
 def why_not_found(name: str) -> str:
-    """Say that a package is not there, what is, and how it would come there."""
+    """Explain that a package is missing, which ones there are, and how to add it."""
     there = ", ".join(packages()) or "none"
     return (
         f"package '{name}' not found, searching: {[str(root) for root in _roots()]}. There is: {there}. Put "
@@ -57,7 +57,7 @@ def why_not_found(name: str) -> str:
 
 
 def source(file: Path) -> None:
-    """Let the package that a file lies in be found, with those beside it: what `source setup.bash` does."""
+    """Add the package that a file lies in, and those beside it, to the paths, as `source setup.bash` does."""
     for folder in file.resolve().parents:
         if (folder / "package.xml").is_file():
             is_built = folder.parent.name == "share"
@@ -97,7 +97,7 @@ def _package(name: str, share: Path) -> Package:
 
 
 def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
-    """Give (module, function) by executable from a setup.py, not run; a CourseError if it is no Python."""
+    """Return (module, function) by executable from a setup.py, not run; a CourseError for a syntax error."""
     if not setup.is_file():
         return {}
     try:

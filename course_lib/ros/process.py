@@ -1,4 +1,4 @@
-"""What programs run in: each has a command line and an exit code of its own, in a thread of this process."""
+"""Programs as processes: each has its own command line and exit code, in a thread of this process."""
 
 import json
 import sys
@@ -75,7 +75,7 @@ class Program(Process):
 
     @property
     def is_launch_file(self) -> bool:
-        """Whether the file describes a launch, by its name or by what `ros2 launch` calls."""
+        """True if the file describes a launch, by its name or by the function that `ros2 launch` calls."""
         named = self.file.name.endswith((".launch.py", "_launch.py"))
         return named or "generate_launch_description" in self._code.co_names
 
@@ -142,7 +142,7 @@ class Processes:
         return number
 
     def interrupt(self) -> None:
-        """Give each that runs Ctrl+C, as if it had an operating system's process of its own."""
+        """Interrupt each that runs, as Ctrl+C does."""
         for number, thread in enumerate(self._threads):
             if number not in self.ended:
                 baton.interrupt(thread)
@@ -169,7 +169,7 @@ def _remove_nodes() -> None:
 
 
 def _exit_code(code: object) -> int:
-    """Give what Python makes of `sys.exit(code)`: a text is printed, and means 1."""
+    """Return the exit code that Python makes of `sys.exit(code)`: a text is printed, and means 1."""
     if code is None or isinstance(code, int):
         return code or 0
     sys.stderr.write(f"{code}\n")
@@ -190,7 +190,7 @@ def make_shell() -> "InteractiveShell":
         displayhook_class = Quiet
 
         def enable_gui(self, gui: Any = None) -> None:
-            """There is no window to be had; `%matplotlib inline` is no mistake."""
+            """Do nothing: there is no window, and `%matplotlib inline` is not a mistake."""
 
     config = Config()
     config.HistoryManager.enabled = False

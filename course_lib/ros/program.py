@@ -1,4 +1,4 @@
-"""Runs unmodified rclpy programs in this process, on robot time."""
+"""Runs of unmodified rclpy programs, launch files and notebooks in this process, on robot time."""
 
 import os
 import signal
@@ -89,7 +89,7 @@ def _interpreter_kept() -> Iterator[None]:
 
 
 def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
-    """Make a handler of Ctrl+C: the first one interrupts as ever, the next one ends whatever is stuck."""
+    """Return a handler of Ctrl+C: the first one interrupts as usual, the next one ends the process."""
     came: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:

@@ -15,7 +15,7 @@ class StoppedThread(SystemExit):
 
 
 def always() -> bool:
-    """Say that there is nothing to wait for."""
+    """Return True: there is nothing to wait for."""
     return True
 
 

@@ -8,7 +8,7 @@ _INFINITE = 2**63 - 1  # [ns]
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """What a publisher offers or a subscription requests; durations in [ns], None means infinite."""
+    """The QoS that a publisher offers or a subscription requests; durations in [ns], None means infinite."""
 
     history: Literal["keep_last", "keep_all"] = "keep_last"
     depth: int = 10

@@ -21,7 +21,7 @@ class RemoteAlarm(Alarm):
         self._tell = tell
 
     def cancel(self) -> None:
-        """Take the event back from the other process."""
+        """Cancel the event in the other process."""
         if not self.cancelled:
             super().cancel()
             self._tell()
@@ -72,7 +72,7 @@ class RemoteGraph(Graph):
         self._channel.send(["publish", endpoint, cdr])  # at once: it counts even if the program hangs next
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Have `action` called when the other process says that `due_ns` has come."""
+        """Schedule `action` for the time when the other process reports that `due_ns` has come."""
         self._last_alarm += 1
         number = self._last_alarm
         alarm = RemoteAlarm(due_ns, action, lambda: self._cancel(number))
@@ -81,7 +81,7 @@ class RemoteGraph(Graph):
         return alarm
 
     def advance(self) -> bool:
-        """Say that this process is idle, and do what the other one sends."""
+        """Report that this process is idle, and run the event that the other one sends."""
         if self.ended:
             return False
         self._channel.send(["idle"])

@@ -57,7 +57,7 @@ class Transform:
 
     @classmethod
     def from_message(cls, message: Any) -> "Transform":
-        """Take what a geometry_msgs/msg/TransformStamped says."""
+        """Create a transform from a geometry_msgs/msg/TransformStamped."""
         stamp, v, q = message.header.stamp, message.transform.translation, message.transform.rotation
         stamp_ns = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
         place, turn = (v.x, v.y, v.z), (q.x, q.y, q.z, q.w)

@@ -1,4 +1,4 @@
-"""Who publishes and who subscribes, and which sample reaches whom."""
+"""Publishers, subscriptions and their QoS matching."""
 
 import struct
 from collections import deque
@@ -25,7 +25,7 @@ class Sample:
     node: int
 
     def message(self) -> Any:
-        """Give the message itself."""
+        """Return the message itself."""
         from course_lib.ros.messages import deserialize, message_class  # they need numpy
 
         return deserialize(self.cdr, message_class(self.type_name))
@@ -67,7 +67,7 @@ class EndpointInfo:
 
     @property
     def is_service(self) -> bool:
-        """Whether a service answers here: it hears the requests."""
+        """True if a service answers here: it receives the requests."""
         return self.kind == "sub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
 
 
@@ -129,7 +129,7 @@ class Topics:
 
 
 def matches(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
-    """Say whether samples flow: same topic, same type, compatible QoS."""
+    """Return whether samples flow: same topic, same type, compatible QoS."""
     return (
         publisher.topic == subscription.topic
         and publisher.type_name == subscription.type_name

@@ -31,7 +31,7 @@ class _Folded(StackSummary):
 
 
 def _repeat(frames: Sequence[FrameSummary]) -> bool:
-    """Whether the frames in the middle are at few lines."""
+    """Return whether the frames in the middle are at few lines."""
     return len({(frame.filename, frame.lineno) for frame in frames[SHOWN:-SHOWN]}) <= SHOWN
 
 

@@ -222,18 +222,18 @@ class ProgramLock:
 
 
 class Lock:
-    """What `threading.Lock` names: a ProgramLock where the program may use it, else a real one."""
+    """The replacement of `threading.Lock`: a ProgramLock where the program may use it, else a real one."""
 
     def __new__(cls) -> Any:
-        """Make the lock."""
+        """Create the lock."""
         return ProgramLock() if _made_for_the_program() else _RealLock()
 
 
 class SimpleQueue(_RealSimpleQueue[Any]):
-    """What `queue.SimpleQueue` names: for the program the one in Python, which is built on our locks."""
+    """The replacement of `queue.SimpleQueue`: for the program the one in Python, built on our locks."""
 
     def __new__(cls) -> Any:
-        """Make the queue."""
+        """Create the queue."""
         if not _made_for_the_program():
             return super().__new__(cls)
         return queue._PySimpleQueue()  # type: ignore[attr-defined]  # the standard library's own fallback
@@ -248,12 +248,12 @@ def _made_for_the_program() -> bool:
 
 
 def make_waiter() -> Any:
-    """Make the lock on which a Condition waits."""
+    """Create the lock on which a Condition waits."""
     return ProgramLock(returns_at_end=True) if baton.governs() else _thread.allocate_lock()
 
 
 def make_rlock() -> Any:
-    """Make what `threading.RLock()` makes: one on a ProgramLock where the program may use it."""
+    """Create the replacement of `threading.RLock()`: on a ProgramLock where the program may use it."""
     if not _made_for_the_program():
         return _RealRLock()
     rlock = threading._PyRLock()  # type: ignore[attr-defined]  # the standard library's RLock in Python

@@ -1,4 +1,4 @@
-"""The wall clock, whoever asks: kept before `virtual_time` puts robot time behind the usual names."""
+"""The wall clock for all threads, kept before `virtual_time` puts robot time behind the usual names."""
 
 import time
 

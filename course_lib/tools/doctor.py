@@ -3,7 +3,6 @@
 import platform
 from argparse import Namespace
 from collections.abc import Iterator
-from importlib import metadata
 
 from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.qos import Qos, incompatible
@@ -76,6 +75,8 @@ def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
 
 def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
     """Return the category and the rows of each report, by its title."""
+    from importlib import metadata  # slow to import, and `course run` imports all verbs
+
     system: Rows = [
         ("system", platform.system()),
         ("platform info", platform.platform()),

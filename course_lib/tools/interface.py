@@ -10,13 +10,13 @@ from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
     FOLDERS,
+    PRIMITIVES,
     definition,
     find_package,
     type_names,
     typestore,
 )
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
-from course_lib.ros.messages.primitives import PRIMITIVES
 from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Option, Verb, Write, flag, value

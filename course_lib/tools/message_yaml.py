@@ -11,8 +11,7 @@ import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import Message, message_class, to_plain, type_name
-from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
-from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition, type_names
 
 
 def kind_of(find: Any, type_name: str, folder: str) -> Any:

@@ -1,6 +1,5 @@
 """`ros2 pkg`: the kit's packages and the user's own, and new Python packages."""
 
-import getpass
 from argparse import Namespace
 from functools import partial
 from pathlib import Path
@@ -150,6 +149,8 @@ def _text(arguments: Namespace) -> PackageText:
 
 
 def _user() -> str:
+    import getpass
+
     try:
         return getpass.getuser()
     except (KeyError, OSError) as error:  # on hubs where users are numbers

@@ -73,7 +73,7 @@ def columns(matrices: Float32s) -> Float32s:
 
 
 def _extended(value: Any) -> Any:
-    """Write what msgpack does not know; meshcat's umsgpack.Ext is told by its two fields."""
+    """Write what msgpack does not know; meshcat's umsgpack.Ext is recognized by its two fields."""
     if isinstance(value, np.ndarray):
         return _packed_array(value)
     if isinstance(value, np.generic):

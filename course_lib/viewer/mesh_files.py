@@ -18,7 +18,7 @@ FORMATS = ("dae", "stl", "obj")
 
 # What paints the parts of a DAE file; pycollada drops those whose material is broken, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
-_PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)  # where a file says nothing
+_PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)  # of a file without colours
 
 
 class MeshFileError(CourseError):

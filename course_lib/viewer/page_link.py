@@ -41,8 +41,10 @@ class PageLink:
     ) -> None:
         self.scene = scene
         self.on_click: list[Callable[[Click], None]] = []
-        self.on_views: Callable[[int], None] = lambda count: None  # told how many views all pages have
-        self.at_once: dict[str, Callable[[Content], None]] = {}  # by kind, called in the thread that hears
+        self.on_views: Callable[[int], None] = lambda count: (
+            None
+        )  # called with the number of views in all pages
+        self.at_once: dict[str, Callable[[Content], None]] = {}  # by kind, called in the receiving thread
         self._send = send
         self._turn = turn
         self._stream = Stream(scene, send, self._note_views)

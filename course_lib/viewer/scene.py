@@ -206,7 +206,7 @@ def _normal(path: str) -> str:
     return "/".join(name for name in path.split("/") if name)
 
 
-LIMIT = 20  # objects that are told one by one
+LIMIT = 20  # objects that are listed one by one
 
 
 def summary(scene: Scene) -> list[str]:

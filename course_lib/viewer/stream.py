@@ -39,7 +39,7 @@ class Flow:
         self._hears_in_cells = False
         self._open: deque[int] = deque()  # batches that pages were asked about
         self._batches = self._bytes = 0  # since the last question
-        self._idle_at = -1  # number of a batch after which the kernel was free to hear
+        self._idle_at = -1  # number of a batch after which the kernel could receive answers
 
     def heard(self, name: str, number: int) -> bool:
         """Note how far a page has come; say whether it is a new one."""

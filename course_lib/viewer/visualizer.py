@@ -20,7 +20,7 @@ from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
 
 _HEIGHT = 400.0  # [px] of a view, for cameras that say how many metres fit into it
-_AHEAD = np.array([0.0, 1.0, 0.0])  # where a camera looks that is told to look at itself
+_AHEAD = np.array([0.0, 1.0, 0.0])  # direction of a camera whose target is its own position
 
 
 class MeshcatCamera:

@@ -47,7 +47,9 @@ class SceneWidget(anywidget.AnyWidget):
         self.scene = scene
         self._saved = -1  # number of the scene in the last state
         self.keeps: object = None  # whatever must live as long as a page shows this
-        self.on_views: Callable[[int], None] = lambda count: None  # told how many a page has now
+        self.on_views: Callable[[int], None] = lambda count: (
+            None
+        )  # called with the number of views in all pages
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
         self.link.on_views = lambda count: self.on_views(count)
         super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
@@ -57,7 +59,7 @@ class SceneWidget(anywidget.AnyWidget):
             # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or not.
             self.comm._reply_subshell_for = lambda data, default: default
         if "JPY_SESSION_NAME" in os.environ:
-            # A page is there, but after a restart it is not heard before the running cell ends.
+            # A page is open, but after a restart its messages wait for the running cell's end.
             self.link.expect()
         self._shell = get_ipython()
         if self._shell is not None:

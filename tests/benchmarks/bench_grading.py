@@ -37,13 +37,13 @@ title = "Functions"
 """
 EQUAL_TASKS = """
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.grading.vocabulary import expect_value
+from course_lib.grading import expect_value
 TASKS = tuple(Task(f"week01.q{n}", "Q", "function", f"q{n}", ("a", "b", "c"), (
     Scenario("public", calls=(Call(2.0),), checks=(expect_value(2.0 + n),)),)) for n in range(4))
 """
 EQUAL_HIDDEN = """
 from course_lib.grading.task import Call, Scenario
-from course_lib.grading.vocabulary import expect_value
+from course_lib.grading import expect_value
 HIDDEN = {f"week01.q{n}": (Scenario("hidden", calls=(Call(-7.0),), checks=(expect_value(n - 7.0),)),)
           for n in range(4)}
 """

@@ -67,7 +67,7 @@ def test_an_exercise_that_was_stale_stops_the_release(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(hand_out, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
-    with pytest.raises(CourseError, match=r"please look and commit.*week01_exercise\.ipynb"):
+    with pytest.raises(CourseError, match=r"week01_exercise\.ipynb.*Review and commit"):
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

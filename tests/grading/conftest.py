@@ -71,7 +71,7 @@ answer = 10
 """
 CHECKS = """
 from course_lib.grading.task import Call, Message, Scenario, Task, my
-from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_text, expect_value
+from course_lib.grading import expect_marker, expect_rate, expect_text, expect_value
 
 TOPIC = "/visualization_marker"
 HINTS = ("Which fields has a marker?", "The centre is half an edge up.", "Set position.z to 0.5.")
@@ -94,7 +94,7 @@ TASKS = (
 """
 HIDDEN = """
 from course_lib.grading.task import Call, Scenario
-from course_lib.grading.vocabulary import expect_rate, expect_value
+from course_lib.grading import expect_rate, expect_value
 HIDDEN = {
     "week01.red_cube": (Scenario("longer", seconds=9.0, checks=(
         expect_rate("/visualization_marker", 1.0).worth(2),)),),

@@ -8,13 +8,13 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
     expect_gone,
     expect_images,
     expect_length,
     expect_nothing_before,
 )
+from course_lib.grading.evidence import Evidence
 
 MakeEvidence = Callable[..., Evidence]
 

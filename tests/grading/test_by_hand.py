@@ -27,7 +27,7 @@ motto = 30
 """
 TASKS = """
 from course_lib.grading.task import Row, Scenario, Task
-from course_lib.grading.vocabulary import expect_text
+from course_lib.grading import expect_text
 
 HINTS = ("a", "b", "c")
 TASKS = (

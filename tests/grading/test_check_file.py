@@ -40,7 +40,7 @@ def test_a_wrong_notebook_shows_why_and_the_errors_of_its_cells(
 
 
 def test_a_notebook_of_no_exercise_is_refused(write_notebook: WriteNotebook, tmp_path: Path) -> None:
-    with pytest.raises(CourseError, match="no exercise of this course"):
+    with pytest.raises(CourseError, match="not an exercise of this course"):
         check_file(write_notebook(tmp_path / "week08_exercise.ipynb", "x = 1"))
 
 

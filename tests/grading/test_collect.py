@@ -184,7 +184,7 @@ HOSTILE: dict[str, tuple[Bytes, str]] = {
     "broken zip": ({"ada/a.zip": b"PK\x03\x04 broken"}, "is not a zip that can be read"),
     "kind": ({"ada/virus.exe": b""}, "it is none of .ipynb"),
     "folder": ({f"../{NAME}": b""}, "its path leads elsewhere"),
-    "odd folder": ({f"a b;rm/{NAME}": b""}, "is no student ID"),
+    "odd folder": ({f"a b;rm/{NAME}": b""}, "is not a student ID"),
 }
 
 

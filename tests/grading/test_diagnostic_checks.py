@@ -5,11 +5,11 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from course_lib.grading import expect_fact, expect_level, expect_levels
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task
 from course_lib.grading.run.job import Run
 from course_lib.grading.task import Scenario, Task
-from course_lib.grading.vocabulary import expect_fact, expect_level, expect_levels
 from course_lib.grading.vocabulary.diagnostics import DIGESTS, TOOLS, digest
 
 MakeEvidence = Callable[..., Evidence]

@@ -6,12 +6,12 @@ import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
     expect_joint_states,
     expect_joint_swing,
     expect_joints_still,
 )
+from course_lib.grading.evidence import Evidence
 
 MakeEvidence = Callable[..., Evidence]
 NAMES = ("pan", "lift")

@@ -3,16 +3,16 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.task import Message
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
     expect_colors_apart,
     expect_display,
     expect_displays_on,
     expect_drawn,
     expect_layout,
 )
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.inputs import header, pose, transforms
+from course_lib.grading.task import Message
 from course_lib.grading.vocabulary.layouts import MAX_TEXT
 
 LAYOUT = """

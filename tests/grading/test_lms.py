@@ -148,8 +148,8 @@ def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
         (CANVAS, "Week 7", "SIS Login ID", "no columns are named 'Week 7'; expected one of 'Student', 'ID'"),
         (CANVAS, "Week 1", "Section", "no ID in column 'Section'"),
         (CANVAS, "ID", "ID", "the marks would replace the IDs"),
-        ("", "a", "b", "is no CSV"),
-        ("PK\x03\x04\0\0,", "a", "b", "is no CSV"),
+        ("", "a", "b", "is not a CSV"),
+        ("PK\x03\x04\0\0,", "a", "b", "is not a CSV"),
         ("a,a,b\n", "a", "b", "2 columns are named 'a'"),
     ],
 )

@@ -6,9 +6,9 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA, String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from course_lib.grading import expect_marker, expect_marker_count
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.task import my
-from course_lib.grading.vocabulary import expect_marker, expect_marker_count
 
 TOPIC = "/visualization_marker"
 RED_CUBE = expect_marker(

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from course_lib.grading import expect_circle
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_circle
 
 MakeEvidence = Callable[..., Evidence]
 MakeCube = Callable[..., Any]

@@ -6,8 +6,8 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
+from course_lib.grading import expect_parameters, expect_path
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_parameters, expect_path
 
 MakeEvidence = Callable[..., Evidence]
 CHECK = expect_path("/way", count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.0)

@@ -45,9 +45,9 @@ def test_without_an_id_the_student_is_told(tmp_path: Path, write_notebook: Write
         ("week01_exercise.ipynb", b"", "it is empty"),
         ("week01_exercise.ipynb", b"{]", "it is not JSON"),
         ("week01_exercise.ipynb", b"[" * 100_000, "it is not JSON"),
-        ("week01_exercise.ipynb", b"[]", "no notebook of format 3 or 4"),
-        ("week01_exercise.ipynb", b'{"cells": [1]}', "no notebook of format 3 or 4"),
-        ("homework.ipynb", b'{"cells": []}', "no exercise of this course"),
+        ("week01_exercise.ipynb", b"[]", "not a notebook of format 3 or 4"),
+        ("week01_exercise.ipynb", b'{"cells": [1]}', "not a notebook of format 3 or 4"),
+        ("homework.ipynb", b'{"cells": []}', "not an exercise of this course"),
         ("week01.zip", b"PK", "not a file that `course submit` wrote"),
     ],
 )

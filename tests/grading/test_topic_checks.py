@@ -6,8 +6,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
-from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import (
+from course_lib.grading import (
     expect_circle,
     expect_frame,
     expect_marker,
@@ -17,6 +16,7 @@ from course_lib.grading.vocabulary import (
     expect_throughout,
     expect_topic,
 )
+from course_lib.grading.evidence import Evidence
 from course_lib.ros.clock import START_NS
 
 MakeEvidence = Callable[..., Evidence]

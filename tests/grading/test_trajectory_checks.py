@@ -4,8 +4,8 @@ from typing import Any
 import pytest
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from course_lib.grading import expect_trajectory
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_trajectory
 
 MakeEvidence = Callable[..., Evidence]
 TOPIC = "/arm_controller/joint_trajectory"

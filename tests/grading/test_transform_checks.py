@@ -6,8 +6,8 @@ import pytest
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from course_lib.grading import expect_circling_frame, expect_transform
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary import expect_circling_frame, expect_transform
 from course_lib.ros.clock import START_NS
 
 MakeEvidence = Callable[..., Evidence]

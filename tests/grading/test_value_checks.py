@@ -4,11 +4,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from course_lib.grading import expect_text, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, is_plain, plain
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.grading.vocabulary import expect_text, expect_value
 
 MakeEvidence = Callable[..., Evidence]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.handin.submit import submit
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.records import Course
 
 WriteNotebook = Callable[..., Path]

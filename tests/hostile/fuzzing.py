@@ -8,6 +8,7 @@ from typing import Any
 import msgpack
 from hypothesis import strategies as st
 
+from course_lib.grading import expect_marker, expect_rate, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.judge import judge_task
@@ -17,7 +18,6 @@ from course_lib.grading.run.run import ExerciseRun, pack, unpack
 from course_lib.grading.run.scenario_graph import ScenarioGraph
 from course_lib.grading.run.submission_run import CellLog, _drive
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.grading.vocabulary import expect_marker, expect_rate, expect_value
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.graph_server import Room

@@ -4,12 +4,12 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from course_lib import grading as v
 from course_lib.course.installation import exercises_dir, solutions_dir
-from course_lib.grading import vocabulary as v
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.working_files import working_files
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.judge import CHECK_SECONDS, time_limit
 from course_lib.grading.run.job import Job, Run, plan

@@ -11,17 +11,16 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading import judge
+from course_lib.grading import expect_marker, expect_parameters, judge
 from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.handin.archives import MAX_WORKING_BYTES, working_files
 from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.handin.working_files import MAX_BYTES, working_files
 from course_lib.grading.judge import judge_task
 from course_lib.grading.reports.scenes import figures, seen
 from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import MAX_TEXT, is_plain
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Message, Scenario, Task
-from course_lib.grading.vocabulary import expect_marker, expect_parameters
 from course_lib.grading.vocabulary.wording import LONGEST
 from course_lib.robots.resources import packages_only, resolve
 from course_lib.ros.channel import ChannelError
@@ -219,7 +218,7 @@ def test_who_takes_the_id_of_another_is_noted(tmp_path: Path) -> None:
 def test_files_beside_a_notebook_are_not_more_than_a_worker_takes(tmp_path: Path) -> None:
     names = [f"{n}.py" for n in range(20)]
     for name in names:
-        (tmp_path / name).write_bytes(b"\xff" * (MAX_BYTES - 1))
+        (tmp_path / name).write_bytes(b"\xff" * (MAX_WORKING_BYTES - 1))
     assert working_files(tmp_path / "x.ipynb", [repr(names)]) == {}
 
 

@@ -43,7 +43,7 @@ def published(graph: Graph) -> Published:
 
 @pytest.fixture
 def on(published: Published) -> Callable[[str], list[Any]]:
-    """Says what was published on a topic."""
+    """Return the messages that were published on a topic."""
     return lambda topic: [message for name, message in published if name == topic]
 
 

@@ -16,7 +16,7 @@ ARM_AND_LAMP = robot(ARM, links("lamp"), joint("lamp_joint", "base", "lamp"))
 
 
 class Joints(Node):
-    """Says where the joints are, ten times a second; the robot has no tail."""
+    """Publishes joint states ten times a second, one of a joint that the robot does not have."""
 
     def __init__(self) -> None:
         super().__init__("joints")
@@ -31,7 +31,7 @@ class Joints(Node):
 
 
 def links_shown(viewer: Viewer) -> dict[str, str]:
-    """What the display says of each link."""
+    """Return the display's status of each link."""
     said = {row.name: row.text for row in viewer.statuses() if row.display == "RobotModel"}
     return {link: said[link] for link in ("base", "lamp", "upper", "fore", "tip")}
 

@@ -1,4 +1,4 @@
-"""What the tests of this room share."""
+"""Scenes and helpers for the tests of sensors."""
 
 from collections.abc import Callable
 from typing import Any

@@ -26,7 +26,7 @@ def graph(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
 
 @pytest.fixture
 def talker(graph: Graph) -> Node:
-    """Says "hello 1", "hello 2", … on /chatter and where it is on /place, ten times a second."""
+    """Publishes "hello 1", "hello 2", … on /chatter and a point on /place, ten times a second."""
     rclpy.init()
     node = Node("talker")
     chatter = node.create_publisher(String, "chatter", 10)
@@ -46,7 +46,7 @@ def talker(graph: Graph) -> Node:
 
 @pytest.fixture
 def run(graph: Graph) -> Run:
-    """Give what a command writes; words are parted by blanks, a last one in braces is kept whole."""
+    """Return the output of a command; words are split at blanks, a last one in braces stays whole."""
 
     def run(line: str) -> str:
         words, brace, rest = line.partition("{")

@@ -21,7 +21,7 @@ from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay
 from course_lib.ros.tf2_transform import Transform, TransformException, interpolated
 from course_lib.viewer.drawables import Points, Spot
 
-# Squares have soft edges in RViz, which nobody sees at their size.
+# Squares have soft edges in RViz, invisible at their size.
 STYLES: dict[str, Spot] = {
     "Points": "disc",
     "Squares": "square",

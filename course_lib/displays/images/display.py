@@ -200,7 +200,7 @@ class PictureDisplay(TopicDisplay):
         self.message, self._range = None, Range()
 
     def wanted(self) -> tuple[Interest, ...]:
-        """Listen to the topic; its last part says how the images are packed."""
+        """Listen to the topic; its last part is the way of compression."""
         packed = self["Topic"].rpartition("/")[2] == "compressed"
         return (self.interest(self["Topic"], PACKED if packed else IMAGE, self.take),)
 

@@ -51,7 +51,7 @@ class Desk:
         self._orders = OrderDesk(session, graph)
         self._sent: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
-        self._posted = 0.0  # [s] when the page was last told
+        self._posted = 0.0  # [s] of the last post
         self._waiting = False
         self._loop = running_loop()  # that of the cells, if this is a kernel
         link.listen("desk", self._take)
@@ -125,7 +125,7 @@ class Desk:
         )
 
     def _topics(self) -> tuple[AddableTopic, ...]:
-        """Return the topics that were heard or are published, with each class of display for them."""
+        """Return the topics with messages or publishers, with each class of display for them."""
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}

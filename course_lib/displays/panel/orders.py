@@ -37,7 +37,7 @@ from course_lib.displays.views import VIEWS, ViewController, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages.plain import to_plain
+from course_lib.ros.messages.wire import to_plain
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.wire import MessageError, from_json
 

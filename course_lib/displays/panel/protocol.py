@@ -47,7 +47,7 @@ class PanelRow:
     text: str = ""
     value: Any = None
     checked: bool | None = None  # of the box that shows or hides a display
-    open: bool = False  # until somebody closes it
+    open: bool = False  # at first
     title: str = ""
     mark: LevelMark | None = None
     editor: Editor | None = None

@@ -85,7 +85,7 @@ class Playback:
         self.rate = 1.0
         self.loop = False
         self._samples = recording.samples
-        self._next = 0  # the first sample that was not heard yet
+        self._next = 0  # the first sample that was not delivered yet
 
     def go_to(self, now_ns: int) -> None:
         """Show what is to be seen at a robot time, [ns]."""

@@ -150,7 +150,7 @@ class Uncertain(NamedTuple):
 
 
 def uncertain(message: Any, transform_frame_to_fixed: Matrix) -> Uncertain:
-    """Return what a geometry_msgs/msg/PoseWithCovariance says."""
+    """Return the pose and the covariance of a geometry_msgs/msg/PoseWithCovariance."""
     covariance = np.asarray(message.covariance, np.float64).reshape(6, 6).T  # Eigen's order
     return Uncertain(placed(transform_frame_to_fixed, message.pose), transform_frame_to_fixed, covariance)
 

@@ -19,7 +19,7 @@ from course_lib.viewer.scene import Scene
 
 _LEAD = 11340  # [kg/m³]
 _RED = np.array([1.0, 0.0, 0.0, 1.0])  # masses, and links that the description does not paint
-_WHITE = np.ones(4)  # links that nobody knows the place of; they are not shaded either
+_WHITE = np.ones(4)  # links without a known transform; they are not shaded either
 _TRAIL_STEP, _TRAIL_STEPS = 0.02, 100  # [m], of 2 m; as RViz's ribbon
 _TRAIL_WIDTH = 0.01  # [m]
 _TRAIL_COLOR = (0.0, 0.5, 0.5, 1.0)
@@ -135,7 +135,7 @@ class Wanted:
 
     shown: Mapping[str, bool]  # by kind: visual, collision, mass, inertia, axes, trail
     alpha: float
-    lost: bool = False  # whether nobody knows where it is
+    lost: bool = False  # its transform is not known
 
 
 class DrawnLink:

@@ -1,15 +1,17 @@
-"""Folders and zips from a learning platform, read within limits and without trust."""
+"""Files with a submission and in a platform's download, read within limits and without trust."""
 
 import os
+import re
 import stat
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from io import BytesIO
-from pathlib import Path
+from itertools import islice
+from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
 from course_lib.grading.handin.notebook import MAX_BYTES
@@ -28,6 +30,12 @@ JUNK = ("__MACOSX", "Thumbs.db")
 
 Refuse = Callable[[str, str], None]  # gets a file's name, and why
 Owner = Callable[[tuple[str, ...]], str]  # of a path: whose archives share a limit
+WORKING_SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
+WORKING_FOLDER = "files/"  # in what `course submit` writes
+MAX_WORKING_BYTES = 1_000_000  # of each
+MAX_WORKING_FILES = 20
+MAX_NAMES = 1000  # that are looked for
+_QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
 
 
 @contextmanager
@@ -231,3 +239,48 @@ def _bad_path(parts: tuple[str, ...]) -> str:
 def _bad_kind(mode: int) -> str:
     """Return why it is not a file, or ""; archives made elsewhere than on Unix do not record the kind."""
     return "" if stat.S_IFMT(mode) in (0, stat.S_IFREG) else "it is a link or a device"
+
+
+def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
+    """Return the texts of the files with a handed-in notebook, by their paths from its folder.
+
+    Raises:
+        CourseError: They can't be read.
+    """
+    found = _packed(path) if path.suffix.lower() == ".zip" else _beside(path.parent, cells)
+    files: dict[str, str] = {}
+    try:
+        for name, data in found:
+            text = data.decode("utf-8", "replace")  # may be three times as long then
+            if len(files) < MAX_WORKING_FILES and len(text.encode()) <= MAX_WORKING_BYTES:
+                files[name] = text
+    except (OSError, CourseError) as error:
+        raise CourseError(f"{path.name}: the files with the notebook can't be read: {error}") from error
+    return files
+
+
+def _beside(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+    """Yield the files of the folder that the cells name between quotes."""
+    home = folder.resolve()
+    named = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
+    for name in dict.fromkeys(islice(named, MAX_NAMES)):
+        place = home / name
+        if place.is_file() and place.resolve() == place:  # no link leads elsewhere
+            with place.open("rb") as file:
+                yield name, file.read(MAX_WORKING_BYTES + 1)
+
+
+def _packed(path: Path) -> Iterator[tuple[str, bytes]]:
+    with opened_zip(path.read_bytes()) as archive:
+        for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
+            name = info.filename.removeprefix(WORKING_FOLDER)
+            if name != info.filename and _is_fine(name):
+                yield name, read_member(archive, info, MAX_WORKING_BYTES)
+
+
+def _is_fine(name: str) -> bool:
+    if not name.lower().endswith(WORKING_SUFFIXES):
+        return False
+    path = PurePosixPath(name)
+    inside = not path.is_absolute() and ".." not in path.parts and "\\" not in name and name.isprintable()
+    return inside and path.suffix != ""

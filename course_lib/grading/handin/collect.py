@@ -78,10 +78,10 @@ def collect(
     id_column: str = "",
     times: Sequence[Path] = (),
 ) -> Collection:
-    """Sort a folder or zip into OUT/STUDENT/, with what the platform knows of times in OUT/received.csv.
+    """Sort a folder or zip into OUT/STUDENT/, with the platform's times in OUT/received.csv.
 
     Args:
-        source: As the platform gave it: Moodle's or Canvas's names, or a folder per student.
+        source: The platform's download: Moodle's or Canvas's names, or a folder per student.
         out: Files already there stay; one of the same name and other content is put beside it.
         zone: Of the times in the platform's exports.
         roster: The platform's CSV, which has each student's ID beside the platform's number, and perhaps
@@ -97,21 +97,25 @@ def collect(
     done = Collection(rows=_rows(out / LIST))
     exports = _exports(source, zone, roster, id_column, times, done)
     for arrival in Arrivals(done.refuse, _owner).read(source):
-        try:
-            sender = sender_of(arrival.parts, exports.ids)
-            _keep(arrival, sender, out, zone, done, exports)
-        except CourseError as error:
-            done.refuse("/".join(arrival.parts), str(error))
-        except OSError as error:
-            if error.errno not in BAD_PATHS:
-                raise
-            done.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
-        else:
-            done.notes |= set(_notes(sender, exports))
+        _keep_or_refuse(arrival, out, zone, done, exports)
     if not done.count and not done.refused:
         raise CourseError(f"{source} holds no file. Name what the platform gave.")
     _write_list(out / LIST, done)
     return done
+
+
+def _keep_or_refuse(arrival: Arrival, out: Path, zone: ZoneInfo, done: Collection, exports: Exports) -> None:
+    try:
+        sender = sender_of(arrival.parts, exports.ids)
+        _keep(arrival, sender, out, zone, done, exports)
+    except CourseError as error:
+        done.refuse("/".join(arrival.parts), str(error))
+    except OSError as error:
+        if error.errno not in BAD_PATHS:
+            raise
+        done.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
+    else:
+        done.notes |= set(_notes(sender, exports))
 
 
 def _exports(

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
-from course_lib.course.exercise import read_notebook, source
+from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.handin.similarity import Comparison, Fingerprint, Pair, compare, fingerprint, numbered
@@ -223,10 +223,6 @@ def handed_out(exercises: Path) -> HandedOut:
     """Return what students are given: all exercises, and all lessons in the folder beside them."""
     folders = (exercises, exercises.parent / "notebooks")
     notebooks = [path for folder in folders for path in sorted(folder.glob("*.ipynb"))]
-    cells = [source(cell) for path in notebooks for cell in _code_cells(read_notebook(path)["cells"])]
+    cells = [source(cell) for path in notebooks for _, cell in code_cells(read_notebook(path))]
     lines = frozenset(line.strip() for cell in cells for line in cell.splitlines())
     return HandedOut(frozenset(run for cell in cells for run in fingerprint([cell]).runs), lines)
-
-
-def _code_cells(cells: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [cell for cell in cells if cell.get("cell_type") == "code"]

@@ -3,7 +3,7 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from course_lib.course.identity import normalise
@@ -15,6 +15,9 @@ from course_lib.grading.reports.table import printable
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 MAXIMUM = "maximum grade"  # Moodle's column of it, in English
 FINAL = ("graded", "limit")
+NO_MARK = (
+    "no ID in column {!r} of {} has a mark for {}; gradebook.csv has IDs like {}. Name another --id-column."
+)
 KINDS = {
     "score": "scores before the late policy",
     "final": "marks after the late policy; switch the platform's off",
@@ -35,42 +38,41 @@ def fill_lms(
     """Fill one column with the marks of an exercise and write the file again, otherwise unchanged.
 
     Args:
-        out: Where `course grade` put gradebook.csv.
-        lms: What the platform exported.
+        out: The folder with gradebook.csv.
+        lms: The platform's export.
         target: The file to write.
         exercise: "week01_exercise".
         column: Its heading there.
         id_column: The heading of the students' IDs.
-        raw: Whether the score before the late policy counts, as the platform has a policy of its own.
-        cap: Whether a mark above the platform's maximum becomes that maximum.
+        raw: Use the score before the late policy.
+        cap: Reduce a mark above the platform's maximum to that maximum.
 
     Returns:
-        What was done, and who is missing on either side: a line each.
+        A line for each row or mark without a counterpart, and a summary.
 
     Raises:
         CourseError: A file can't be read, a column is not there, or no row fits.
     """
-    file, marks = LmsFile.read(lms), _marks(out, exercise)
+    file, marks, what = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
     place, id_place = _places(file, column, id_column)
     ids, most = _ids(file, id_place), _maxima(file, place)
-    what = "score" if raw else "final"
-    if cap:
-        marks = {key: _capped(mark, what, most) for key, mark in marks.items()}
+    marks = {key: _capped(mark, what, most) for key, mark in marks.items()} if cap else marks
     left = _fill(file, place, ids, marks, what)
     if len(left) == len(ids):
-        raise CourseError(
-            f"no ID in column {id_column!r} of {lms.name} has a mark for {exercise}; "
-            f"gradebook.csv has IDs like {next(iter(marks))}. Name another --id-column."
-        )
+        raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
     write_whole(target, file.encoded())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
-    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
-    lines = [
-        *_points_lines(most, marks.values(), what),
-        *(f"{lms.name}: {line}" for line in rows),
-        *(f"gradebook.csv: {student}: no such ID in {lms.name}" for student in missing),
-    ]
+    lines = [*_points_lines(most, marks.values(), what), *_unmatched(lms.name, rows, marks, ids)]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
+
+
+def _unmatched(
+    name: str, rows: Iterable[str], marks: Mapping[str, dict[str, str]], ids: Mapping[int, str]
+) -> Iterator[str]:
+    """Yield a line for each row that is left as it is, and for each student without a row."""
+    yield from (f"{name}: {row}" for row in rows)
+    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
+    yield from (f"gradebook.csv: {student}: no such ID in {name}" for student in missing)
 
 
 def _places(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
@@ -86,7 +88,7 @@ def _places(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
 
 
 def _ids(file: LmsFile, place: int) -> dict[int, str]:
-    """Return the students' IDs by row; Canvas's row of points and empty rows are no students."""
+    """Return the students' IDs by row; Canvas's row of points and empty rows are skipped."""
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
     given = ((row, file.text(row, place)) for row in students)
     return {row: _key(text) for row, text in given if text or file.text(row, 0)}

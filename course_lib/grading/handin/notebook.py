@@ -3,15 +3,16 @@
 import ast
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from course_lib.course.exercise import source
 from course_lib.course.identity import normalise
 from course_lib.course.state import cell_digest
 from course_lib.errors import CourseError
-from course_lib.export.statements import without_magics
+from course_lib.export.statements import bound_names, without_magics
 
 MAX_BYTES = 20_000_000  # [B]
 LOOKS_LIKE = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "it is a zip archive"}
@@ -45,17 +46,17 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
         what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
-        raise CourseError(f"{name} is no notebook: {what}. Save it again in JupyterLab.") from error
+        raise CourseError(f"{name} is not a notebook: {what}. Save it again in JupyterLab.") from error
     content = _dict(content)
     sheets = content.get("worksheets")  # what format 3 had around the cells
     sheet = _dict(sheets[0]) if isinstance(sheets, list) and sheets else {}
     cells = content.get("cells", sheet.get("cells"))
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(
-            f"{name} is no notebook of format 3 or 4: it has no list of cells. Save it again in JupyterLab."
+            f"{name} is not a notebook of format 3 or 4: it has no list of cells. Save it again."
         )
     code_cells = [cell for cell in cells if cell.get("cell_type") == "code"]
-    code = tuple(_source(cell) for cell in code_cells)
+    code = tuple(source({"source": cell.get("source", cell.get("input", ""))}) for cell in code_cells)
     ran = tuple(bool(cell.get("execution_count", cell.get("prompt_number"))) for cell in code_cells)
     claims = _dict(_dict(content.get("metadata")).get("course"))
     exercise = exercise_named(claims.get("exercise")) or exercise_named(name)
@@ -75,13 +76,6 @@ def claimed_id(claims: Any) -> str | None:
         return normalise(claim) if isinstance(claim, str) else None
     except CourseError:
         return None
-
-
-def _source(cell: dict[str, Any]) -> str:
-    """Return a cell's text, which the format allows to be a text or a list of lines."""
-    source = cell.get("source", cell.get("input", ""))
-    lines = source if isinstance(source, list) else [source]
-    return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
 
 
 def _dict(value: Any) -> dict[str, Any]:
@@ -128,7 +122,7 @@ class CodeCell:
     @cached_property
     def gives(self) -> frozenset[str]:
         """The names that it binds, not counting those inside functions and classes."""
-        return frozenset(_bound(self.tree))
+        return frozenset(bound_names(self.tree))
 
     @cached_property
     def checks(self) -> Mapping[str, ast.expr]:
@@ -145,15 +139,3 @@ class CodeCell:
         """True if the cell raises NotImplementedError somewhere."""
         raised = (node.exc for node in ast.walk(self.tree) if isinstance(node, ast.Raise) and node.exc)
         return any(ast.unparse(one).startswith("NotImplementedError") for one in raised)
-
-
-def _bound(tree: ast.AST) -> Iterator[str]:
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            yield node.name
-        elif isinstance(node, ast.alias):
-            yield (node.asname or node.name).partition(".")[0]
-        else:
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                yield node.id
-            yield from _bound(node)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 DELIMITERS = (",", ";", "\t", "|")
 MAX_DATE = 80  # characters of a date with its time
-YEARS = range(2000, 2100)  # at the ends of time there is no changing of the zone
+YEARS = range(2000, 2100)  # other years overflow when the zone changes
 TIME = re.compile(r"\d{1,2}\s*[:.hH]\s*\d{2}")
 NUMERIC = re.compile(r"(\d{1,2})\s*([/.-])\s*(\d{1,2})\s*\2\s*(\d{4}|\d{2})\b(?!\.)")
 LOCALES = (None, ["ar-JO"], ["ar-MA"], ["ar-DZ"])  # any language; Arabic has four sets of names of months
@@ -61,7 +61,7 @@ class LmsFile:
         delimiter = max(DELIMITERS, key=first.count)
         if not first.count(delimiter) or "\0" in text:
             raise CourseError(
-                f"{path} is no CSV: its first line has no columns. Export it from the platform."
+                f"{path} is not a CSV: its first line has no columns. Export it from the platform."
             )
         return cls(bom, encoding, delimiter, *_split(text, delimiter))
 

@@ -199,7 +199,7 @@ def _from_api(path: Path, zone: ZoneInfo) -> Times:
 
 
 def _entries(content: Any) -> Iterator[Mapping[str, Any]]:
-    """Yield all objects with a time of submission, however deep; attempts before the last one, too."""
+    """Yield all objects with a time of submission, at any depth, also earlier attempts."""
     if isinstance(content, list):
         for item in content:
             yield from _entries(item)

@@ -14,10 +14,9 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
 from course_lib.errors import CourseError
-from course_lib.grading.handin.archives import RECEIPT, opened_zip, read_member
+from course_lib.grading.handin.archives import RECEIPT, opened_zip, read_member, working_files
 from course_lib.grading.handin.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.handin.received import Ledger, Received
-from course_lib.grading.handin.working_files import working_files
 
 UTC = ZoneInfo("UTC")
 SUFFIXES = (".ipynb", ".zip")
@@ -25,7 +24,7 @@ RESERVED = (".html", ".js")  # files that lie beside the students' folders of re
 PLAIN = (  # fields of plain data
     "student", "exercise", "claimed", "sha256", "problem", "key", "twins", "values_of", "id_flag", "id_note",
 )  # fmt: skip
-NO_EXERCISE = "is no exercise of this course: expected a file like week01_exercise.ipynb"
+NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class Submission:
 
     Args:
         student: Who handed it in: the name of the folder it lies in, else the ID that it claims.
-        exercise: "week01_exercise"; the file's own name if that can't be told.
+        exercise: "week01_exercise"; the file's own name if it names none.
         path: The file.
         received: When, and how that is known.
         notebook: Its cells and claims; None if it can't be read.

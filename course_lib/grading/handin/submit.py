@@ -26,10 +26,9 @@ from course_lib.course.state import (
 )
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
-from course_lib.grading.handin.archives import RECEIPT
+from course_lib.grading.handin.archives import RECEIPT, WORKING_FOLDER, working_files
 from course_lib.grading.handin.notebook import CodeCell, Notebook, parse_notebook
 from course_lib.grading.handin.submission import NO_EXERCISE, content_hash, unpack
-from course_lib.grading.handin.working_files import FOLDER, working_files
 from course_lib.grading.task import Task
 
 NO_ID = "It names no student: give your ID in week 0 (open week00_welcome.ipynb), submit again."
@@ -192,7 +191,7 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
     """Pack an exercise with a receipt into `out`; default: beside it, named after it and the ID.
 
     Raises:
-        CourseError: The notebook can't be read, is no exercise, or the file can't be written.
+        CourseError: The notebook can't be read, is not an exercise, or the file can't be written.
     """
     path = find_notebook(path)
     data, _ = unpack(path)
@@ -225,7 +224,7 @@ def _write(out: Path, receipt: Mapping[str, Any], data: bytes, files: Mapping[st
             archive.writestr(f"{receipt['exercise']}.ipynb", data)
             archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
             for name, text in files.items():
-                archive.writestr(FOLDER + name, text)
+                archive.writestr(WORKING_FOLDER + name, text)
     except OSError as error:
         raise CourseError(f"{out} can't be written: {error.strerror}. Name another: --out FILE") from error
 

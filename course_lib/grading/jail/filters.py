@@ -124,7 +124,7 @@ def _allow(ruleset: int, path: str, rights: int) -> None:
     os.close(parent)
 
 
-class _Program(ctypes.Structure):
+class _FilterProgram(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("code", ctypes.c_void_p))
 
 
@@ -141,7 +141,7 @@ def refuse_calls() -> None:
     """
     code = program(*MACHINES[platform.machine()])
     buffer = ctypes.create_string_buffer(code, len(code))
-    loaded = _Program(len(code) // 8, ctypes.addressof(buffer))
+    loaded = _FilterProgram(len(code) // 8, ctypes.addressof(buffer))
     prctl(NO_NEW_PRIVILEGES, 1)
     function("prctl", SET_SECCOMP, MODE_FILTER, ctypes.byref(loaded), 0, 0)
 

@@ -61,14 +61,7 @@ def own_root(
     os.mkdir(COVERED + OLD)
     function("pivot_root", COVERED.encode(), (COVERED + OLD).encode())
     os.chdir("/")
-    for link, target in links:
-        os.makedirs(os.path.dirname(link), exist_ok=True)
-        os.symlink(target, link)
-    for folder in listed:
-        os.makedirs(folder, exist_ok=True)
-        os.chmod(folder, 0o555)
-    for path in (*read, "/proc"):
-        _show(path)
+    _fill_root(read, listed, links)
     os.makedirs(os.path.dirname(scratch))
     os.umask(0o022)
     function("umount2", OLD.encode(), DETACH)
@@ -77,6 +70,17 @@ def own_root(
     _change_mounts("/proc", _MountAttributes(clear=READ_ONLY))  # where users of namespaces are mapped
     _mount("tmpfs", os.path.dirname(scratch), NO_SUID | NO_DEVICES, f"size={MEGABYTES}m,mode=755")
     os.mkdir(scratch)
+
+
+def _fill_root(read: Iterable[str], listed: Iterable[str], links: Iterable[tuple[str, str]]) -> None:
+    for link, target in links:
+        os.makedirs(os.path.dirname(link), exist_ok=True)
+        os.symlink(target, link)
+    for folder in listed:
+        os.makedirs(folder, exist_ok=True)
+        os.chmod(folder, 0o555)
+    for path in (*read, "/proc"):
+        _show(path)
 
 
 def own_files(scratch: str, megabytes: float) -> None:

@@ -39,20 +39,20 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
+    number, catalog = _number(points), catalog_of(course or Course(exercises_dir(), solutions_dir()))
     student = _known(student, out / "results", "student")
     exercise = _known(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
-    catalog = catalog_of(course or Course(exercises_dir(), solutions_dir()))
     with sole_use(out), writing(out):
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
         tasks = {known.task: known for known in (result.judgement.tasks if result.judgement else ())}
         task = _task(task, tasks, f"{exercise} of {student}")
-        given = add_mark(file, tasks[task], _number(points), row, comment)
+        given = add_mark(file, tasks[task], number, row, comment)
         report(result, read_marks(file), out, catalog)
         write_tables(out, catalog.course.zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task
-    return f"{student} {exercise}: {given.points:g} for {what}; now {now['final']:g}, {now['status']}"
+    return f"{student} {exercise}: {number:g} for {what}; now {now['final']:g}, {now['status']}"
 
 
 def _number(points: str) -> float:

@@ -173,39 +173,46 @@ def expect_trajectory(
     points: int | None = None,
     of: int | None = None,
 ) -> Iterable[Problem]:
-    """Expect a trajectory that joint_trajectory_controller takes, and that ends in `goal`.
+    """Expect a trajectory that joint_trajectory_controller accepts, and that ends in `goal`.
 
     Args:
         evidence: With the trajectories.
-        topic: Where they come.
+        topic: Of the trajectories.
         goal: By joint, in any order, [rad]; the arm stands still there.
-        index: Which trajectory, counted from 0.
-        at: When it comes, [s] after the start.
-        seconds: The time of its last point, [s] after that.
-        points: How many it has; any number if it is not given.
-        of: How many trajectories come; any number if it is not given.
+        index: Of the trajectory, counted from 0.
+        at: Time of arrival, [s] after the start.
+        seconds: Time of its last point, [s] after that.
+        points: Number of its points; any number if it is None.
+        of: Number of all trajectories; any number if it is None.
     """
     standin_path.install()  # the judge's process has not imported any ROS name yet
     from rclpy.time import Time
 
     from course_lib.robots.trajectory import waypoints_of
 
-    came = heard(evidence, topic, TRAJECTORY)
-    if len(came) <= index:
-        message = f"{len(came)} trajectories came on {topic}, expected at least {index + 1}"
-        return [Problem(message, "a trajectory is missing")]
-    if len(came) > (of or len(came)):
-        message = f"{len(came)} trajectories came on {topic}, expected {of}"
-        return [Problem(message, "the count of trajectories is wrong")]
-    when, sent = came[index]
-    if len(sent.points) != (points or len(sent.points)):
-        message = f"the trajectory has {len(sent.points)} points, expected {points}"
-        return [Problem(message, "a trajectory has the wrong number of points")]
+    when, sent = _trajectory(evidence, topic, index, points, of)
     try:
         *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
-    except (CourseError, ValueError) as refused:  # rclpy says of a time before 1970 that it is none
+    except (CourseError, ValueError) as refused:  # rclpy raises ValueError for a time before 1970
         return [Problem(f"the controller says: {refused}", "the controller refuses the trajectory")]
     return list(_differs_from_goal(last, goal, when, at, seconds))
+
+
+def _trajectory(
+    evidence: Evidence, topic: str, index: int, points: int | None, of: int | None
+) -> tuple[float, Any]:
+    """Return ([s] since the start, trajectory); raise the problem if a number is not as expected."""
+    came = heard(evidence, topic, TRAJECTORY)
+    number = f"{len(came)} trajectories came on {topic}, expected"
+    if len(came) <= index:
+        raise Problem(f"{number} at least {index + 1}", "a trajectory is missing")
+    if len(came) > (of or len(came)):
+        raise Problem(f"{number} {of}", "the count of trajectories is wrong")
+    sent = came[index][1]
+    if len(sent.points) != (points or len(sent.points)):
+        message = f"the trajectory has {len(sent.points)} points, expected {points}"
+        raise Problem(message, "a trajectory has the wrong number of points")
+    return came[index]
 
 
 def _differs_from_goal(

@@ -7,6 +7,7 @@ from typing import Any
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.marker_state import (
     INVISIBLE,
+    each,
     fits,
     moment,
     no_markers,
@@ -15,7 +16,17 @@ from course_lib.grading.vocabulary.marker_state import (
     unseen,
 )
 from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
-from course_lib.grading.vocabulary.wording import Problem, close, nothing_on, number, numbers, off_by, word
+from course_lib.grading.vocabulary.wording import (
+    Problem,
+    close,
+    close_angles,
+    nothing_on,
+    number,
+    numbers,
+    off_by,
+    word,
+    yaw_of,
+)
 
 COLOR_TOLERANCE = 0.02  # of 0..1
 YAW_TOLERANCE = 0.02  # [rad]
@@ -57,29 +68,30 @@ def expect_marker(
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale (None is any
     length), points (shape (N, 3), in any order, but for an arrow) and `tolerance` in [m]; yaw about z in
-    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1. A line strip joins the corners of `loop` one after
-    the other, from any of them and either way round, and comes back to the first.
+    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1. A line strip joins the corners of `loop` in order,
+    from any of them and in either direction, and ends at the first.
     """
+    wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw, "scale": scale}
+    wanted |= {"color": color, "text": text, "points": points, "loop": loop, "lifetime": lifetime}
+    selected = _selected(evidence, topic, at, ns, id)
+    found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
+    return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
+
+
+def _selected(
+    evidence: Evidence, topic: str, at: float | None, ns: str | None, number: int | None
+) -> list[Any]:
+    """Return the markers of a namespace and an id; raise the problem if there is none."""
     markers = shown(evidence, topic, at)
     if not markers:
         raise no_markers(evidence, topic, at)
-    selected = [marker for marker in markers if fits(marker, None, ns, id)]
+    selected = [marker for marker in markers if fits(marker, None, ns, number)]
     if not selected:
         there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])
-        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {id}"] * (id is not None)
+        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {number}"] * (number is not None)
         message = f"no marker with {' and '.join(sought)} on {topic}, there is: {there}"
-        return [Problem(message, "ns or id of a marker is wrong")]
-    wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw}
-    wanted |= {
-        "scale": scale,
-        "color": color,
-        "text": text,
-        "points": points,
-        "loop": loop,
-        "lifetime": lifetime,
-    }
-    found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
-    return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
+        raise Problem(message, "ns or id of a marker is wrong")
+    return selected
 
 
 @word("the number of markers on {topic}")
@@ -100,6 +112,16 @@ def expect_marker_count(
     message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} {moment(at)}, expected {count}"
     why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
     return [] if there == count else [Problem(message + why, "the count is wrong")]
+
+
+@word("the markers on {topic} are gone")
+def expect_gone(evidence: Evidence, topic: str) -> Iterable[Problem]:
+    """Expect markers during the scenario, but none that is shown at its end."""
+    if not any(True for _ in each(evidence, topic)):
+        raise nothing_on(evidence, topic)
+    left = len(shown(evidence, topic))
+    message = f"{topic} still shows {left} marker{'s' * (left != 1)} at the end, expected none"
+    return [Problem(message, "the count is wrong")] if left else []
 
 
 def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
@@ -139,8 +161,8 @@ def _scale(marker: Any, expected: Sequence[float | None], tolerance: float) -> I
 
 def _yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
-    value = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-    if not close(math.remainder(value - expected, math.tau), 0.0, YAW_TOLERANCE):
+    value = yaw_of(q.x, q.y, q.z, q.w)
+    if not close_angles(value, expected, YAW_TOLERANCE):
         yield f" is turned by {number(value, 'rad')} about z, expected {number(expected, 'rad')}"
 
 

@@ -8,7 +8,17 @@ from typing import Any
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.marker_state import ADD, INVISIBLE, each, fits, no_markers, unseen
 from course_lib.grading.vocabulary.markers import DIRECTIONS
-from course_lib.grading.vocabulary.wording import Problem, close, heard, number, numbers, off_by, word
+from course_lib.grading.vocabulary.wording import (
+    Problem,
+    close,
+    close_angles,
+    heard,
+    number,
+    numbers,
+    off_by,
+    word,
+    yaw_of,
+)
 from course_lib.ros.clock import START_NS
 from course_lib.ros.messages import type_name
 from course_lib.ros.tf2_core import BufferCore
@@ -199,7 +209,7 @@ def expect_circling_frame(
 
 def _started(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
     angle = math.atan2(place[1], place[0])  # [rad]
-    if start is not None and not close(math.remainder(angle - start, math.tau), 0.0, YAW_TOLERANCE):
+    if start is not None and not close_angles(angle, start, YAW_TOLERANCE):
         message = f"{frame} starts at the angle {number(angle, 'rad')}, expected {number(start, 'rad')}"
         yield Problem(message, "a path starts at the wrong place")
 
@@ -231,26 +241,19 @@ def _misplaced(
             where = f"{axis} = {number(came, 'm')}, expected {number(expected, 'm')}"
             message = f"{found.child} is {gap} in {found.parent}: {where}"
             yield Problem(message, "the place of a frame is wrong")
-    if yaw is not None and not close(math.remainder(yaw_of(found) - yaw, math.tau), 0.0, YAW_TOLERANCE):
-        came_yaw = f"{number(yaw_of(found), 'rad')} about z, expected {number(yaw, 'rad')}"
+    if yaw is not None and not close_angles(turn := yaw_of(*found.rotation), yaw, YAW_TOLERANCE):
+        came_yaw = f"{number(turn, 'rad')} about z, expected {number(yaw, 'rad')}"
         yield Problem(f"{found.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
 
 
 def _headed(poses: Sequence[tuple[float, Transform]], heading: float | None) -> Iterator[Problem]:
     for seconds, pose in poses if heading is not None else ():
-        x, y, _ = pose.translation
-        came = math.remainder(yaw_of(pose) - math.atan2(y, x), math.tau)
-        if heading is not None and not close(math.remainder(came - heading, math.tau), 0.0, YAW_TOLERANCE):
+        (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
+        if heading is not None and not close_angles(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
             asked = f"the direction from the origin plus {number(heading, 'rad')}"
-            message = f"after {number(seconds, 's')} {pose.child} is turned by {number(yaw_of(pose), 'rad')}"
+            message = f"after {number(seconds, 's')} {pose.child} is turned by {number(turn, 'rad')}"
             yield Problem(f"{message}, expected {asked}", "the orientation of a frame is wrong")
             return
-
-
-def yaw_of(pose: Transform) -> float:
-    """Return the turn about z, [rad]."""
-    x, y, z, w = pose.rotation
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 @word("the last path on {topic}")
@@ -282,8 +285,8 @@ def expect_path(
             message = f"the {which} pose of {topic} is at {numbers(found)} m, expected {numbers(expected)} m"
             return [Problem(message, "a pose of a path is at the wrong place")]
     q = path.poses[-1].pose.orientation
-    turn = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-    if yaw is not None and not close(math.remainder(turn - yaw, math.tau), 0.0, tolerance):
+    turn = yaw_of(q.x, q.y, q.z, q.w)
+    if yaw is not None and not close_angles(turn, yaw, tolerance):
         message = f"the last pose of {topic} is turned by {turn:.2f} rad about z, expected {yaw:.2f} rad"
         return [Problem(message, "the orientation in a path is wrong")]
     return []

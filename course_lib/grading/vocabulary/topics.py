@@ -87,6 +87,16 @@ def expect_throughout(evidence: Evidence, topic: str) -> Iterable[Problem]:
     return [Problem(message, "a topic is not published all the time")]
 
 
+@word("nothing on {topic} before {begin} s")
+def expect_nothing_before(evidence: Evidence, topic: str, begin: float) -> Iterable[Problem]:
+    """Expect messages on a topic, the first of them not before a time [s]."""
+    first, _ = heard(evidence, topic)[0]
+    message = (
+        f"{topic} was published after {number(first, 's')}, expected nothing before {number(begin, 's')}"
+    )
+    return [Problem(message, "a message comes too early")] if first < begin else []
+
+
 @word("the images on {topic} have pixels")
 def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
     """Expect images of at least one pixel; the data of the first are as long as its rows are together."""

@@ -100,7 +100,7 @@ def _inside(name: str, index: object) -> str:
 def _other_number(value: float, expected: float, unit: str, name: str) -> Problem:
     came = f"{name} is {number(value, unit)}, expected {number(expected, unit)}"
     if not math.isfinite(value):
-        return Problem(came, "a value is no finite number")
+        return Problem(came, "a value is not a finite number")
     mistake = "a value has the wrong sign" if math.isclose(value, -expected, rel_tol=1e-3) else WRONG
     return Problem(f"{came}: {off_by(value, expected, 'too much', 'too little', unit)}", mistake)
 

@@ -72,6 +72,16 @@ def close(value: float, expected: float, tolerance: float) -> bool:
     return abs(value - expected) <= tolerance
 
 
+def close_angles(value: float, expected: float, tolerance: float) -> bool:
+    """Return whether two angles [rad] agree, whole turns apart."""
+    return close(math.remainder(value - expected, math.tau), 0.0, tolerance)
+
+
+def yaw_of(x: float, y: float, z: float, w: float) -> float:
+    """Return the turn of a quaternion about z, [rad]."""
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
 def number(value: float, unit: str = "") -> str:
     """Return a number for people: at least two decimals, as many as a small value needs, few digits."""
     if abs(value) >= LARGE and math.isfinite(value):

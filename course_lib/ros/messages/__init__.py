@@ -1,9 +1,8 @@
 """ROS message types: their classes, their bytes, their plain values."""
 
 from course_lib.ros.messages.message import Message
-from course_lib.ros.messages.plain import to_plain
 from course_lib.ros.messages.registry import action_class, message_class, service_class, type_name
-from course_lib.ros.messages.wire import deserialize, serialize
+from course_lib.ros.messages.wire import deserialize, serialize, to_plain
 
 __all__ = [
     "Message",

@@ -12,15 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.ros.messages.definitions import FieldDefinition
-from course_lib.ros.messages.primitives import Primitive
+from course_lib.ros.messages.definitions import FieldDefinition, Primitive
 
 Check = Callable[[Any], None]  # raises AssertionError
 Fits = Callable[[Any], bool]
 
 
 def must(field: FieldDefinition, rule: str, fits: Fits) -> Check:
-    """Make a check that complains "The 'x' field must be …"."""
+    """Return a check that complains "The 'x' field must be …"."""
 
     def check(value: Any) -> None:
         if not fits(value):
@@ -30,7 +29,7 @@ def must(field: FieldDefinition, rule: str, fits: Fits) -> Check:
 
 
 def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Make the check of a number, a bool, a string or a byte, which is a ``bytes`` of length 1."""
+    """Return the check of a number, a bool, a string or a byte, which is a ``bytes`` of length 1."""
     python, bound = primitive.python, field.string_bound
     if python is bytes:
         rule = "of type 'bytes' or 'ByteString' with length 1"
@@ -53,13 +52,13 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
 
 
 def message_check(field: FieldDefinition, item: type) -> Check:
-    """Make the check of a sub message."""
+    """Return the check of a sub message."""
     rule = f"a sub message of type '{item.__name__}'"
     return must(field, rule, lambda value: isinstance(value, item))
 
 
 def collection_check(field: FieldDefinition, item: type, primitive: Primitive | None) -> Check:
-    """Make the check of a sequence or array of `item`; of numbers, `primitive` gives the range."""
+    """Return the check of a sequence or array of `item`; of numbers, `primitive` has the range."""
     ranged = primitive if primitive is not None and primitive.range_word else None
 
     def fits(value: Any) -> bool:
@@ -76,7 +75,7 @@ def collection_check(field: FieldDefinition, item: type, primitive: Primitive | 
 
 
 def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Make the check of a sequence of numbers: an array.array by its type code, else element by element.
+    """Return the check of a sequence of numbers: an array.array by type code, else element by element.
 
     A flat numpy array whose values fit passes too, as it does on Jazzy.
     """
@@ -99,7 +98,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
 
 
 def block_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Make the check of an array of a fixed number of numbers: a numpy array, else element by element."""
+    """Return the check of an array of a fixed number of numbers: a numpy array, else element by element."""
     check_elements = collection_check(field, primitive.python, primitive)
 
     def check(value: Any) -> None:

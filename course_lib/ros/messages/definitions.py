@@ -1,4 +1,4 @@
-"""What each ROS message type consists of: rosbags' type store, with the types and default values it lacks.
+"""The fields of all ROS message types: rosbags' type store, with the types and defaults that it lacks.
 
 The types are files in the folder ``interfaces``, laid out as in ROS packages.
 """
@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages.interface_files import check_interface, read_defaults, read_interface
@@ -43,7 +45,7 @@ class FieldDefinition:
 
     @property
     def is_message(self) -> bool:
-        """Whether the field holds other messages."""
+        """True if the field holds other messages."""
         return "/" in self.base
 
 
@@ -58,7 +60,7 @@ class MessageDefinition:
 
 @cache
 def typestore() -> "Typestore":
-    """Give rosbags' store of ROS 2 Jazzy types with those in the folder, loaded on first use."""
+    """Return rosbags' store of ROS 2 Jazzy types with those in the folder, loaded on first use."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
@@ -68,7 +70,7 @@ def typestore() -> "Typestore":
 
 
 def add_package(package: Path) -> None:
-    """Take a package's own interface files, like ``my_msgs/msg/Name.msg``, into the store.
+    """Add a package's own interface files, like ``my_msgs/msg/Name.msg``, to the store.
 
     Raises a CourseError if one is not well formed, or names a type that is not there.
     """
@@ -95,7 +97,7 @@ def add_package(package: Path) -> None:
 
 
 def find_package(package: str) -> None:
-    """Take in a package that is not known yet, if its folder is on Python's path or here."""
+    """Add a package that is not known yet, if its folder is on Python's path or here."""
     for entry in (*sys.path, "."):
         folder = Path(entry, package)
         if package.isidentifier() and next(folder.glob("[msa]*/*.[msa]*"), None) is not None:
@@ -142,4 +144,45 @@ _CONTAINERS: Mapping[int, Literal["scalar", "array", "sequence"]] = {
     2: "scalar",
     3: "array",
     4: "sequence",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Primitive:
+    """One primitive: its name in ROS's IDL, its Python type, for numbers the range and the array code."""
+
+    ros_name: str
+    python: type
+    code: str = ""  # of array.array and numpy; "" if ROS keeps sequences of it as lists
+    low: float = 0  # the range that ROS checks; numbers only
+    high: float = 0
+    range_word: str = ""  # "integer" in "an integer in [-128, 127]"; "" if any value fits
+
+    @property
+    def dtype(self) -> "np.dtype[np.generic]":
+        """The numpy type of one element."""
+        return np.dtype(self.code or bool)
+
+
+def _integer(ros_name: str, code: str) -> Primitive:
+    limits = np.iinfo(np.dtype(code))
+    word = "integer" if limits.min else "unsigned integer"
+    return Primitive(ros_name, int, code, int(limits.min), int(limits.max), word)
+
+
+PRIMITIVES: Mapping[str, Primitive] = {
+    "bool": Primitive("boolean", bool),
+    "byte": Primitive("octet", bytes),
+    "char": _integer("uint8", "B"),
+    "int8": _integer("int8", "b"),
+    "uint8": _integer("uint8", "B"),
+    "int16": _integer("int16", "h"),
+    "uint16": _integer("uint16", "H"),
+    "int32": _integer("int32", "i"),
+    "uint32": _integer("uint32", "I"),
+    "int64": _integer("int64", "q"),
+    "uint64": _integer("uint64", "Q"),
+    "float32": Primitive("float", float, "f", -3.402823466e38, 3.402823466e38, "float"),
+    "float64": Primitive("double", float, "d", -1.7976931348623157e308, 1.7976931348623157e308, "double"),
+    "string": Primitive("string", str),
 }

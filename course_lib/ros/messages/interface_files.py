@@ -1,4 +1,4 @@
-"""Reads .msg, .srv and .action files into what rosbags' type store takes.
+"""Definitions from .msg, .srv and .action files, in the form of rosbags' type store.
 
 A service is two messages, ``std_srvs/srv/Trigger_Request`` and ``std_srvs/srv/Trigger_Response``; an action
 is three, with those that rosidl adds for the services and the topic on which it travels.
@@ -58,7 +58,7 @@ def _parse(text: str, package: str) -> Any:
 
 
 def read_defaults(path: Path) -> dict[tuple[str, str], Any]:
-    """Give what fields hold at first, where the file says so, by type name and field."""
+    """Return the default values in the file by type name and field."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     package, folder, name = path.parent.parent.name, path.parent.name, path.stem

@@ -12,15 +12,14 @@ from typing import Any
 import numpy as np
 
 from course_lib.ros.messages import checks
-from course_lib.ros.messages.definitions import FieldDefinition
-from course_lib.ros.messages.primitives import PRIMITIVES, Primitive
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, Primitive
 
 Convert = Callable[[Any], Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """How the values of one field behave; None stands for "as it is"."""
+    """The conversions of the values of a field; None stands for "as it is"."""
 
     default: Callable[[], Any]
     check: checks.Check

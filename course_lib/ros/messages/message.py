@@ -1,4 +1,4 @@
-"""What all message classes share, and how one is made from its definition."""
+"""The base of all message classes, and their creation from definitions."""
 
 from array import array
 from collections.abc import Callable, Mapping
@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, MessageDefinition
 from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
-from course_lib.ros.messages.primitives import PRIMITIVES
 from course_lib.ros.mistakes import Mistake, marked
 
 
@@ -60,12 +59,12 @@ class Message:
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Give each field's type in ROS's words, ``sequence<geometry_msgs/Point>`` and the like."""
+        """Return each field's type in ROS's words, ``sequence<geometry_msgs/Point>`` and the like."""
         return dict(cls._fields_and_field_types)
 
 
 def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[Message]:
-    """Make the class of a message type; `message_class` gives the classes of its sub messages."""
+    """Create the class of a message type; `message_class` returns the classes of its sub messages."""
     name = definition.type_name.rsplit("/", 1)[1]
     fields = [field for field in definition.fields if field.name != PLACEHOLDER]
     kinds = {field.name: kind_of(field, message_class) for field in fields}

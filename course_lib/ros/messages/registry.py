@@ -13,12 +13,12 @@ from course_lib.ros.messages.message import Message, home_of, make_class
 
 @cache
 def message_class(type_name: str) -> type[Message]:
-    """Give the class of a type written ``std_msgs/msg/String``; a CourseError names the closest ones."""
+    """Return the class of a type written ``std_msgs/msg/String``; a CourseError names the closest ones."""
     return make_class(definition(type_name), message_class)
 
 
 def type_name(message: Message | type[Message]) -> str:
-    """Give the type, ``std_msgs/msg/String``, of a message or its class; a CourseError if it is neither."""
+    """Return the type, ``std_msgs/msg/String``, of a message or its class; a CourseError for others."""
     name = getattr(message, "_TYPE_NAME", None)
     if not isinstance(name, str):
         raise CourseError(f"{message!r} is no ROS message type: import one, like std_msgs.msg.String")
@@ -35,13 +35,13 @@ class _WholeType(type):
 
 @cache
 def service_class(type_name: str) -> type:
-    """Give the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`."""
+    """Return the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`."""
     return _WholeType(*_of_parts(type_name, SERVICE_PARTS))
 
 
 @cache
 def action_class(type_name: str) -> type:
-    """Give the class of an action written ``example_interfaces/action/Fibonacci``.
+    """Return the class of an action written ``example_interfaces/action/Fibonacci``.
 
     It holds `Goal`, `Result` and `Feedback`, and as `Impl` the types of the services and topics that it uses.
     """
@@ -57,14 +57,14 @@ def action_class(type_name: str) -> type:
 
 
 def _of_parts(type_name: str, parts: tuple[str, ...]) -> tuple[str, tuple[type, ...], dict[str, Any]]:
-    """Give the name, the bases and the namespace of a class that holds other types."""
+    """Return the name, the bases and the namespace of a class that holds other types."""
     names = {part[1:]: message_class(type_name + part) for part in parts}
     home = {"__module__": home_of(type_name), "_TYPE_NAME": type_name}
     return type_name.rsplit("/", 1)[1], (), {**home, **names}
 
 
 def import_types(module: str) -> dict[str, Any]:
-    """Give what a package's ``msg``, ``srv`` or ``action`` module, like ``std_msgs.msg``, holds by name.
+    """Return the contents of a package's ``msg``, ``srv`` or ``action`` module, like ``std_msgs.msg``.
 
     Each class also gets the private module that rosidl keeps it in, ``std_msgs.msg._string``: pickled
     messages and some programs name it.
@@ -83,7 +83,7 @@ def import_types(module: str) -> dict[str, Any]:
 
 
 def _public(name: str, message: type[Message]) -> type | None:
-    """Give what a program imports for a type: for the first part of a service or an action, the whole."""
+    """Return the class that a program imports for a type: for the first part of a service, the service."""
     if "/msg/" in name:
         return message
     for part, whole in ((SERVICE_PARTS[0], service_class), (ACTION_PARTS[0], action_class)):

@@ -3,9 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from course_lib.ros.messages.definitions import FieldDefinition, MessageDefinition, definition, type_names
+from course_lib.ros.messages.definitions import (
+    PRIMITIVES,
+    FieldDefinition,
+    MessageDefinition,
+    definition,
+    type_names,
+)
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
-from course_lib.ros.messages.primitives import PRIMITIVES
 
 _HEADER = "# Written by course_lib/ros/messages/stubs.py when the kit is installed; don't edit.\n"
 _BASE = "from course_lib.ros.messages.message import Message"

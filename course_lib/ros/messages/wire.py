@@ -1,9 +1,12 @@
-"""Messages to CDR bytes and back, by rosbags' serialiser."""
+"""Messages as CDR bytes, by rosbags' serialiser, and as plain Python values."""
 
+from array import array
 from collections.abc import Callable
 from functools import cache
 from struct import error as StructError  # noqa: N812  # a class under a lower-case name
 from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import definition, typestore
@@ -18,7 +21,7 @@ M = TypeVar("M", bound=Message)
 
 
 def serialize(message: Message) -> bytes:
-    """Give a message's CDR bytes (little endian, with the 4 bytes of encapsulation header).
+    """Return a message's CDR bytes (little endian, with the 4 bytes of encapsulation header).
 
     Raises an AssertionError for a value that got in behind the setters' back, by ``append`` for example.
     """
@@ -31,7 +34,7 @@ def serialize(message: Message) -> bytes:
 
 
 def deserialize(cdr: bytes, cls: type[M]) -> M:
-    """Make a message of CDR bytes; raises a CourseError if they are no such message."""
+    """Create a message from CDR bytes; raises a CourseError if they are of another type."""
     from rosbags.serde import SerdeError
 
     store = _store_with(cls._TYPE_NAME)
@@ -43,7 +46,7 @@ def deserialize(cdr: bytes, cls: type[M]) -> M:
 
 @cache
 def _store_with(type_name: str) -> "Typestore":
-    """Give the store of our own classes after adding one type and the types of its fields."""
+    """Return the store of our own classes after adding one type and the types of its fields."""
     store = _store()
     if type_name not in store.types:
         cls, fields = message_class(type_name), definition(type_name).fields
@@ -85,7 +88,7 @@ def _converted(slot: str, to_wire: Convert) -> property:
 
 
 def _maker(cls: type[Message]) -> Callable[..., Message]:
-    """Make the function that rosbags calls to build a message from the values of its fields."""
+    """Return the function that rosbags calls to build a message from the values of its fields."""
     plain = [("_" + name, kind.from_wire) for name, kind in cls._KINDS.items()]
 
     def make(*values: Any) -> Message:
@@ -106,3 +109,28 @@ def _check(message: Message) -> None:
             if isinstance(inner, Message):
                 _check(inner)
         kind.check(value)
+
+
+def to_plain(value: Any, truncate: int | None = None) -> Any:
+    """Turn a message, or a field's value, into dicts, lists, strings and numbers, in the fields' order.
+
+    Follows rosidl_runtime_py.convert: bytes become a string of as many characters; lists and strings longer
+    than `truncate` end in "...".
+    """
+    if isinstance(value, Message):
+        return {name: to_plain(getattr(value, name), truncate) for name in value._KINDS}
+    if isinstance(value, bytes | bytearray):
+        value = value.decode("latin-1")
+    long = truncate is not None and not isinstance(value, bool | int | float) and len(value) > truncate
+    if isinstance(value, str):
+        return value[:truncate] + "..." if long else value
+    if isinstance(value, list | tuple | array | np.ndarray):
+        shown = value[:truncate] if long else value
+        return [*_elements(shown, truncate), *(["..."] if long else [])]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _elements(values: Any, truncate: int | None) -> list[Any]:
+    if isinstance(values, array | np.ndarray):
+        return list(values.tolist())
+    return [to_plain(value, truncate) for value in values]

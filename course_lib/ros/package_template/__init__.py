@@ -24,7 +24,7 @@ _WHERE = {  # template -> file
 
 @dataclass(frozen=True)
 class PackageText:
-    """What the files say."""
+    """The contents of the files."""
 
     name: str
     maintainer: str

@@ -12,8 +12,7 @@ import numpy as np
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import Message
-from course_lib.ros.messages.definitions import FieldDefinition, definition
-from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
 from course_lib.tools.rqt.markup import chart
 from course_lib.tools.rqt.view import RqtView
 

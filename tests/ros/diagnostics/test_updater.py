@@ -1,4 +1,4 @@
-"""What diagnostic_updater publishes; texts and rules are those of ros/diagnostics, branch ros2-jazzy."""
+"""The messages of diagnostic_updater; texts and rules are those of ros/diagnostics, branch ros2-jazzy."""
 
 from collections.abc import Callable
 from typing import Any

@@ -29,7 +29,7 @@ Range range
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[Path]:
-    """Give a new package's folder on Python's path; the name is the test's own, as classes stay known."""
+    """Return a new package's folder on Python's path; the name is the test's own, as classes stay known."""
     monkeypatch.syspath_prepend(str(tmp_path))
     package = f"own_{abs(hash(request.node.name))}_msgs"
     yield tmp_path / package

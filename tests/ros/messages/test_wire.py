@@ -13,8 +13,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import Message, deserialize, message_class, serialize
-from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names, typestore
-from course_lib.ros.messages.primitives import PRIMITIVES
+from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition, type_names, typestore
 
 
 def random_value(field: FieldDefinition, rng: random.Random) -> Any:

@@ -1,4 +1,4 @@
-"""What students get wrong most often: each with the class and the text that ROS 2 gives it, and a hint.
+"""The most frequent mistakes of students: each with the error class and text of ROS 2, and a hint.
 
 Texts: ROS 2 Jazzy's rclpy, rosidl, tf2 and Python's own; where ROS hangs, the kit's DeadlockError.
 """
@@ -45,7 +45,7 @@ MISTAKES = [*NODES, *TOPICS, *MESSAGES, *PARAMETERS, *SERVICES, *TIMES, *FRAMES,
 
 
 def transform(parent: str, child: str, second: int) -> TransformStamped:
-    """Make a transform for the programs."""
+    """Create a transform for the programs."""
     made = TransformStamped(child_frame_id=child)
     made.header.frame_id, made.header.stamp.sec = parent, second
     return made

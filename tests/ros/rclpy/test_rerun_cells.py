@@ -1,4 +1,4 @@
-"""What is forgiven in a notebook, where cells are run again."""
+"""Mistakes that are forgiven in a notebook, where cells are run again."""
 
 import signal
 import threading

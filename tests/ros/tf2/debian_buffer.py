@@ -26,7 +26,7 @@ def fill(core: Any, parent: str, child: str, stamp_ns: int, pose: list[float], i
 
 
 def ask(core: Any, query: list[Any]) -> list[Any]:
-    """Give [can it, stamp, pose], or [can it, name of the exception, its text]."""
+    """Return [can it, stamp, pose], or [can it, name of the exception, its text]."""
     arguments = [time(word) if isinstance(word, int) else word for word in query]
     full = len(arguments) > 3
     can = (core.can_transform_full_core if full else core.can_transform_core)(*arguments)[0]

@@ -8,7 +8,7 @@ S, US = 10**9, 10**3  # [ns]; whole microseconds, which texts show exactly
 
 
 def random_case(chance: np.random.Generator) -> dict[str, Any]:
-    """Make one tree, with whatever tf2 has to put up with, and three questions."""
+    """Create one tree, with all the input that tf2 has to cope with, and three questions."""
     frames = [f"f{number}" for number in range(chance.integers(2, 9))]
     common = [int(stamp) * US for stamp in chance.integers(1_000_000, 9_000_000, 6)]
     transforms = []
@@ -21,7 +21,7 @@ def random_case(chance: np.random.Generator) -> dict[str, Any]:
 
 
 def _history(chance: np.random.Generator, child: str, parents: list[str], common: list[int]) -> list[Any]:
-    """Give one static transform, or several whose stamps differ (ROS 1 refuses the same stamp again)."""
+    """Return one static transform, or several whose stamps differ (ROS 1 refuses the same stamp again)."""
     parent = str(chance.choice(parents))
     if chance.random() < 0.3:
         return [[parent, child, 0, _pose(chance), True]]
@@ -38,7 +38,7 @@ def _history(chance: np.random.Generator, child: str, parents: list[str], common
 
 
 def _pose(chance: np.random.Generator) -> list[float]:
-    """Give x, y, z and a quaternion (x, y, z, w), now and then one that tf2 does not accept.
+    """Return x, y, z and a quaternion (x, y, z, w), now and then one that tf2 does not accept.
 
     A length that is only nearly 1 is left out: Jazzy scales the quaternion to 1, ROS 1 does not.
     """

@@ -65,7 +65,7 @@ def bag(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def run(graph: Graph) -> Callable[[str], str]:
-    """Do what `%ros2 bag …` does."""
+    """Return the output of `ros2 bag …`."""
 
     def run(line: str) -> str:
         written: list[str] = []

@@ -24,7 +24,7 @@ Heard = list[tuple[float, str, str]]
 
 @pytest.fixture
 def heard(graph: Graph) -> Heard:
-    """What a live node hears: seconds since its start, topic, text."""
+    """Messages that reach a live node: seconds since its start, topic, text."""
     heard: Heard = []
     node = Node("ear")
 

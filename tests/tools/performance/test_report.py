@@ -49,7 +49,7 @@ class Camera(Node):
 
 
 class Detector(Node):
-    """Takes 80 ms for each image, and has something to do four times a second."""
+    """A node that works 80 ms per image, and on a timer four times a second."""
 
     def __init__(self) -> None:
         super().__init__("detector")

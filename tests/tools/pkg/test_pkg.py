@@ -48,7 +48,7 @@ creating ./my_pkg/my_pkg/talker.py
 
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Do what `%ros2 pkg …` does in an empty folder."""
+    """Return the output of `ros2 pkg …` in an empty folder."""
     monkeypatch.chdir(tmp_path)
     for variable in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"):
         monkeypatch.delenv(variable, raising=False)
@@ -63,7 +63,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
 @pytest.fixture
 def made(run: Run) -> str:
-    """What is said while a package is made in the working folder."""
+    """Output of `ros2 pkg create` in the working folder."""
     line = "create --build-type ament_python my_pkg --license MIT --node-name talker"
     return run(f"{line} --dependencies rclpy sensor_msgs")
 

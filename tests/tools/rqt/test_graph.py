@@ -11,7 +11,7 @@ from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, passes
 
 
 def drawn(view: GraphView) -> list[str]:
-    """Give the words in the picture."""
+    """Return the words in the picture."""
     return re.findall("<text[^>]*>([^<]*)<", view.picture())
 
 

@@ -6,7 +6,7 @@ from course_lib.ros import packages
 
 
 class PackageNotFoundError(KeyError):
-    """There is no such package."""
+    """A package was not found."""
 
     def __str__(self) -> str:
         return str(self.args[0])  # KeyError would show its repr

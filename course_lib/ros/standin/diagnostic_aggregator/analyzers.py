@@ -124,7 +124,7 @@ class AnalyzerGroup:
 
     @property
     def complete(self) -> bool:
-        """Whether it has analyzers and all of them could be made."""
+        """True if it has analyzers and all of them could be created."""
         return bool(self._analyzers) and not self._failed
 
     def match(self, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Which callbacks of a node may run at the same time."""
+"""Callback groups, which decide which callbacks of a node may run at the same time."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ class CallbackGroup:
     """The base of callback groups; one of your own may answer the three questions below otherwise."""
 
     def can_execute(self, entity: Any) -> bool:
-        """Say whether the entity's callback may be run now."""
+        """Return whether the entity's callback may be run now."""
         return True
 
     def beginning_execution(self, entity: Any) -> bool:
@@ -29,7 +29,7 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         self._active: Any = None
 
     def can_execute(self, entity: Any) -> bool:
-        """Say whether none of the callbacks is running."""
+        """Return whether none of the callbacks is running."""
         return self._active is None
 
     def beginning_execution(self, entity: Any) -> bool:
@@ -40,5 +40,5 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         return True
 
     def ending_execution(self, entity: Any) -> None:
-        """Let the next callback run."""
+        """Note that the entity's callback has ended: the next one may run."""
         self._active = None

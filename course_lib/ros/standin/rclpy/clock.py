@@ -16,7 +16,7 @@ class Clock:
     clock_type: ClockType
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
-        """Make a clock of the kind asked for."""
+        """Create a clock of the requested kind."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         clock = super().__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
@@ -52,12 +52,12 @@ class ROSClock(Clock):
     """The clock of nodes."""
 
     def __new__(cls) -> "ROSClock":
-        """Make a clock that shows ROS time."""
+        """Create a clock that shows ROS time."""
         clock = super().__new__(cls, clock_type=ClockType.ROS_TIME)
         assert isinstance(clock, ROSClock)
         return clock
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Whether the time comes from the topic /clock; here every clock shows the run's own time."""
+        """False: here every clock shows the run's own time, not that of the topic /clock."""
         return False

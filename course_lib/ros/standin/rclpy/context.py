@@ -37,7 +37,7 @@ class Context(AbstractContextManager["Context"]):
 
     @property
     def is_valid(self) -> bool:
-        """Whether it is initialised and not shut down; the end of the run does not change that."""
+        """True if it is initialised and not shut down; the end of the run does not change that."""
         return self._initialized and not self._shut_down
 
     def ok(self) -> bool:

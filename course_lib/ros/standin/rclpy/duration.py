@@ -43,7 +43,7 @@ class Duration:
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Duration) -> "Duration":
-        """Make a span from a message."""
+        """Create a span from a message."""
         if not isinstance(msg, builtin_interfaces.msg.Duration):
             raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)

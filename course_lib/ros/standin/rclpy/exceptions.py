@@ -20,7 +20,7 @@ class RCLError(RuntimeError):
 
 
 class RCLInvalidROSArgsError(RCLError):
-    """What stands behind `--ros-args` is wrong."""
+    """The arguments behind `--ros-args` are malformed."""
 
 
 class UnknownROSArgsError(RuntimeError):

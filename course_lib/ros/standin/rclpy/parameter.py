@@ -36,7 +36,7 @@ class Parameter:
             raise TypeError(f"The given value is not {what} of the allowed types '{parameter_value}'.")
 
         def check(self, parameter_value: object) -> bool:
-            """Say whether a value is of this type."""
+            """Return whether a value is of this type."""
             if self is Parameter.Type.NOT_SET:
                 return parameter_value is None
             element = _ELEMENTS[self.name.removesuffix("_ARRAY")]
@@ -83,7 +83,7 @@ class Parameter:
 
     @classmethod
     def from_parameter_msg(cls, param_msg: ParameterMsg) -> "Parameter":
-        """Make a parameter from a message."""
+        """Create a parameter from a message."""
         kind = Parameter.Type(param_msg.value.type)
         value = None
         if kind is not Parameter.Type.NOT_SET:

@@ -1,4 +1,4 @@
-"""Asks and changes the parameters of another node."""
+"""Clients of another node's parameters."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ OnDone = Callable[[Future[Any]], object]
 
 
 class AsyncParameterClient:
-    """Calls another node's parameter services, while `node` is spun.
+    """A client of another node's parameter services, used while `node` is spun.
 
     Every answer comes as a future, and to a callback.
     """
@@ -42,7 +42,7 @@ class AsyncParameterClient:
         }
 
     def services_are_ready(self) -> bool:
-        """Say whether the other node is there."""
+        """Return whether the other node is there."""
         return all(client.service_is_ready() for client in self._clients.values())
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:

@@ -1,4 +1,4 @@
-"""Tells of changes of parameters, of any node."""
+"""Callbacks at changes of parameters, of any node."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class ParameterCallbackHandle:
-    """What `add_parameter_callback` returns, to remove it again."""
+    """The handle of a callback for one parameter, with which it is removed."""
 
     parameter_name: str
     node_name: str
@@ -25,13 +25,13 @@ class ParameterCallbackHandle:
 
 @dataclass(eq=False)
 class ParameterEventCallbackHandle:
-    """What `add_parameter_event_callback` returns, to remove it again."""
+    """The handle of a callback for all events, with which it is removed."""
 
     callback: Callable[[ParameterEvent], object]
 
 
 class ParameterEventHandler:
-    """Listens to /parameter_events while its node is spun; the newest callbacks are called first."""
+    """Callbacks for /parameter_events while its node is spun; the newest are called first."""
 
     def __init__(
         self, node: "Node", qos_profile: QoSProfile = qos_profile_parameter_events, **options: Any

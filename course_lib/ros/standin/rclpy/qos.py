@@ -19,7 +19,7 @@ class QoSPolicyKind(IntEnum):
 
 
 class HistoryPolicy(IntEnum):
-    """How many samples are kept: the last `depth`, or all."""
+    """The samples that are kept: the last `depth`, or all."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -27,7 +27,7 @@ class HistoryPolicy(IntEnum):
 
 
 class ReliabilityPolicy(IntEnum):
-    """Whether lost samples are sent again."""
+    """Lost samples are sent again, or not."""
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
@@ -35,7 +35,7 @@ class ReliabilityPolicy(IntEnum):
 
 
 class DurabilityPolicy(IntEnum):
-    """Whether a subscription that comes late gets the last samples."""
+    """A subscription that comes late gets the last samples, or not."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -43,7 +43,7 @@ class DurabilityPolicy(IntEnum):
 
 
 class LivelinessPolicy(IntEnum):
-    """Who says that a publisher is alive."""
+    """The source of a publisher's signs of life."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1

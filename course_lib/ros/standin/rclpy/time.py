@@ -95,7 +95,7 @@ class Time:
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME) -> "Time":
-        """Make a time from a message; it is ROS_TIME unless told otherwise, unlike `Time()`."""
+        """Create a time from a message, by default of ROS_TIME, unlike `Time()`."""
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

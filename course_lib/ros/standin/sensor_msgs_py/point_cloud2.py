@@ -85,7 +85,7 @@ def read_points_list(
 
 
 def dtype_from_fields(fields: Iterable[PointField], point_step: int | None = None) -> "np.dtype[Any]":
-    """Give the numpy type of one point, `point_step` [B] long; each value of a field has a column."""
+    """Return the numpy type of one point, `point_step` [B] long; each value of a field has a column."""
     columns: dict[str, tuple[str, int]] = {}
     for number, field in enumerate(fields):
         kind = _DATATYPES[field.datatype]
@@ -103,7 +103,7 @@ def dtype_from_fields(fields: Iterable[PointField], point_step: int | None = Non
 def create_cloud(
     header: Header, fields: Sequence[PointField], points: Iterable[Any], point_step: int | None = None
 ) -> PointCloud2:
-    """Make a cloud of points: an array (points, fields), a structured array, or rows of values."""
+    """Create a cloud from an array (points, fields), a structured array, or rows of values."""
     kind = dtype_from_fields(fields, point_step)
     if not isinstance(points, np.ndarray):
         packed = np.array([tuple(point) for point in points], dtype=kind)
@@ -133,7 +133,7 @@ def create_cloud(
 
 
 def create_cloud_xyz32(header: Header, points: Iterable[Any]) -> PointCloud2:
-    """Make a cloud of (x, y, z) points, [m]."""
+    """Create a cloud of (x, y, z) points, [m]."""
     fields = [
         PointField(name=name, offset=4 * number, datatype=PointField.FLOAT32, count=1)
         for number, name in enumerate("xyz")

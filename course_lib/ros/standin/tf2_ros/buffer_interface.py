@@ -1,4 +1,4 @@
-"""What buffers know of carrying stamped things from frame to frame; `import tf2_geometry_msgs` teaches it."""
+"""The types that buffers can transform; `import tf2_geometry_msgs` registers them."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar, TypeVar
@@ -13,16 +13,16 @@ class TypeException(Exception):  # noqa: N818  # ROS's name
 
 
 class TransformRegistration:
-    """How types are transformed; all buffers share it."""
+    """The functions that transform types; all buffers share them."""
 
     _transforms: ClassVar[dict[type[Any], Callable[[Any, TransformStamped], Any]]] = {}
 
     def add(self, key: type[Obj], callback: Callable[[Obj, TransformStamped], Obj]) -> None:
-        """Say how a type is transformed."""
+        """Register the function that transforms a type."""
         self._transforms[key] = callback
 
     def get(self, key: type[Any]) -> Callable[[Any, TransformStamped], Any]:
-        """Give what transforms a type; raises TypeException if nobody has said how."""
+        """Return the function that transforms a type; raises TypeException if there is none."""
         if key not in self._transforms:
             raise TypeException(f"Type {key} is not loaded or supported")
         return self._transforms[key]

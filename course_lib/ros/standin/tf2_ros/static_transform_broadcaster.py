@@ -1,4 +1,4 @@
-"""Sends transforms that hold for ever."""
+"""The broadcaster of transforms that hold at any time."""
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -8,7 +8,7 @@ from tf2_ros.transform_broadcaster import Transforms, as_list
 
 
 class StaticTransformBroadcaster:
-    """Sends transforms on /tf_static, each time all that it was ever given; by default TRANSIENT_LOCAL.
+    """A broadcaster on /tf_static, which sends all transforms so far each time; by default TRANSIENT_LOCAL.
 
     As in ROS 2 Jazzy it keeps the first object that it was given for a child frame: another one for the same
     child changes nothing, the same one with new numbers does.

@@ -1,4 +1,4 @@
-"""Sends transforms that change."""
+"""The broadcaster of transforms that change."""
 
 from collections.abc import Iterable
 
@@ -11,7 +11,7 @@ Transforms = TransformStamped | Iterable[TransformStamped]
 
 
 class TransformBroadcaster:
-    """Sends transforms on /tf; `qos` may also be only a depth."""
+    """A broadcaster on /tf; `qos` may also be only a depth."""
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
         self.pub_tf = node.create_publisher(TFMessage, "/tf", QoSProfile(depth=100) if qos is None else qos)
@@ -22,5 +22,5 @@ class TransformBroadcaster:
 
 
 def as_list(transform: Transforms) -> list[TransformStamped]:
-    """Make a list of one transform or several."""
+    """Return one transform or several as a list."""
     return [transform] if isinstance(transform, TransformStamped) else list(transform)

@@ -51,12 +51,12 @@ class TransformListener:
         self.node.destroy_subscription(self.tf_static_sub)
 
     def callback(self, data: TFMessage) -> None:
-        """Take transforms that change."""
+        """Store transforms that change."""
         for transform in data.transforms:
             self.buffer.set_transform(transform, _AUTHORITY)
 
     def static_callback(self, data: TFMessage) -> None:
-        """Take transforms that hold for ever."""
+        """Store transforms that hold at any time."""
         for transform in data.transforms:
             self.buffer.set_transform_static(transform, _AUTHORITY)
 

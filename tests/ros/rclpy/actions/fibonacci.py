@@ -38,7 +38,7 @@ def send(client: ActionClient, until_done: Drive, order: int = 3, **more: Any) -
 
 
 def later(node: Node) -> Future[None]:
-    """Give a future that is done in two seconds."""
+    """Return a future that is done in two seconds."""
     done: Future[None] = Future()
     node.create_timer(2.0, lambda: done.set_result(None))
     return done

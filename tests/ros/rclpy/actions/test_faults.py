@@ -1,4 +1,4 @@
-"""What goes wrong in an action, with ROS's texts."""
+"""Faults in actions, with ROS's texts."""
 
 import pytest
 import rclpy

@@ -1,4 +1,4 @@
-"""What the graph knows of actions."""
+"""Actions in the graph."""
 
 from example_interfaces.action import Fibonacci
 from rclpy.action import (

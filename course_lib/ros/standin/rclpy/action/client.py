@@ -13,7 +13,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
-from rclpy.client import wait_for_partner
+from rclpy.client import Client, wait_for_partner
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.executor import await_or_execute
 from rclpy.impl.graph_queries import NamesAndTypes, actions
@@ -98,31 +98,29 @@ class ActionClient:
         self._logger = node.get_logger().get_child("action_client")
         self._goals: WeakValueDictionary[bytes, ClientGoalHandle] = WeakValueDictionary()
         self._feedback_callbacks: dict[bytes, OnFeedback] = {}
-        impl, base = action_type.Impl, f"{action_name}/_action"
-        services = (
-            ("send_goal", "goal", impl.SendGoalService, goal_service_qos_profile),
-            ("cancel_goal", "cancel", CancelGoal, cancel_service_qos_profile),
-            ("get_result", "result", impl.GetResultService, result_service_qos_profile),
+        impl, group = action_type.Impl, callback_group
+        self._sends = self._client("send_goal", "goal", impl.SendGoalService, goal_service_qos_profile, group)
+        self._cancels = self._client("cancel_goal", "cancel", CancelGoal, cancel_service_qos_profile, group)
+        self._results = self._client(
+            "get_result", "result", impl.GetResultService, result_service_qos_profile, group
         )
-        clients = []
-        for name, word, kind, qos in services:
-            client = node.create_client(
-                kind, f"{base}/{name}", qos_profile=qos, callback_group=callback_group
-            )
-            client.on_unexpected = partial(self._warn, word)
-            clients.append(client)
-        self._sends, self._cancels, self._results = clients
+        self._ends: list[Any] = [self._sends, self._cancels, self._results]
         topics: tuple[tuple[str, Any, Callable[[Any], object], QoSProfile | int], ...] = (
             ("feedback", impl.FeedbackMessage, self._on_feedback, feedback_sub_qos_profile),
             ("status", GoalStatusArray, self._on_status, status_sub_qos_profile),
         )
-        self._ends: list[Any] = [
-            *clients,
-            *(
-                node.create_subscription(kind, f"{base}/{name}", hear, qos, callback_group=callback_group)
-                for name, kind, hear, qos in topics
-            ),
-        ]
+        for name, kind, hear, qos in topics:
+            topic = f"{action_name}/_action/{name}"
+            self._ends.append(node.create_subscription(kind, topic, hear, qos, callback_group=group))
+
+    def _client(
+        self, name: str, word: str, kind: Any, qos: QoSProfile, group: CallbackGroup | None
+    ) -> Client:
+        """Create the client of one of the action's services; `word` is for its warnings."""
+        full_name = f"{self._action_name}/_action/{name}"
+        client = self._node.create_client(kind, full_name, qos_profile=qos, callback_group=group)
+        client.on_unexpected = partial(self._warn, word)
+        return client
 
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
         """Send a goal and wait for its end, which another thread has to take.

@@ -46,13 +46,19 @@ def default_goal_callback(goal_request: Any) -> GoalResponse:
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
-    """Execute a goal at once."""
+    """Execute a goal immediately."""
     goal_handle.execute()
 
 
 def default_cancel_callback(goal_handle: ServerGoalHandle) -> CancelResponse:
     """Cancel nothing."""
     return CancelResponse.REJECT
+
+
+def _required(callback: Callable[[ServerGoalHandle], Any]) -> Callable[[ServerGoalHandle], Any]:
+    if not callable(callback):
+        raise TypeError("Failed to register goal execution callback: not callable")
+    return callback
 
 
 class ActionServer:
@@ -90,35 +96,34 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 900,
     ) -> None:
-        if not callable(execute_callback):
-            raise TypeError("Failed to register goal execution callback: not callable")
-        self._execute_callback = execute_callback
+        self._execute_callback = _required(execute_callback)
         self._goal_callback = goal_callback or default_goal_callback
         self._handle_accepted_callback = handle_accepted_callback or default_handle_accepted_callback
         self._cancel_callback = cancel_callback or default_cancel_callback
         require_type(action_type, "action")
-        self.action_type = action_type
-        self._node = node
+        self._node, self.action_type = node, action_type
         self._logger = node.get_logger().get_child("action_server")
         self._timeout_ns = round(result_timeout * S_TO_NS)
         self._goals: dict[bytes, ServerGoalHandle] = {}
         self._results: dict[bytes, Future[Any]] = {}
         self._ends_ns: dict[bytes, int] = {}  # when goals came to their ends
-        impl, base = action_type.Impl, f"{action_name}/_action"
-        services: tuple[tuple[str, Any, Callable[..., Any], QoSProfile], ...] = (
-            ("send_goal", impl.SendGoalService, self._take_goal, goal_service_qos_profile),
-            ("cancel_goal", CancelGoal, self._cancel_goals, cancel_service_qos_profile),
-            ("get_result", impl.GetResultService, self._promise_result, result_service_qos_profile),
-        )
-        group = callback_group or node.default_callback_group
-        topic, profile = f"{base}/feedback", feedback_pub_qos_profile
-        self._feedback = node.create_publisher(impl.FeedbackMessage, topic, profile)
-        self._status = node.create_publisher(GoalStatusArray, f"{base}/status", status_pub_qos_profile)
+        impl, self._base = action_type.Impl, f"{action_name}/_action"
+        feedback, feedback_qos = impl.FeedbackMessage, feedback_pub_qos_profile
+        self._feedback = node.create_publisher(feedback, f"{self._base}/feedback", feedback_qos)
+        self._status = node.create_publisher(GoalStatusArray, f"{self._base}/status", status_pub_qos_profile)
         self._ends: list[Any] = [self._feedback, self._status]
-        for name, kind, take, qos in services:
-            full_name = node.resolve_service_name(f"{base}/{name}")
-            self._ends.append(LateService(take, node.handle, group, kind, name, full_name, qos))
-            node.add_waitable(self._ends[-1])
+        group = callback_group or node.default_callback_group
+        self._serve("send_goal", impl.SendGoalService, self._take_goal, goal_service_qos_profile, group)
+        self._serve("cancel_goal", CancelGoal, self._cancel_goals, cancel_service_qos_profile, group)
+        result_qos = result_service_qos_profile
+        self._serve("get_result", impl.GetResultService, self._promise_result, result_qos, group)
+
+    def _serve(
+        self, name: str, kind: Any, take: Callable[..., Any], qos: QoSProfile, group: CallbackGroup
+    ) -> None:
+        full_name = self._node.resolve_service_name(f"{self._base}/{name}")
+        self._ends.append(LateService(take, self._node.handle, group, kind, name, full_name, qos))
+        self._node.add_waitable(self._ends[-1])
 
     def destroy(self) -> None:
         """Leave the graph."""

@@ -67,17 +67,17 @@ class ServerGoalHandle:
 
     @property
     def is_active(self) -> bool:
-        """Whether it has not come to an end."""
+        """True if it has not come to an end."""
         return self.status in _TRANSITIONS
 
     @property
     def is_cancelable(self) -> bool:
-        """Whether it can be asked to end."""
+        """True if it can be cancelled."""
         return GoalEvent.CANCEL_GOAL in _TRANSITIONS.get(self.status, {})
 
     @property
     def is_cancel_requested(self) -> bool:
-        """Whether it was asked to end: then call `canceled` and return a result."""
+        """True if its cancellation was requested: then call `canceled` and return a result."""
         return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[["ServerGoalHandle"], Any] | None = None) -> None:

@@ -1,1 +1,1 @@
-"""What stands behind the public modules: names as in rclpy, contents the kit's own."""
+"""The implementation of the public modules."""

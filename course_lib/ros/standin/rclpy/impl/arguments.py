@@ -1,4 +1,4 @@
-"""What stands behind `--ros-args` on a command line: parameters, other names, log levels."""
+"""The arguments behind `--ros-args` on a command line: parameters, other names, log levels."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -31,18 +31,18 @@ class Remap:
 
 @dataclass
 class Arguments:
-    """What one command line asks for."""
+    """The settings of one command line."""
 
     remaps: list[Remap] = field(default_factory=list)  # the first that fits counts
     overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)  # by nodes; the last counts
     log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)  # by logger; "" is every one
 
     def renamed(self, node_name: str, what: str, name: str) -> str:
-        """Give the node's name (`what` is __node) or namespace (__ns) that takes the place of `name`."""
+        """Return the node's name (`what` is __node) or namespace (__ns) that replaces `name`."""
         return next((rule.to for rule in self._of(node_name) if rule.match == what), name)
 
     def remapped(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
-        """Give the full name that takes the place of a topic's or a service's."""
+        """Return the full name that replaces a topic's or a service's."""
         for rule in self._of(node_name):
             if not rule.match.startswith("__"):
                 match, to = (names.expand_name(n, node_name, namespace, kind) for n in (rule.match, rule.to))
@@ -51,7 +51,7 @@ class Arguments:
         return full
 
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
-        """Give the values for the parameters of one node."""
+        """Return the values for the parameters of one node."""
         found: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
             if _pattern(nodes).fullmatch(full_node_name):
@@ -84,13 +84,13 @@ def parse(args: Sequence[str]) -> Arguments:
 
 
 def joined(first: Arguments, second: Arguments) -> Arguments:
-    """Give both, of which the first one counts more."""
+    """Join two sets of arguments, of which the first one counts more."""
     levels = second.log_levels | first.log_levels
     return Arguments(first.remaps + second.remaps, second.overrides + first.overrides, levels)
 
 
 def _pattern(nodes: str) -> "re.Pattern[str]":
-    """Give what the full names of nodes match: `*` is one part of a name, `**` any number of them."""
+    """Return the pattern of full names of nodes: `*` is one part of a name, `**` any number of them."""
     parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
     wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
     return re.compile("".join(wild.get(part, re.escape(part)) for part in parts))

@@ -65,7 +65,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     @property
     def is_running(self) -> bool:
-        """Whether neither it nor its context has been shut down."""
+        """True if neither it nor its context has been shut down."""
         return self.context.is_valid and not self._is_shutdown
 
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task:
@@ -154,7 +154,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     @contextmanager
     def beside_live(self) -> Iterator[None]:
-        """Run the live nodes, too, at the pace that is wanted, in a call that waits."""
+        """Run the live nodes as well, at the wanted pace, for the length of a `with` block."""
         running = current_graph().part(RunningNodes).nodes
         with self.joined_by(running), pace.kept(self.context.graph):
             yield

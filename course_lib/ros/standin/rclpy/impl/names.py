@@ -82,7 +82,7 @@ def validate_topic_name(name: str, kind: Kind = "topic") -> None:
 
 
 def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic") -> str:
-    """Make a name absolute: `x` is in the namespace, `~/x` under the node; `{node}` and `{ns}` count, too."""
+    """Expand a name: `x` is in the namespace, `~/x` under the node; `{node}` and `{ns}` are replaced."""
     validate_topic_name(topic, kind)
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic

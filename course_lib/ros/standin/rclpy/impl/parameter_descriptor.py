@@ -1,4 +1,4 @@
-"""What a parameter is declared with, and what that allows it to be; with rclpy's texts."""
+"""Declarations of parameters and the values that their descriptors allow; with rclpy's texts."""
 
 import warnings
 from math import isclose
@@ -33,7 +33,7 @@ def declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Parame
 
 
 def _typed(name: str, value: Any, descriptor: ParameterDescriptor) -> tuple[Any, ParameterDescriptor]:
-    """Let a descriptor know the type of the value, or the type that stands in the value's place."""
+    """Set a descriptor's type to that of the value, or to the type that is passed as the value."""
     if isinstance(value, Parameter.Type):
         if value is Parameter.Type.NOT_SET:
             raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
@@ -56,7 +56,7 @@ def _typed(name: str, value: Any, descriptor: ParameterDescriptor) -> tuple[Any,
 def refusal(
     parameter: Parameter, descriptor: ParameterDescriptor, *, is_declared: bool, new_descriptor: bool
 ) -> str:
-    """Say why a parameter may not have its value; "" if it may. A descriptor is told its name and type.
+    """Return why a parameter may not have its value; "" if it may. Sets the descriptor's name and type.
 
     While a descriptor is new, `read_only` does not count yet.
     """
