@@ -13,7 +13,6 @@ from course_lib.errors import CourseError
 
 HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
-SECONDS_HELP = "Robot time to run; default: 5, notebooks to their end."
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
 LONG = 1e6  # [s] of robot time, where something else ends the run
 

@@ -225,10 +225,9 @@ def judge_mark_report(
     Raises:
         OutError: The folder can't be written.
     """
-    result, catalog = _kept(attempts, out) if resume else None, catalog_of(course)
-    if result is None:
-        judged = [_judged(one, faults, course, out) for one in attempts.submissions]
-        result = mark(attempts.submissions, judged, catalog.course, attempts.digest)
+    kept, catalog = _kept(attempts, out) if resume else None, catalog_of(course)
+    judged = () if kept else [_judged(one, faults, course, out) for one in attempts.submissions]
+    result = kept or mark(attempts.submissions, judged, catalog.course, attempts.digest)
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
         try:
@@ -238,7 +237,8 @@ def judge_mark_report(
         except Exception as error:  # the marks are right without a report, and must not be lost with it
             problem = f"no report: {type(error).__name__}: {error}"
             result = replace(result, notes=(*result.notes, problem))
-        result.write(out)
+        if result is not kept:
+            result.write(out)
     return row_of(result.as_plain(), marks)
 
 

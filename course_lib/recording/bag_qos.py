@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Qos as BagQos
     from rosbags.interfaces import QosTime
 
-_INFINITE = 2**63 - 1  # [ns], as rmw writes a duration without end; 0 stands for it, too
+_INFINITE = 2**63 - 1  # [ns], rmw's infinite duration, for which 0 also stands
 _SECOND = 10**9  # [ns]
 
 

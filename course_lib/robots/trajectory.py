@@ -40,8 +40,8 @@ class Waypoint:
 def sample(waypoints: Sequence[Waypoint], seconds: float) -> Floats:
     """Return positions, velocities and accelerations at a time, shape (3, n).
 
-    Two waypoints are joined by lines; by cubics, if both have velocities; by quintics, if both have
-    accelerations, too. Before the first and after the last one the joints are as these say.
+    Two waypoints are joined by lines; by cubics, if both have velocities; by quintics, if both also
+    have accelerations. Before the first and after the last one the joints keep its state.
     """
     later = next((i for i, waypoint in enumerate(waypoints) if seconds < waypoint.seconds), len(waypoints))
     if later in (0, len(waypoints)):

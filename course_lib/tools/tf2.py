@@ -64,7 +64,7 @@ def log_line(name: str, now_ns: int, text: str) -> str:
 
 
 def _echo(source: Source, arguments: Namespace, write: Write) -> None:
-    target, other = arguments.source_frame, arguments.target_frame  # named the wrong way round there, too
+    target, other = arguments.source_frame, arguments.target_frame  # ROS's tf2_echo swaps the names likewise
     stream, waiting = TransformStream(source), True
     with until_interrupted():
         for now_ns in stream.ticks(1.0 / arguments.echo_rate, source.limit()):

@@ -80,6 +80,23 @@ def test_new_checks_judge_stored_evidence_without_running_anything(
     assert all(after[student] < before[student] for student in before)
 
 
+def test_resume_makes_only_the_records_that_are_missing_or_of_other_limits(
+    course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_class(tmp_path, 1)
+    out = tmp_path / "out"
+    grade(tmp_path / "in", out, jobs=1, course=course)
+    page, result = out / "reports/s0000/week01_exercise.html", out / "results/s0000/week01_exercise.json"
+    before, written = page.read_bytes(), result.stat().st_mtime_ns
+    runs = count_runs(monkeypatch)
+    page.unlink()
+    grade(tmp_path / "in", out, jobs=1, resume=True, course=course)
+    assert (runs, page.read_bytes(), result.stat().st_mtime_ns) == ([], before, written)
+    change(course.exercises / "course.toml", "cell_seconds = 30", "cell_seconds = 29")
+    grade(tmp_path / "in", out, jobs=1, resume=True, course=course)
+    assert len(runs) == 1
+
+
 def test_evidence_of_other_inputs_is_not_judged(
     course: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

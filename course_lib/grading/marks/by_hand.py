@@ -39,11 +39,10 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
-    number = _number(points)
+    number, catalog = _number(points), catalog_of(course or Course(exercises_dir(), solutions_dir()))
     student = _known(student, out / "results", "student")
     exercise = _known(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
-    catalog = catalog_of(course or Course(exercises_dir(), solutions_dir()))
     with sole_use(out), writing(out):
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
         tasks = {known.task: known for known in (result.judgement.tasks if result.judgement else ())}
