@@ -11,12 +11,14 @@ import pytest
 ROOT = Path(__file__).parents[1]
 TOP_LEVEL = {
     "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
-    "CHANGELOG.md",
+    "CHANGELOG.md", "CONTRIBUTING.md",
 }  # fmt: skip
 PUBLIC = {"course_lib"} | {
     f"course_lib.{room}" for room in ("displays", "export", "grading", "robots", "sensors")
 }
-MAX_FILE, MAX_FUNCTION = 300, 40  # lines
+ROOMS = sorted(path.parent for path in (ROOT / "course_lib").glob("*/__init__.py"))
+WRITTEN_BY_EXPORT = {"setup.py"}
+MAX_FILE, MAX_FUNCTION, MAX_README = 300, 40, 60  # lines
 
 
 def tracked() -> list[Path]:
@@ -45,6 +47,24 @@ def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
                 lines = (node.end_lineno or 0) - node.lineno + 1  # from its def, signature included
                 too_long += [f"{path}:{node.name}"] if lines > MAX_FUNCTION else []
     assert too_long == []
+
+
+def test_no_class_name_occurs_twice_outside_the_standin() -> None:
+    places: dict[str, list[str]] = {}
+    for path in sorted((ROOT / "course_lib").rglob("*.py")):
+        if "standin" not in path.parts:
+            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+                if isinstance(node, ast.ClassDef):
+                    places.setdefault(node.name, []).append(path.name)
+    assert {name: files for name, files in places.items() if len(files) > 1} == {}
+
+
+@pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
+def test_every_room_has_a_page_whose_files_exist(room: Path) -> None:
+    page = (room / "README.md").read_text("utf-8")
+    assert len(page.splitlines()) <= MAX_README
+    named = set(re.findall(r"`([\w/]+\.(?:py|js|ts))`", page)) - WRITTEN_BY_EXPORT
+    assert [name for name in named if not any((ROOT / "course_lib").rglob(name))] == []
 
 
 FOR_USERS = [*ROOT.glob("*s/*.ipynb"), *ROOT.glob("*s/checks/*.py"), ROOT / "README.md"]

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from course_lib.ros.graph import Graph, Sample
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import RosMessage
 from course_lib.ros.qos import Qos
 
 
@@ -45,7 +45,7 @@ class Recording:
             for (name, type_name), qos in sorted(groups.items())
         ]
 
-    def messages(self, topic: str) -> Iterator[tuple[int, Message]]:
+    def messages(self, topic: str) -> Iterator[tuple[int, RosMessage]]:
         """Yield (robot time [ns], message) of one topic.
 
         Raises:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.messages import Message, action_class, type_name
+from course_lib.ros.messages import RosMessage, action_class, type_name
 from course_lib.tools.message_yaml import Style, check_type, fill, kind_of, to_yaml
 from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import (
@@ -84,7 +84,7 @@ def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
             write("Goal canceled.\n" if response.goals_canceling else "Failed to cancel goal\n")
 
 
-def _text(message: Message) -> str:
+def _text(message: RosMessage) -> str:
     return to_yaml(message, Style(truncate=None))
 
 

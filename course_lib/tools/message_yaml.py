@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.messages import Message, message_class, to_plain, type_name
+from course_lib.ros.messages import RosMessage, message_class, to_plain, type_name
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition, type_names
 
 
@@ -39,10 +39,10 @@ def check_type(name: str, type_name: str, there: Mapping[str, Sequence[str]]) ->
         raise CourseError(f"{name} has the type {', '.join(there[name])}, not {type_name}.")
 
 
-SetTime = Callable[[Message], None]  # takes a builtin_interfaces/msg/Time
+SetTime = Callable[[RosMessage], None]  # takes a builtin_interfaces/msg/Time
 
 
-def fill(message: Message, text: str) -> list[SetTime]:
+def fill(message: RosMessage, text: str) -> list[SetTime]:
     """Set a message's fields from YAML like ``{header: auto, x: 1.0}``.
 
     Returns:
@@ -71,20 +71,20 @@ def fill(message: Message, text: str) -> list[SetTime]:
         ) from error
 
 
-def set_fields(message: Message, values: Any) -> list[SetTime]:
+def set_fields(message: RosMessage, values: Any) -> list[SetTime]:
     """Set fields from dicts, lists and numbers; returns as `fill`, raises ROS's exceptions."""
     times: list[SetTime] = []
     _set(message, values, times)
     return times
 
 
-def _set(message: Message, values: Any, times: list[SetTime]) -> None:
+def _set(message: RosMessage, values: Any, times: list[SetTime]) -> None:
     if not isinstance(values, dict):
         raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {type(values).__name__}")
     items = {f.name: f.base for f in definition(type_name(message)).fields if f.is_message}
     for name, value in values.items():
         field = getattr(message, name)
-        kind = type_name(field) if isinstance(field, Message) else None
+        kind = type_name(field) if isinstance(field, RosMessage) else None
         if (kind, value) == ("std_msgs/msg/Header", "auto"):
             times.append(partial(setattr, field, "stamp"))
         elif (kind, value) == ("builtin_interfaces/msg/Time", "now"):
@@ -96,7 +96,7 @@ def _set(message: Message, values: Any, times: list[SetTime]) -> None:
             setattr(message, name, _converted(value, field))
 
 
-def _made(type_of_it: str, values: Any, times: list[SetTime]) -> Message:
+def _made(type_of_it: str, values: Any, times: list[SetTime]) -> RosMessage:
     message = message_class(type_of_it)()
     _set(message, values, times)
     return message
@@ -123,7 +123,7 @@ class Style:
     flow: bool = False  # one line of YAML instead of a block
 
 
-def to_yaml(message: Message, style: Style) -> str:
+def to_yaml(message: RosMessage, style: Style) -> str:
     """Return a message as YAML, its last line ended."""
     import yaml
 
@@ -136,7 +136,7 @@ def to_yaml(message: Message, style: Style) -> str:
 
 def to_csv(value: Any, style: Style) -> str:
     """Return a message's values in a row, separated by commas."""
-    if isinstance(value, Message):
+    if isinstance(value, RosMessage):
         items = _items(value)
         return _joined([_array_note(item, field, style) or to_csv(item, style) for field, item in items])
     if isinstance(value, list | tuple | array | np.ndarray):
@@ -157,7 +157,7 @@ def _joined(parts: list[str]) -> str:
 
 def _with_notes(value: Any, plain: Any, style: Style) -> Any:
     """Replace omitted arrays and strings by notes in the plain form of a message."""
-    if isinstance(value, Message):
+    if isinstance(value, RosMessage):
         for field, item in _items(value):
             note = _array_note(item, field, style)
             plain[field.name] = note or _with_notes(item, plain[field.name], style)
@@ -169,7 +169,7 @@ def _with_notes(value: Any, plain: Any, style: Style) -> Any:
     return plain
 
 
-def _items(message: Message) -> Iterator[tuple[FieldDefinition, Any]]:
+def _items(message: RosMessage) -> Iterator[tuple[FieldDefinition, Any]]:
     for field in definition(type_name(message)).fields:
         if field.name in message.get_fields_and_field_types():
             yield field, getattr(message, field.name)

@@ -13,7 +13,7 @@ from course_lib.displays.display import Display
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import Level
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import Message, serialize, type_name
+from course_lib.ros.messages import RosMessage, serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.viewer.scene import Scene
 
@@ -32,7 +32,7 @@ class Bench:
 
     def hear(self, topic: str, message: Any, at: float = 0.0, qos: Qos | None = None) -> None:
         """Publish a message."""
-        assert isinstance(message, Message)
+        assert isinstance(message, RosMessage)
         sample = Sample(ns(at), topic, type_name(message), serialize(message), qos or Qos(), 1)
         self.session.receive(sample)
 

@@ -3,7 +3,7 @@ import pytest
 from builtin_interfaces.msg import Duration
 from visualization_msgs.msg import MarkerArray
 
-from course_lib.ros.messages import Message, deserialize
+from course_lib.ros.messages import RosMessage, deserialize
 from course_lib.ros.qos import Qos
 from tests.displays.bench import ARRAY, TOPIC, Bench, marker, ns
 
@@ -40,7 +40,7 @@ def test_a_message_is_deserialised_once_for_all_displays(monkeypatch: pytest.Mon
     bench.session.add("rviz_default_plugins/Marker", "Another", {"Topic": TOPIC})
     count = 0
 
-    def counted(cdr: bytes, cls: type[Message]) -> Message:
+    def counted(cdr: bytes, cls: type[RosMessage]) -> RosMessage:
         nonlocal count
         count += 1
         return deserialize(cdr, cls)

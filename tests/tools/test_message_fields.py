@@ -11,11 +11,11 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import RosMessage
 from course_lib.tools.message_yaml import Style, fill, to_yaml
 
 
-def filled(kind: type[Message], text: str) -> Any:
+def filled(kind: type[RosMessage], text: str) -> Any:
     message = kind()
     assert fill(message, text) == []
     return message
@@ -74,7 +74,7 @@ def test_what_echo_prints_fills_an_equal_message(data: list[float], label: str, 
         (Marker, "{points: 3}", "Failed to populate field: 'int' object is not iterable"),
     ],
 )
-def test_what_does_not_fit_is_told_in_ros_s_words(kind: type[Message], text: str, says: str) -> None:
+def test_what_does_not_fit_is_told_in_ros_s_words(kind: type[RosMessage], text: str, says: str) -> None:
     with pytest.raises(CourseError) as raised:
         fill(kind(), text)
     assert says in str(raised.value)

@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Float64MultiArray, Header, String
 from visualization_msgs.msg import Marker
 
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import RosMessage
 from course_lib.tools.message_yaml import Style, to_csv, to_yaml
 
 POINTS = """header:
@@ -78,7 +78,7 @@ def test_notes_stand_for_arrays_and_strings() -> None:
     )
 
 
-CSV: list[tuple[Message, Style, str]] = [
+CSV: list[tuple[RosMessage, Style, str]] = [
     (Header(stamp=Time(sec=1, nanosec=2), frame_id="map"), Style(), "1,2,map"),
     (Float64MultiArray(data=[1.0, 2.0, 3.0]), Style(truncate=2), "0,1.0,2.0,..."),
     (JointState(name=["a", "b"]), Style(no_strings=True), "0,0,<string length: <0>>,"),
@@ -88,7 +88,7 @@ CSV: list[tuple[Message, Style, str]] = [
 
 
 @pytest.mark.parametrize(("message", "style", "row"), CSV)
-def test_csv_is_a_row_of_the_values(message: Message, style: Style, row: str) -> None:
+def test_csv_is_a_row_of_the_values(message: RosMessage, style: Style, row: str) -> None:
     assert to_csv(message, style).startswith(row)
 
 

@@ -82,9 +82,9 @@ def _plain(value: Any, depth: int, room: list[int]) -> Any:
 
 
 def _message(value: Any, depth: int, room: list[int]) -> Any:
-    from course_lib.ros.messages import Message, to_plain
+    from course_lib.ros.messages import RosMessage, to_plain
 
-    if isinstance(value, Message):
+    if isinstance(value, RosMessage):
         return _plain(to_plain(value), depth - 1, room)
     return {"object": f"a {type(value).__name__}"}
 

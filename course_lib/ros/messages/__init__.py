@@ -1,11 +1,11 @@
 """ROS message types: their classes, their bytes, their plain values."""
 
-from course_lib.ros.messages.message import Message
+from course_lib.ros.messages.message import RosMessage
 from course_lib.ros.messages.registry import action_class, message_class, service_class, type_name
 from course_lib.ros.messages.wire import deserialize, serialize, to_plain
 
 __all__ = [
-    "Message",
+    "RosMessage",
     "action_class",
     "deserialize",
     "message_class",

@@ -14,7 +14,7 @@ from course_lib.ros.messages.kinds import Kind, kind_of
 from course_lib.ros.mistakes import Mistake, marked
 
 
-class Message:
+class RosMessage:
     """A ROS message; its class knows the kind of each field, its slots hold the values.
 
     Without `check_fields` assignments are not checked: Jazzy's own default, which aborts on publishing. A
@@ -63,7 +63,7 @@ class Message:
         return dict(cls._fields_and_field_types)
 
 
-def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[Message]:
+def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[RosMessage]:
     """Create the class of a message type; `message_class` returns the classes of its sub messages."""
     name = definition.type_name.rsplit("/", 1)[1]
     fields = [field for field in definition.fields if field.name != PLACEHOLDER]
@@ -79,7 +79,7 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
-    return type(name, (Message,), {**namespace, **definition.constants, **defaults, **accessors})
+    return type(name, (RosMessage,), {**namespace, **definition.constants, **defaults, **accessors})
 
 
 def home_of(type_name: str) -> str:
@@ -117,7 +117,7 @@ def _docstring(definition: MessageDefinition) -> str:
 def _accessor(name: str, kind: Kind) -> property:
     slot, check, keep = "_" + name, kind.check, kind.keep
 
-    def assign(self: Message, value: Any) -> None:
+    def assign(self: RosMessage, value: Any) -> None:
         if self._check_fields:
             check(value)
         setattr(self, slot, value if keep is None else keep(value))

@@ -8,16 +8,16 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
-from course_lib.ros.messages.message import Message, home_of, make_class
+from course_lib.ros.messages.message import RosMessage, home_of, make_class
 
 
 @cache
-def message_class(type_name: str) -> type[Message]:
+def message_class(type_name: str) -> type[RosMessage]:
     """Return the class of a type written ``std_msgs/msg/String``; a CourseError names the closest ones."""
     return make_class(definition(type_name), message_class)
 
 
-def type_name(message: Message | type[Message]) -> str:
+def type_name(message: RosMessage | type[RosMessage]) -> str:
     """Return the type, ``std_msgs/msg/String``, of a message or its class; a CourseError for others."""
     name = getattr(message, "_TYPE_NAME", None)
     if not isinstance(name, str):
@@ -82,7 +82,7 @@ def import_types(module: str) -> dict[str, Any]:
     return names
 
 
-def _public(name: str, message: type[Message]) -> type | None:
+def _public(name: str, message: type[RosMessage]) -> type | None:
     """Return the class that a program imports for a type: for the first part of a service, the service."""
     if "/msg/" in name:
         return message

@@ -13,7 +13,7 @@ from course_lib.ros.messages.definitions import (
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 
 _HEADER = "# Written by course_lib/ros/messages/stubs.py when the kit is installed; don't edit.\n"
-_BASE = "from course_lib.ros.messages.message import Message"
+_BASE = "from course_lib.ros.messages.message import RosMessage"
 _STANDARD = (  # what a stub imports if it holds the word
     ("array[", "from array import array"),
     ("Sequence[", "from collections.abc import Sequence"),
@@ -98,7 +98,7 @@ def _class(message: MessageDefinition) -> str:
     accepted = [f"{field.name}: {_accepted(field)} = ..." for field in fields]
     body += _constructor(["self", "*", *accepted, "check_fields: bool = ..."])
     name = message.type_name.rsplit("/", 1)[1]
-    return f"class {name}(Message):\n" + "".join(f"    {line}\n" for line in body)
+    return f"class {name}(RosMessage):\n" + "".join(f"    {line}\n" for line in body)
 
 
 def _constructor(parameters: list[str]) -> list[str]:

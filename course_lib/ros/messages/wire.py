@@ -11,16 +11,16 @@ import numpy as np
 from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.kinds import Convert
-from course_lib.ros.messages.message import Message
+from course_lib.ros.messages.message import RosMessage
 from course_lib.ros.messages.registry import message_class
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import MsgType, Typestore
 
-M = TypeVar("M", bound=Message)
+M = TypeVar("M", bound=RosMessage)
 
 
-def serialize(message: Message) -> bytes:
+def serialize(message: RosMessage) -> bytes:
     """Return a message's CDR bytes (little endian, with the 4 bytes of encapsulation header).
 
     Raises an AssertionError for a value that got in behind the setters' back, by ``append`` for example.
@@ -71,7 +71,7 @@ def _store() -> "Typestore":
     return Typestore()
 
 
-def _wire_name(cls: type[Message], name: str) -> str:
+def _wire_name(cls: type[RosMessage], name: str) -> str:
     """Name the attribute that rosbags reads: the slot itself, or a property that converts what is in it."""
     kind, wire_name = cls._KINDS.get(name), f"_wire_{name}"
     if kind is None:
@@ -87,11 +87,11 @@ def _converted(slot: str, to_wire: Convert) -> property:
     return property(lambda message: to_wire(getattr(message, slot)))
 
 
-def _maker(cls: type[Message]) -> Callable[..., Message]:
+def _maker(cls: type[RosMessage]) -> Callable[..., RosMessage]:
     """Return the function that rosbags calls to build a message from the values of its fields."""
     plain = [("_" + name, kind.from_wire) for name, kind in cls._KINDS.items()]
 
-    def make(*values: Any) -> Message:
+    def make(*values: Any) -> RosMessage:
         message = cls.__new__(cls)
         message._check_fields = True  # type: ignore[misc]  # its slot is made by make_class
         for (slot, from_wire), value in zip(plain, values, strict=False):  # the placeholder has no slot
@@ -101,12 +101,12 @@ def _maker(cls: type[Message]) -> Callable[..., Message]:
     return make
 
 
-def _check(message: Message) -> None:
+def _check(message: RosMessage) -> None:
     """Run the setters' checks on all that a message holds, the innermost first."""
     for name, kind in message._KINDS.items():
         value = getattr(message, name)
         for inner in value if isinstance(value, list | tuple) else [value]:
-            if isinstance(inner, Message):
+            if isinstance(inner, RosMessage):
                 _check(inner)
         kind.check(value)
 
@@ -117,7 +117,7 @@ def to_plain(value: Any, truncate: int | None = None) -> Any:
     Follows rosidl_runtime_py.convert: bytes become a string of as many characters; lists and strings longer
     than `truncate` end in "...".
     """
-    if isinstance(value, Message):
+    if isinstance(value, RosMessage):
         return {name: to_plain(getattr(value, name), truncate) for name in value._KINDS}
     if isinstance(value, bytes | bytearray):
         value = value.decode("latin-1")

@@ -11,7 +11,7 @@ import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
 from course_lib.tools.rqt.markup import chart
 from course_lib.tools.rqt.view import RqtView
@@ -28,7 +28,7 @@ class FieldPath:
     type_name: str
     steps: tuple[tuple[str, int | None], ...]  # field, and index in it
 
-    def read(self, message: Message) -> float:
+    def read(self, message: RosMessage) -> float:
         """Return the number; NaN where a list is shorter."""
         value: object = message
         for name, index in self.steps:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.messages import Message, message_class
+from course_lib.ros.messages import RosMessage, message_class
 from course_lib.tools.message_yaml import fill, kind_of
 from course_lib.tools.sources import NODE_NAME, Source, own_node
 from course_lib.tools.topic.lookup import PRESETS, asked_qos, qos_options
@@ -36,7 +36,7 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
             publisher.publish(message)
 
 
-def _publisher(node: "Node", kind: type[Message], arguments: Namespace) -> "Publisher[Any]":
+def _publisher(node: "Node", kind: type[RosMessage], arguments: Namespace) -> "Publisher[Any]":
     from rclpy.exceptions import InvalidTopicNameException
     from rclpy.impl.graph_queries import to_profile
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.messages import Message, message_class, type_name
+from course_lib.ros.messages import RosMessage, message_class, type_name
 from course_lib.tools.message_yaml import Style, check_type, kind_of, to_csv, to_yaml
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.topic.lookup import (
@@ -64,18 +64,18 @@ def _text(selected: Any, arguments: Namespace) -> str:
         no_strings=arguments.no_str,
         flow=arguments.flow_style,
     )
-    if not isinstance(selected, Message):
+    if not isinstance(selected, RosMessage):
         return f"{selected}\n---\n"
     return f"{to_csv(selected, style)}\n" if arguments.csv else f"{to_yaml(selected, style)}---\n"
 
 
-def _field(message: Message, path: str | None) -> Any:
+def _field(message: RosMessage, path: str | None) -> Any:
     selected: Any = message
     for name in filter(None, (path or "").split(".")):
         try:
             selected = getattr(selected, name)
         except AttributeError as error:
-            fields = selected.get_fields_and_field_types() if isinstance(selected, Message) else ()
+            fields = selected.get_fields_and_field_types() if isinstance(selected, RosMessage) else ()
             hint = f". It has {', '.join(fields)}." if fields else ""
             raise CourseError(f"Invalid field '{path}': {error}{hint}") from error
     return selected

@@ -12,7 +12,7 @@ from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float64MultiArr
 from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages import Message, deserialize, message_class, serialize
+from course_lib.ros.messages import RosMessage, deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition, type_names, typestore
 
 
@@ -39,7 +39,7 @@ def random_item(field: FieldDefinition, rng: random.Random) -> Any:
     return rng.randint(int(primitive.low), int(primitive.high))
 
 
-def random_message(type_name: str, rng: random.Random) -> Message:
+def random_message(type_name: str, rng: random.Random) -> RosMessage:
     values = {field.name: random_value(field, rng) for field in definition(type_name).fields}
     values.pop("structure_needs_at_least_one_member", None)
     return message_class(type_name)(**values)

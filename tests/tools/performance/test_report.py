@@ -17,7 +17,7 @@ from course_lib.recording import record, write_bag
 from course_lib.ros import virtual_time
 from course_lib.ros.driving import running_nodes, spin_for
 from course_lib.ros.graph import Graph, Sample, use_graph
-from course_lib.ros.messages import Message, serialize, type_name
+from course_lib.ros.messages import RosMessage, serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.tools.performance import PerformanceReport
 from course_lib.tools.performance_rows import header_stamp
@@ -181,7 +181,7 @@ def test_the_overview_says_its_numbers(graph: Graph, tmp_path: Path) -> None:
         (Image(), 12 * 10**9 + 5),
     ],
 )
-def test_stamps_are_read_out_of_the_bytes(message: Message, stamp: int | None) -> None:
+def test_stamps_are_read_out_of_the_bytes(message: RosMessage, stamp: int | None) -> None:
     if stamp is not None:
         message.header.stamp.sec, message.header.stamp.nanosec = 12, 5  # type: ignore[attr-defined]
     assert header_stamp(Sample(0, "/x", type_name(type(message)), serialize(message), Qos(), 0)) == stamp

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages import Message, deserialize, serialize, type_name
+from course_lib.ros.messages import RosMessage, deserialize, serialize, type_name
 from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
@@ -63,7 +63,7 @@ class ServiceEnd(Entity):
         """Count the subscriptions that its messages reach."""
         return self._ends[0].require().partner_count()
 
-    def send(self, client: int, number: int, message: Message) -> None:
+    def send(self, client: int, number: int, message: RosMessage) -> None:
         """Send a client's request, or the response to it."""
         self._ends[0].require()
         if not self.node_handle.context.is_valid:

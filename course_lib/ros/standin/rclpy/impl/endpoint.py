@@ -4,7 +4,7 @@ from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
-from course_lib.ros.messages import Message
+from course_lib.ros.messages import RosMessage
 from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo, matches
 from rclpy.event_handler import Deadline, Events
@@ -12,7 +12,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.qos import QoSPolicyKind, QoSProfile
 
-MsgT = TypeVar("MsgT", bound=Message)
+MsgT = TypeVar("MsgT", bound=RosMessage)
 
 # The events by endpoint; of all programs that share a graph.
 _told: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
@@ -115,7 +115,9 @@ def require_type(given: Any, kind: Literal["message", "service", "action"]) -> N
             " This might be a ROS 1 message type but it should be a ROS 2 message type."
             " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
         )
-    found = "message" if issubclass(given, Message) else "service" if hasattr(given, "Request") else "action"
+    found = (
+        "message" if issubclass(given, RosMessage) else "service" if hasattr(given, "Request") else "action"
+    )
     if found != kind:
         first, second = (other for other in ("message", "service", "action") if other != kind)
         raise RuntimeError(

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any, Literal, TypeVar
 
 from course_lib.ros.graph import EndpointInfo
-from course_lib.ros.messages import Message, type_name
+from course_lib.ros.messages import RosMessage, type_name
 from course_lib.ros.mistakes import Mistake, mark
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
@@ -29,7 +29,7 @@ from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Rate, Timer
 
-MsgT = TypeVar("MsgT", bound=Message)
+MsgT = TypeVar("MsgT", bound=RosMessage)
 OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
 
 

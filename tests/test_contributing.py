@@ -1,0 +1,88 @@
+"""The recipes of CONTRIBUTING.md, carried out in a copy of the project."""
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+RECIPES = re.findall(r"^### (Add .+)\n((?:(?!###).*\n)+)", PAGE, re.MULTILINE)
+BLOCK = re.compile(r"^```(\w+)(?: (file|cells)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "dist")
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the project in which all recipes are carried out, one after the other."""
+    copy = tmp_path_factory.mktemp("checkout") / "course"
+    shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
+    return copy
+
+
+def edit(text: str, change: str) -> str:
+    """Apply one hunk of a diff without line numbers; its old lines occur once."""
+    lines = change.splitlines(keepends=True)
+    old = "".join(line[1:] for line in lines if not line.startswith("+"))
+    new = "".join(line[1:] for line in lines if not line.startswith("-"))
+    assert text.count(old) == 1, f"these lines are there {text.count(old)} times:\n{old}"
+    return text.replace(old, new)
+
+
+def notebook(cells: str) -> str:
+    """Return a notebook of code cells, which are separated by `# %%`."""
+    code: list[dict[str, object]] = [
+        {"cell_type": "code", "id": f"cell-{number}", "metadata": {}, "outputs": [], "execution_count": None,
+         "source": source.strip()}
+        for number, source in enumerate(cells.split("# %%\n"))
+    ]  # fmt: skip
+    return json.dumps({"cells": code, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+
+
+def run(line: str, folder: Path) -> None:
+    """Run a command of a recipe with this Python."""
+    program, *words = shlex.split(line)
+    command = [sys.executable, *(["-m", program] if program != "python" else []), *words]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("title", "text"), RECIPES, ids=[title for title, _ in RECIPES])
+def test_a_recipe_works_as_it_is_written(title: str, text: str, copy: Path) -> None:
+    for language, kind, name, content in BLOCK.findall(text):
+        path = copy / name
+        if language == "console":
+            for line in content.splitlines():
+                run(line, copy)
+        elif language == "diff":
+            path.write_text(edit(path.read_text("utf-8"), content), "utf-8")
+        else:
+            assert not path.exists(), f"{title}: {name} is there already"
+            path.write_text(notebook(content) if kind == "cells" else content, "utf-8")
+
+
+def test_there_are_four_recipes_and_each_ends_with_a_test() -> None:
+    assert [title for title, _ in RECIPES] == [
+        "Add a display",
+        "Add a `ros2` verb",
+        "Add a check",
+        "Add a week",
+    ]
+    assert all("pytest" in BLOCK.findall(text)[-1][3] for _, text in RECIPES)
+
+
+def test_every_link_and_file_of_the_page_exists() -> None:
+    links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
+    in_rooms = re.findall(
+        r"`((?:ros|recording|viewer|displays|robots|sensors|tools|course|export|grading)/[\w/.-]+)`", PAGE
+    )
+    missing = [link for link in links if not (ROOT / link).exists()]
+    assert missing + [name for name in in_rooms if not (ROOT / "course_lib" / name).exists()] == []
