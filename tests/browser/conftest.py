@@ -16,7 +16,7 @@ PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 expect.set_options(timeout=PATIENCE * 1000)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # not longer: Playwright would keep its event loop in later tests
 def browser() -> Iterator[Browser]:
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome on this machine")
@@ -24,7 +24,7 @@ def browser() -> Iterator[Browser]:
         yield running
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # not longer: Playwright would keep its event loop in later tests
 def lab(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     top = tmp_path_factory.mktemp("lab")
     with course_lab(top / "students", top / "home") as address:

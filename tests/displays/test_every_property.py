@@ -167,4 +167,5 @@ def test_a_property_changes_what_is_seen(name: str) -> None:
     ]
     early = needs[-1] if needs else ()
     before = usual(class_name, early)
-    assert any(look(class_name, early, prop.label, value) != before for value in others(prop))
+    changed = any(look(class_name, early, prop.label, value) != before for value in others(prop))
+    assert changed, f"{name} changes nothing that is seen; see NEEDS and SILENT above"
