@@ -29,7 +29,7 @@ class Process:
         self.argv = [str(file), *args]
 
     def work(self) -> None:
-        """Be the program."""
+        """Run the program until it ends."""
         raise NotImplementedError
 
     def run(self) -> None:
