@@ -2,7 +2,7 @@
 
 import sys
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,47 +30,6 @@ def show(build_widget: Callable[[], Any], text: str) -> None:
     display({**bundle, "text/plain": text}, raw=True)  # type: ignore[no-untyped-call]  # IPython has no types here
 
 
-def predict(key: str, question: str, options: Sequence[str]) -> None:
-    """Ask for a guess before the run; `key` (e.g. "week01.alpha") is what `compare` asks for later."""
-    if len(options) < 2:
-        raise CourseError(f"a prediction needs two options or more; {key!r} has {list(options)}")
-    kept = student_state().get(SECTION, key)
-    lines = [f"Predict: {question}", *(f"   ( ) {option}" for option in options)]
-    show(lambda: _prediction_form(key, question, list(options), kept), "\n".join(lines))
-
-
-def keep_prediction(key: str, guess: str) -> None:
-    """Keep a guess in the student's folder."""
-    student_state().put(SECTION, key, guess)
-
-
-def compare(key: str, result: str) -> None:
-    """Print the guess kept under `key` beside the result."""
-    guess = student_state().get(SECTION, key)
-    if guess is None:
-        said = "none yet (choose one above, then run this cell again)"
-    else:
-        said = f"{guess}   {'✔ as it happened' if guess == result else '→ look again at why'}"
-    print(f"You predicted: {said}\nWhat happened: {result}")  # noqa: T201  the cell's output
-
-
-def _prediction_form(key: str, question: str, options: list[str], kept: str | None) -> Any:
-    import ipywidgets as widgets
-
-    choice = widgets.RadioButtons(
-        options=options, value=kept if kept in options else None, layout={"width": "max-content"}
-    )
-    said = widgets.Label("Kept. Now run the next cell." if kept else "Choose one; it is kept, not marked.")
-
-    def keep(change: dict[str, Any]) -> None:
-        if change["new"] is not None:
-            keep_prediction(key, change["new"])
-            said.value = "Kept. Now run the next cell."
-
-    choice.observe(keep, names="value")
-    return widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question}"), choice, said])
-
-
 @dataclass(frozen=True)
 class Answer:
     """One answer to choose, and why it is right or wrong."""
@@ -86,28 +45,113 @@ class Question:
 
     text: str
     answers: tuple[Answer, ...]
+    key: str = ""  # of a prediction
+
+    @property
+    def right(self) -> Answer:
+        """The right answer."""
+        return next(answer for answer in self.answers if answer.right)
+
+    def answer(self, text: str | None) -> Answer | None:
+        """Return the answer with this text, or None."""
+        return next((answer for answer in self.answers if answer.text == text), None)
 
 
-def load_quiz(week: str) -> tuple[Question, ...]:
-    """Read the questions in `exercises/quizzes/<week>.toml`.
+def load_quiz(name: str) -> tuple[Question, ...]:
+    """Read the questions in `exercises/quizzes/<name>.toml`.
 
     Raises:
         CourseError: no such quiz, or a question without exactly one right answer.
     """
+    return _load(name, "question")
+
+
+def load_predictions(name: str) -> tuple[Question, ...]:
+    """Read the predictions of a lesson, e.g. "week01"."""
+    return _load(name, "prediction")
+
+
+def load_prediction(key: str) -> Question:
+    """Read the prediction "week01.ground": the one with key "ground" in `exercises/quizzes/week01.toml`.
+
+    Raises:
+        CourseError: no such prediction, or one without exactly one right answer.
+    """
+    name, _, wanted = key.partition(".")
+    predictions = {question.key: question for question in load_predictions(name)}
+    if wanted not in predictions:
+        known = ", ".join(f"{name}.{other}" for other in predictions) or "none"
+        raise CourseError(f"there is no prediction {key!r}. Predictions of {name}: {known}")
+    return predictions[wanted]
+
+
+def _load(name: str, kind: str) -> tuple[Question, ...]:
     folder = exercises_dir() / "quizzes"
-    path = folder / f"{week}.toml"
+    path = folder / f"{name}.toml"
     if not path.is_file():
         known = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
-        raise CourseError(f"there is no quiz {week!r}. Quizzes: {known}")
-    tables = tomllib.loads(path.read_text(encoding="utf-8"))["question"]
-    questions = tuple(
-        Question(t["text"], tuple(Answer(a["text"], a["reason"], a.get("right", False)) for a in t["answer"]))
-        for t in tables
-    )
+        raise CourseError(f"there is no quiz {name!r}. Quizzes: {known}")
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8")).get(kind, [])
+        questions = tuple(_question_of(table) for table in tables)
+    except tomllib.TOMLDecodeError as error:
+        raise CourseError(f"{path} is not TOML: {error}") from error
+    except KeyError as error:
+        raise CourseError(f"{path}: a {kind} or one of its answers has no {error}") from error
     for question in questions:
         if sum(answer.right for answer in question.answers) != 1:
             raise CourseError(f"{path}: {question.text!r} needs exactly one answer with right = true")
     return questions
+
+
+def _question_of(table: dict[str, Any]) -> Question:
+    answers = tuple(Answer(a["text"], a["reason"], a.get("right", False)) for a in table["answer"])
+    return Question(table["text"], answers, table.get("key", ""))
+
+
+def predict(key: str) -> None:
+    """Ask for a guess before the run, e.g. `predict("week01.ground")`; `compare` shows the answer."""
+    question = load_prediction(key)
+    kept = student_state().get(SECTION, key)
+    lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
+    show(lambda: _prediction_form(key, question, kept), "\n".join(lines))
+
+
+def keep_prediction(key: str, guess: str) -> None:
+    """Keep a guess in the student's folder."""
+    student_state().put(SECTION, key, guess)
+
+
+def compare(key: str, measured: str = "") -> None:
+    """Print the guess kept under `key` with its reason, the right answer, and what the cell measured."""
+    question = load_prediction(key)
+    guess = question.answer(student_state().get(SECTION, key))
+    lines = ["You predicted: nothing yet (choose an answer above, then run this cell again)"]
+    if guess is not None:
+        lines = [f"You predicted: {guess.text}. {verdict(guess)}"]
+    if guess is None or not guess.right:
+        lines.append(f"What happened: {question.right.text}. {question.right.reason}")
+    if measured:
+        lines.append(f"Measured: {measured}")
+    print("\n".join(lines))  # noqa: T201  the cell's output
+
+
+def _prediction_form(key: str, question: Question, kept: str | None) -> Any:
+    import ipywidgets as widgets
+
+    options = [answer.text for answer in question.answers]
+    choice = widgets.RadioButtons(
+        options=options, value=kept if kept in options else None, layout={"width": "max-content"}
+    )
+    said = widgets.Label("Kept. Now run the next cell." if kept else "Choose one; it is kept, not marked.")
+
+    def keep(change: dict[str, Any]) -> None:
+        if change["new"] is not None:
+            keep_prediction(key, change["new"])
+            said.value = "Kept. Now run the next cell."
+
+    choice.observe(keep, names="value")
+    return widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question.text}"), choice, said])
 
 
 def verdict(answer: Answer) -> str:

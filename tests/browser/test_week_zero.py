@@ -49,7 +49,7 @@ def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook) -> N
     expect(cell.get_by_text("Kept.")).to_be_visible()
     assert State(lesson.folder).section("predictions") == {"week00.shape": "a circle"}
     result = lesson.run_to('compare("week00.shape"')
-    expect(result.get_by_text("You predicted: a circle")).to_be_visible()
+    expect(result.get_by_text("You predicted: a circle.")).to_be_visible()
 
 
 def test_the_quiz_answers_each_click_with_a_reason(lesson: Notebook) -> None:

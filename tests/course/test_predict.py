@@ -2,11 +2,12 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.questions import _prediction_form, compare, predict
+from course_lib.course import questions
+from course_lib.course.questions import _prediction_form, compare, load_prediction, predict
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
-OPTIONS = ["nothing", "a cube"]
+RIGHT, WRONG = "on the ground", "0.5 m above the ground"
 
 
 @pytest.fixture(autouse=True)
@@ -16,34 +17,71 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def choose(answer: str) -> None:
+    _prediction_form("week01.ground", load_prediction("week01.ground"), None).children[1].value = answer
+
+
 def test_without_a_page_the_question_is_printed_and_nothing_is_kept(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    predict("week01.alpha", "What do you see?", OPTIONS)
-    compare("week01.alpha", "nothing")
+    predict("week01.ground")
+    compare("week01.ground")
     printed = capsys.readouterr().out
-    assert "( ) a cube" in printed
-    assert "You predicted: none yet" in printed
-    assert "What happened: nothing" in printed
+    assert f"( ) {WRONG}" in printed
+    assert "You predicted: nothing yet" in printed
+    assert f"What happened: {RIGHT}." in printed
 
 
-def test_a_click_keeps_the_guess_and_the_result_is_shown_beside_it(
+def test_a_wrong_guess_is_answered_by_its_own_reason_and_by_what_happened(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _prediction_form("week01.alpha", "What do you see?", OPTIONS, None).children[1].value = "a cube"
-    assert State(folder).section("predictions") == {"week01.alpha": "a cube"}
-    compare("week01.alpha", "nothing")
-    compare("week01.alpha", "a cube")
-    first, _, second, _ = capsys.readouterr().out.splitlines()
-    assert first == "You predicted: a cube   → look again at why"
-    assert second == "You predicted: a cube   ✔ as it happened"
+    choose(WRONG)
+    assert State(folder).section("predictions") == {"week01.ground": WRONG}
+    compare("week01.ground")
+    question = load_prediction("week01.ground")
+    said, happened = capsys.readouterr().out.splitlines()
+    wrong = question.answer(WRONG)
+    assert wrong is not None
+    assert said == f"You predicted: {WRONG}. ✘ Not this one. {wrong.reason}"
+    assert happened == f"What happened: {RIGHT}. {question.right.reason}"
+
+
+def test_a_right_guess_is_confirmed_beside_what_was_measured(capsys: pytest.CaptureFixture[str]) -> None:
+    choose(RIGHT)
+    compare("week01.ground", "z = 0.0 m")
+    said, measured = capsys.readouterr().out.splitlines()
+    assert said.startswith(f"You predicted: {RIGHT}. ✔ Right. ")
+    assert measured == "Measured: z = 0.0 m"
 
 
 def test_a_kept_guess_is_chosen_again_when_the_cell_runs_again() -> None:
-    assert _prediction_form("k", "q", OPTIONS, "a cube").children[1].value == "a cube"
-    assert _prediction_form("k", "q", OPTIONS, "an option of an older lesson").children[1].value is None
+    question = load_prediction("week01.ground")
+    assert _prediction_form("k", question, RIGHT).children[1].value == RIGHT
+    assert _prediction_form("k", question, "an option of an older lesson").children[1].value is None
 
 
-def test_one_option_is_no_choice() -> None:
-    with pytest.raises(CourseError, match="two options"):
-        predict("k", "q", ["only"])
+def test_an_unknown_prediction_names_those_there_are() -> None:
+    with pytest.raises(CourseError, match=r"no prediction 'week01.x'. Predictions of week01: week01.ground"):
+        predict("week01.x")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[[prediction]", "is not TOML"),
+        ('[[prediction]]\nkey = "a"\ntext = "?"', "has no 'answer'"),
+        ('[[prediction]]\nkey = "a"\ntext = "?"\nanswer = [{text = "yes"}]', "has no 'reason'"),
+        (
+            '[[prediction]]\nkey = "a"\ntext = "?"\nanswer = [{text = "y", reason = "r"}]',
+            "exactly one answer",
+        ),
+    ],
+)
+def test_a_malformed_file_is_named(
+    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "quizzes").mkdir()
+    (tmp_path / "quizzes" / "week01.toml").write_text(text)
+    monkeypatch.setattr(questions, "exercises_dir", lambda: tmp_path)
+    with pytest.raises(CourseError, match=rf"week01\.toml.*{message}"):
+        predict("week01.a")

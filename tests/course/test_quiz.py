@@ -3,17 +3,21 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.installation import exercises_dir
-from course_lib.course.questions import Answer, _quiz_form, load_quiz, quiz, verdict
+from course_lib.course.questions import Answer, _quiz_form, load_predictions, load_quiz, quiz, verdict
 from course_lib.errors import CourseError
 
 QUIZZES = sorted((exercises_dir() / "quizzes").glob("*.toml"))
 
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
-def test_every_quiz_has_4_to_6_questions_with_a_reason_for_every_answer(path: Path) -> None:
-    questions = load_quiz(path.stem)
-    assert 4 <= len(questions) <= 6
-    for question in questions:
+def test_every_quiz_has_4_to_6_questions_and_every_recall_3(path: Path) -> None:
+    count = len(load_quiz(path.stem))
+    assert count == 3 if path.stem.endswith("_recall") else 4 <= count <= 6
+
+
+@pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
+def test_every_answer_has_a_reason(path: Path) -> None:
+    for question in (*load_quiz(path.stem), *load_predictions(path.stem)):
         assert 2 <= len(question.answers) <= 5
         assert all(len(answer.reason) > 20 for answer in question.answers)
 

@@ -11,6 +11,7 @@ import pytest
 
 from course_lib.course.exercise import notebook_text, read_notebook, source
 from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.questions import load_predictions
 
 LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
 ALL = [*LESSONS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
@@ -123,11 +124,21 @@ def test_the_minutes_of_the_sections_sum_to_the_total(path: Path) -> None:
 
 
 @each(LESSONS)
-def test_every_prediction_is_compared_with_a_result(path: Path) -> None:
+def test_every_prediction_is_asked_and_compared_with_a_result(path: Path) -> None:
     code = "\n".join(code_cells(path))
     asked = re.findall(r'predict\(\s*"([^"]+)"', code)
     assert asked == re.findall(r'compare\(\s*"([^"]+)"', code)
-    assert all(key.startswith(path.stem[:6]) for key in asked)
+    assert set(asked) == {f"{path.stem[:6]}.{q.key}" for q in load_predictions(path.stem[:6])}
+
+
+@each(LESSONS)
+def test_no_cell_up_to_the_comparison_shows_the_answer_of_a_prediction(path: Path) -> None:
+    code = "\n".join(code_cells(path))
+    for question in load_predictions(path.stem[:6]):
+        key = re.escape(f'"{path.stem[:6]}.{question.key}"')
+        between = re.search(rf"predict\({key}.*?compare\({key}[^\n]*", code, re.DOTALL)
+        assert between is not None
+        assert question.right.text not in between[0]
 
 
 COVERAGE = tomllib.loads((lessons_dir() / "coverage.toml").read_text(encoding="utf-8"))["part"]
