@@ -17,7 +17,7 @@ def widget() -> SceneWidget:
 def dock(widget: SceneWidget, **order: Any) -> Sidecar | None:
     """Answer a page's order; returns the panel that is open then."""
     widget.link.receive({"type": "dock", "page": "one", "number": 0, **order})
-    return widget._panel._panel  # type: ignore[return-value]
+    return widget._panel._panel
 
 
 def test_a_page_opens_the_panel_with_the_view_in_it_and_closes_it(widget: SceneWidget) -> None:
