@@ -76,7 +76,7 @@ CAMERA = Task(
     name="Camera",
     hints=(
         "declare_parameter has a name and a default. A timer keeps its period: a new period needs a new timer.",
-        "look_at is called before a value changes. Each parameter has .name and .value; return a "
+        "The callback is called before a value changes. Each parameter has .name and .value; return a "
         "SetParametersResult at the end, too.",
         "If the rate is out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
     ),
