@@ -85,6 +85,6 @@ def test_its_quiz_answers_a_click_with_a_reason(lesson: Lesson) -> None:
     quiz = exercises_dir() / "quizzes" / f"{lesson.week}.toml"
     questions = tomllib.loads(quiz.read_text())["question"]
     right = next(answer for answer in questions[0]["answer"] if answer.get("right"))
-    cell = lesson.notebook.cell("quiz(")
+    cell = lesson.notebook.cell(f'quiz("{lesson.week}")')
     cell.get_by_text(right["text"], exact=True).click()
     expect(cell.get_by_text(f"✔ Right. {right['reason']}")).to_be_visible()
