@@ -216,6 +216,10 @@ class Viewer:
             Path(path).write_bytes(png)
         return Picture(png, "page")
 
+    def beside(self) -> None:
+        """Show the viewer in a panel beside the notebook, where JupyterLab has one, else in the cell."""
+        self._cell.dock(self)
+
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
         """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
 

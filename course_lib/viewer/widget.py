@@ -14,6 +14,7 @@ from course_lib.viewer import assets, zbuffer
 from course_lib.viewer.drawables import Mesh, Points, Solids
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.side_panel import SidePanel
 
 _PICTURE_WIDTH = 480  # [px] of the picture for pages that cannot show the scene itself
 _PICTURE_LIMIT = 200_000  # triangles; more take seconds to draw
@@ -40,6 +41,8 @@ class SceneWidget(anywidget.AnyWidget):
     code = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(400).tag(sync=True)
     label = traitlets.Unicode("3D view").tag(sync=True)
+    beside = traitlets.Bool(False).tag(sync=True)  # JupyterLab shall show it beside the notebook
+    panel = traitlets.Unicode().tag(sync=True)  # the model that holds it there
     snapshot = traitlets.Bytes().tag(sync=True)
     number = traitlets.Int().tag(sync=True)
 
@@ -53,6 +56,8 @@ class SceneWidget(anywidget.AnyWidget):
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
         self.link.on_views = lambda count: self.on_views(count)
         super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
+        self._panel = SidePanel(self, label)
+        self.link.listen("dock", self._dock)
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
         self.comm.on_close(lambda _: self.close())
         if hasattr(self.comm, "_reply_subshell_for"):
@@ -80,10 +85,14 @@ class SceneWidget(anywidget.AnyWidget):
     def close(self) -> None:
         """Remove the views from all pages and stop following the scene."""
         self.link.close()
+        self._panel.close()
         if self._shell is not None:
             self._shell.events.unregister("post_run_cell", self._save)
             self._shell = None
         super().close()
+
+    def _dock(self, order: dict[str, Any]) -> None:
+        self.panel = self._panel.take(order)
 
     def _save(self, _: object) -> None:
         """Save the present scene in a notebook that runs without a page, as by nbconvert."""

@@ -1,5 +1,6 @@
 """The life of a viewer: it listens while a page shows it or a name holds it."""
 
+import sys
 import urllib.request
 import weakref
 from types import SimpleNamespace
@@ -111,3 +112,18 @@ def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
         assert response.status == 200
     viewer.close()
     assert viewer.session.after_frame == []
+
+
+def test_beside_shows_the_viewer_in_the_cell_where_no_page_docks_it(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[object] = []
+    monkeypatch.setattr("IPython.display.display", shown.append)
+    monkeypatch.delitem(sys.modules, "sidecar")
+    viewer = Viewer()
+    viewer.beside()
+    assert shown == [viewer]
+    assert "sidecar" not in sys.modules
+    assert viewer._cell._view is not None
+    assert viewer._cell._view.beside
+    viewer.close()

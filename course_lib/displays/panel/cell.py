@@ -52,12 +52,16 @@ class ViewerCell:
 
         The viewer, whose panel this is, lives as long as a page shows it.
         """
-        if self._view is None or self._view.comm is None:  # the page may have closed it
-            self._view = self._made(viewer)
-        self._view.keeps = viewer
-        data, metadata = self._view._repr_mimebundle_(**kwargs)
+        data, metadata = self._widget(viewer)._repr_mimebundle_(**kwargs)
         words = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
         return data | {"text/plain": words}, metadata
+
+    def dock(self, viewer: object) -> None:
+        """Show the viewer in a cell, from where JupyterLab moves it into a panel beside the notebook."""
+        from IPython.display import display  # here: slow, and programs outside notebooks do without
+
+        self._widget(viewer).beside = True
+        display(viewer)  # type: ignore[no-untyped-call]
 
     def close(self) -> None:
         """Remove the viewer from all cells."""
@@ -100,6 +104,12 @@ class ViewerCell:
         time_panel = TimePanel(self._session, link, LiveTime(self._graph))
         link.on_click.append(self._click)
         self._ends += [desk.close, time_panel.close, close]
+
+    def _widget(self, viewer: object) -> "SceneWidget":
+        if self._view is None or self._view.comm is None:  # the page may have closed it
+            self._view = self._made(viewer)
+        self._view.keeps = viewer
+        return self._view
 
     def _made(self, viewer: object) -> "SceneWidget":
         from course_lib.viewer.widget import SceneWidget

@@ -2,6 +2,7 @@ import { bytesOf } from "./decode.js";
 import { encode } from "./encode.js";
 import { Mirror } from "./mirror.js";
 import { Desk, DeskState } from "./panels/desk.js";
+import { Place } from "./panels/place.js";
 import { timeBelow } from "./panels/time.js";
 import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
@@ -19,15 +20,18 @@ export class Link {
     this.mirror = new Mirror();
     this.page = Math.random().toString(36).slice(2); // tells the pages apart that show one scene
     this.number = model.get("number");
-    this.asked = 0; // [ms] when the scene was asked for, as a batch was lost
+    this.lostAt = 0; // [ms] when the scene was asked for, as a batch was lost
     this.saving = 0; // a timer
     /** @type {Set<(time: any) => void>} */
     this.timeBars = new Set();
+    /** @type {Set<Place>} */
+    this.places = new Set();
+    this.asked = false; // for the panel beside the notebook
     /** @type {Record<string, (message: any, buffers: DataView[]) => void>} what is done with which message */
     this.orders = {
       reset: ({ number, page }, [scene]) => {
         if ((page ?? this.page) !== this.page) return;
-        [this.number, this.asked] = [number, 0];
+        [this.number, this.lostAt] = [number, 0];
         this.mirror.reset(bytesOf(scene));
       },
       batch: ({ number, ask }, [changes]) => {
@@ -55,6 +59,7 @@ export class Link {
     this.wake = () => document.hidden || this.send({ type: "ready" }); // much may be lost while a laptop sleeps
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
+    model.on("comm_live_update", () => model.comm_live || this.undock());
     this.send({ type: "ready" });
     this.desk = new DeskState((order) => this.send(order));
   }
@@ -82,8 +87,8 @@ export class Link {
 
   /** Ask for the whole scene, again if no answer comes. */
   resync() {
-    if (Date.now() - this.asked < 2000) return;
-    this.asked = Date.now();
+    if (Date.now() - this.lostAt < 2000) return;
+    this.lostAt = Date.now();
     this.send({ type: "resync" });
   }
 
@@ -103,13 +108,21 @@ export class Link {
     const view = new View(host, this.mirror, { label, onClick });
     const desk = new Desk(element, host, view, this.desk);
     const endTime = timeBelow(this, desk.frame);
+    const place = new Place(this, element, desk.frame, host);
     this.count();
     return () => {
       endTime();
+      place.dispose();
       view.dispose();
       desk.dispose();
       this.count();
     };
+  }
+
+  /** Close the panel of a kernel that has gone: its pictures stand still in their cells again. */
+  async undock() {
+    const name = this.model.get("panel");
+    if (name) (await this.model.widget_manager.get_model(name)).close(true);
   }
 
   /** Tell how many views this page has, so that what nobody sees can end. */

@@ -14,7 +14,7 @@ export function follow(host) {
   const model = { // stands for a widget's: the same messages, over a WebSocket
     get: (/** @type {string} */ name) => state[name],
     set: (/** @type {string} */ name, /** @type {any} */ value) => (state[name] = value),
-    on: (/** @type {string} */ _, /** @type {typeof hear} */ told) => (hear = told),
+    on: (/** @type {string} */ name, /** @type {typeof hear} */ told) => name === "msg:custom" && (hear = told),
     send: (/** @type {any} */ content) => connected?.readyState === 1 && connected.send(JSON.stringify(content)),
   };
   const status = Object.assign(document.createElement("div"), { role: "status", hidden: true });
