@@ -105,6 +105,7 @@ class NotebookProgram(Process):
 
     def work(self) -> None:
         """Run the cells; IPython shows what one raises."""
+        sys.path.insert(1, str(self.file.resolve().parent))  # as JupyterLab does
         shell = make_shell()
         for source in self._sources:
             if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
