@@ -29,7 +29,13 @@ RELEASED = (
 # Who got more time concerns nobody else: a table of its own in course.toml, up to the next one.
 EXTENSIONS = re.compile(r"^\[weeks\.\w+\.extensions\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
-LESSONS = ("week*.ipynb", "images", "coverage.toml")  # else lessons have written it
+LESSONS = (
+    "week*.ipynb",
+    "week*.py",
+    "review_*.ipynb",
+    "images",
+    "coverage.toml",
+)  # else lessons have written it
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,10 @@ class Refresh:
 
 def shipped_files() -> dict[str, Path]:
     """Return the kit's file for each name in a student's folder."""
-    notebooks = [*lessons_dir().glob("week*.ipynb"), *exercises_dir().glob("week*.ipynb")]
+    lessons = [
+        path for name in ("week*.ipynb", "week*.py", "review_*.ipynb") for path in lessons_dir().glob(name)
+    ]
+    notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
     named = {path.name: path for path in notebooks}
     return dict(

@@ -31,6 +31,7 @@ from course_lib.viewer.picture import Picture, screenshot
 from course_lib.viewer.scene import Scene
 
 if TYPE_CHECKING:
+    from course_lib.displays.panel.resting_view import RestingView
     from course_lib.robots.robot import Robot
     from course_lib.viewer.visualizer import Visualizer
 
@@ -219,6 +220,15 @@ class Viewer:
     def beside(self) -> None:
         """Show the viewer in a panel beside the notebook, where JupyterLab has one, else in the cell."""
         self._cell.dock(self)
+
+    def freeze(self, seconds: float = 5.0) -> "RestingView":
+        """Return the view as it is now, for the last line of a cell: later messages do not change it.
+
+        Args:
+            seconds: How much of what was seen before its bar can play, [s] of robot time.
+        """
+        self.look()
+        return self._cell.at_rest(self._film, seconds)
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
         """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.

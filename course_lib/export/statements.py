@@ -25,18 +25,37 @@ class Cell:
 
 
 def read_cells(file: Path) -> list[Cell]:
-    """Read a .py file, as one cell, or a notebook's code cells; magics are left out.
+    """Read a .py file, as one cell, or a notebook's code cells and the modules beside it; no magics.
 
     Raises:
         CourseError: The file cannot be read, or is not a notebook.
     """
     if file.suffix == ".ipynb":
-        return [_cell(number, cell) for number, cell in code_cells(read_notebook(file))]
+        cells = (_cell(number, cell) for number, cell in code_cells(read_notebook(file)))
+        return [part for cell in cells for part in _with_modules(cell, file.parent)]
+    return [Cell(1, _text(file), marked=True)]
+
+
+def _text(file: Path) -> str:
     try:
-        return [Cell(1, file.read_text(encoding="utf-8"), marked=True)]
+        return file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not text"
         raise CourseError(f"{file} cannot be read: {reason}. Name a notebook or a Python file.") from error
+
+
+def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
+    """Yield the code of each module in the folder that a cell imports from, then the cell without that."""
+    lines = cell.source.splitlines()
+    beside = {name: folder / f"{name}.py" for name in re.findall(r"^from (\w+) import", cell.source, re.M)}
+    for name, module in beside.items():
+        if module.is_file():
+            yield Cell(cell.number, _text(module), cell.marked)
+            for node in ast.parse(cell.source).body:
+                if isinstance(node, ast.ImportFrom) and node.module == name:
+                    first, last = node.lineno - 1, node.end_lineno or node.lineno
+                    lines[first:last] = [""] * (last - first)
+    yield Cell(cell.number, "\n".join(lines), cell.marked)
 
 
 def _cell(number: int, cell: dict[str, Any]) -> Cell:

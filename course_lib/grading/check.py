@@ -1,15 +1,15 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
-import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from course_lib.course.identity import current_identity
 from course_lib.course.questions import in_notebook, show
 from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
+from course_lib.grading.advice import Advice, not_numbers, returned_none
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import TaskResult, judge_task
@@ -18,8 +18,7 @@ from course_lib.grading.reports.table import Table
 from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import printed
 from course_lib.grading.run.student_side import run_here
-from course_lib.grading.task import HINTS, Task
-from course_lib.ros.messages import to_plain
+from course_lib.grading.task import Task
 
 STRICT = "COURSE_STRICT"
 GHOST_HEIGHT = 260  # [px]
@@ -29,6 +28,7 @@ NO_ID = (
 )
 MISSING = object()  # stands for an object that was not given
 
+_ADVICE = Advice()  # of this kernel
 _bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
 
 
@@ -58,15 +58,17 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     if subject is MISSING:
         raise CourseError(f"check needs your object as its second argument. Write: {_call(task)}")
     personal = personal_values(task, student)
+    strict = os.environ.get(STRICT) == "1"
     runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
     result = judge_task(task, *catalog.points(task), runs)
     evidence = [run.evidence for run in runs]
     remember(task, result, _cells_of_this_kernel())
-    table = table_of(task, result, evidence, student)
+    shown = _ADVICE.reasons(result) if in_notebook() and not strict else result
+    table = table_of(task, shown, evidence, student, _ADVICE)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         _show_ghost(task, runs[0].evidence)
-    if os.environ.get(STRICT) == "1" and not result.passed:
+    if strict and not result.passed:
         raise CheckFailedError(str(table))
 
 
@@ -91,34 +93,26 @@ def remember(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
     keep_check(state, task.id, passed=result.passed and not result.untouched, cells=cells)
 
 
-def table_of(task: Task, result: TaskResult, evidence: Sequence[Evidence], student: str | None) -> Table:
-    """Return the result as a table, with the next hint if a check failed; keep the number of hints shown.
+def table_of(
+    task: Task, result: TaskResult, evidence: Sequence[Evidence], student: str | None, advice: Advice
+) -> Table:
+    """Return the result as a table, with a hint if a check failed.
 
     Args:
         task: The task.
         result: What the checks say.
         evidence: What came out of the public scenarios.
         student: Who asks.
+        advice: The hints that the student has seen.
     """
-    state, notes = student_state(), []
+    notes = []
     if result.untouched:
         notes.append(FILL_IN)
     elif task.scenarios and not result.passed:
-        notes += [*_returned_none(task, evidence), *not_numbers(evidence)]
-        failures = min(state.get("hints", task.id, 0) + 1, HINTS)
-        state.put("hints", task.id, failures)
-        notes.append(f"Hint {failures} of {HINTS}: {task.hints[failures - 1]}")
+        notes += [*returned_none(task, evidence), *not_numbers(evidence), advice.hint(task, result)]
     if task.personal and student is None:
         notes.append(NO_ID)
     return Table(result, tuple(notes), printed(one.output for one in evidence))
-
-
-def _returned_none(task: Task, evidence: Sequence[Evidence]) -> list[str]:
-    """Ask for a return where a function came to its end and gave nothing."""
-    ran = (one for one in evidence if not one.errors and not one.stopped)
-    if task.kind == "function" and any(returned is None for one in ran for returned in one.returns):
-        return [f"{task.name} returned None: is there a return?"]
-    return []
 
 
 def _call(task: Task) -> str:
@@ -140,30 +134,3 @@ def _show_ghost(task: Task, evidence: Evidence) -> None:
 
     view = SceneWidget(compared(task, evidence), GHOST_HEIGHT, "what you drew, and pale: what is expected")
     display(view)  # type: ignore[no-untyped-call]  # IPython does not annotate it
-
-
-MAX_PLACES = 3
-
-
-def not_numbers(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence with the first places of NaN, or nothing; of a topic its last message counts."""
-    places: list[str] = []
-    for one in evidence:
-        for topic in one.topics:
-            last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
-            places += (f"{place} on {topic}" for place in _places(last[0] if last else None, ""))
-        places += (place for value in one.returns for place in _places(value, "the returned value"))
-    found = list(dict.fromkeys(places))[:MAX_PLACES]
-    cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
-    return [f"NaN (not a number): {', '.join(found)}. Is it {cause}"] if found else []
-
-
-def _places(value: Any, path: str) -> Iterator[str]:
-    if isinstance(value, float) and math.isnan(value):
-        yield path.removeprefix(".")
-    elif isinstance(value, dict):
-        for key, item in value.items():
-            yield from _places(item, f"{path}.{key}")
-    elif isinstance(value, list):
-        for index, item in enumerate(value):
-            yield from _places(item, f"{path}[{index}]")

@@ -7,6 +7,7 @@ from pathlib import Path
 from course_lib.course.exercise import find_notebook
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
+from course_lib.grading.advice import Advice
 from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.handin.archives import working_files
@@ -38,11 +39,13 @@ def check_file(path: Path) -> bool:
     judgement = judge(made, tasks, catalog)
     causes = Causes(judgement.cell_errors, notebook.cells)
     said: list[object] = [*causes.lines()]
+    advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
         remember(task, result, notebook.cells)
         evidence = [one.evidence for one in made.runs if one.evidence.task == task.id]
         follows = causes.explain(result)
-        said.append(NOT_CHECKED.format(task) if follows else table_of(task, result, evidence, student))
+        table = table_of(task, result, evidence, student, advice)
+        said.append(NOT_CHECKED.format(task) if follows else table)
     if own and student != own:
         said.append(
             f"{path.name} names the student {student}, you are {own}. set_identity('{own}') stamps it."

@@ -19,6 +19,7 @@ CHECK_SECONDS = 5.0  # [s] of processor time for a check
 TASK_SECONDS = 10.0  # [s] of processor time for all checks of a task
 LEAST_SECONDS = 0.1  # [s] for a check where the others have used up the task's time
 LONGEST = 500  # characters of an exception's text
+NEEDS_ANOTHER = "another check must pass first"
 CANNOT_JUDGE = "this check could not judge what came: a fault of the course, which your instructor looks at"
 
 # Its text is the student's own and may tell a hidden input, so students don't get it; the evidence has it.
@@ -215,7 +216,7 @@ class _Judge:
                 continue
             if verdict.score >= 1 or failing.broken:
                 message = f"counts when this passes: {required.title}"
-                return Verdict(0.0, message, "another check must pass first", failing.broken)
+                return Verdict(0.0, message, NEEDS_ANOTHER, failing.broken)
             return replace(verdict, score=0.0)
         return verdict
 

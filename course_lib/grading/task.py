@@ -13,7 +13,7 @@ from course_lib.grading.evidence import Check
 
 Kind = Literal["node", "function", "value", "text", "file", "written"]
 KINDS: tuple[str, ...] = get_args(Kind)
-HINTS = 3  # shown one by one, with each failed check
+HINTS = 3  # shown one by one, after the hint of the mistake
 LONGEST = 3600.0  # [s] of robot time
 
 
@@ -115,11 +115,12 @@ class Task:
         title: A few words for tables.
         kind: What the student hands in.
         name: Its name in the notebook, used where no `check(...)` binds the object.
-        hints: Three, from a nudge to nearly the answer.
+        hints: Three, from a nudge to nearly the answer; shown after the hint of the mistake.
         scenarios: The public ones.
         personal: Options for the student's own values, by name.
         ghost: The expected picture, as messages.
         rubric: For a task that a person marks.
+        mistakes: Hints for kinds of mistakes, where the general one of `vocabulary/hints.toml` is not enough.
     """
 
     id: str
@@ -131,6 +132,7 @@ class Task:
     personal: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     ghost: tuple[Message, ...] = ()
     rubric: tuple[Row, ...] = ()
+    mistakes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _need(re.fullmatch(r"week\d\d\.[a-z][a-z0-9_]*", self.id), f'{self.id!r}: expected "week01.red_cube"')

@@ -14,7 +14,7 @@ from course_lib.errors import CourseError
 _MODULES = (
     "decode", "encode", "icons", "materials", "surfaces", "billboards", "orbit", "insets", "mirror",
     "renderer", "panels/parts", "view", "panels/time", "panels/editors", "panels/tree", "panels/gestures",
-    "panels/panels", "panels/desk", "panels/place", "link", "film", "player", "page", "socket",
+    "panels/panels", "panels/desk", "panels/place", "film", "player", "link", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

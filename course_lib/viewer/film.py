@@ -1,5 +1,6 @@
 """The changes of a scene over time, to be played again."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -40,7 +41,7 @@ class Film:
         self._now = now
         self._limits, self._interval = (seconds, megabytes * 1e6), interval
         self._start = now()
-        self._first = _copied(scene)
+        self._first = copied(scene)
         self._frames: deque[_Frame] = deque()
         self._size = 0
         self.forgotten = False  # whether the beginning is gone
@@ -51,12 +52,19 @@ class Film:
         """The time that can be played, [s]."""
         return max(self._now() - self._start, 0.0)
 
-    def packed(self) -> bytes:
-        """Write batches with times in [s] since the start, or just the scene if nothing has changed."""
+    def packed(self, seconds: float = math.inf) -> bytes:
+        """Write batches with times in [s] since the start, or just the scene if nothing has changed.
+
+        Args:
+            seconds: How much of the past is wanted at most, [s].
+        """
         with self.scene.lock:
-            frames, start, end = tuple(self._frames), self._start, self.duration
-            scene = _copied(self._first)
-        if not frames or not end:
+            frames, end, scene = list(self._frames), self._now(), copied(self._first)
+        start = max(self._start, end - seconds)
+        note = self.note() if start == self._start else ""
+        while frames and frames[0].time < start:
+            frames.pop(0).apply(scene)
+        if not frames or end <= start:
             return encoding.snapshot(self.scene)
         batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.whole(scene)}]
         paths = batches[0]["paths"]
@@ -67,7 +75,7 @@ class Film:
                 batches[-1].pop("paths", None)
             else:
                 paths = batches[-1]["paths"]
-        return encoding.pack({"start": start, "end": end, "note": self.note(), "batches": batches})
+        return encoding.pack({"start": start, "end": end - start, "note": note, "batches": batches})
 
     def note(self) -> str:
         """The text about parts that are missing, or ""."""
@@ -129,7 +137,8 @@ def _batch(scene: Scene, frame: _Frame) -> dict[str, Any]:
     return batch | (encoding.placements(nodes) if nodes else {})
 
 
-def _copied(scene: Scene) -> Scene:
+def copied(scene: Scene) -> Scene:
+    """Return a scene of its own with the same content."""
     copy = Scene()
     with scene.lock:
         for node in scene.nodes():

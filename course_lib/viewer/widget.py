@@ -34,6 +34,7 @@ class SceneWidget(anywidget.AnyWidget):
         scene: What to show.
         height: Height of the view in [px]; its width is that of the cell.
         label: What the view shows, for those who cannot see it.
+        rest: The traits `film` and `panels` of a view at rest.
     """
 
     _esm = assets.widget_module()
@@ -43,10 +44,12 @@ class SceneWidget(anywidget.AnyWidget):
     label = traitlets.Unicode("3D view").tag(sync=True)
     beside = traitlets.Bool(False).tag(sync=True)  # JupyterLab shall show it beside the notebook
     panel = traitlets.Unicode().tag(sync=True)  # the model that holds it there
+    film = traitlets.Bytes().tag(sync=True)  # what a view at rest plays
+    panels = traitlets.Unicode().tag(sync=True)  # what its panels show, as JSON
     snapshot = traitlets.Bytes().tag(sync=True)
     number = traitlets.Int().tag(sync=True)
 
-    def __init__(self, scene: Scene, height: int = 400, label: str = "3D view") -> None:
+    def __init__(self, scene: Scene, height: int = 400, label: str = "3D view", **rest: bytes | str) -> None:
         self.scene = scene
         self._saved = -1  # number of the scene in the last state
         self.keeps: object = None  # whatever must live as long as a page shows this
@@ -55,7 +58,8 @@ class SceneWidget(anywidget.AnyWidget):
         )  # called with the number of views in all pages
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
         self.link.on_views = lambda count: self.on_views(count)
-        super().__init__(name=uuid.uuid4().hex, code=_shared_code().model_id, height=height, label=label)
+        shown = {"name": uuid.uuid4().hex, "code": _shared_code().model_id, "height": height, "label": label}
+        super().__init__(**shown, **rest)
         self._panel = SidePanel(self, label)
         self.link.listen("dock", self._dock)
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))

@@ -46,10 +46,9 @@ RED_CUBE = Task(
     kind="node",
     name="RedCubeNode",
     hints=(
-        "Which fields does a marker need so that somebody can see it? Look at section 2 of the lesson.",
+        "Which fields does a marker need to be visible? Look at section 2 of the lesson.",
         "The cube's edge is 1 m, so its centre is half an edge above the ground. Scales are lengths.",
-        "Set header.frame_id, header.stamp, ns, id, type, pose.position.z, scale.x/y/z and color.r/g/b/a, "
-        "then call self.publisher.publish(marker).",
+        "Set pose.position.z = 0.5, scale.x, scale.y and scale.z to 1.0, color.r = 1.0 and color.a = 0.8.",
     ),
     scenarios=(
         Scenario(
@@ -73,7 +72,7 @@ BLUE_CYLINDER = Task(
     kind="node",
     name="BlueCylinderNode",
     hints=(
-        "pose.position is the centre of the cylinder, not its foot.",
+        "pose.position is the centre of the cylinder, not its lower end.",
         "scale.x and scale.y are diameters, scale.z is the height. Half of the height lies below the centre.",
         "With HEIGHT as your height: pose.position.z = HEIGHT / 2 and scale.z = HEIGHT.",
     ),
@@ -106,9 +105,9 @@ TRAFFIC_LIGHT = Task(
     kind="node",
     name="TrafficLightNode",
     hints=(
-        "RViz2 keeps one marker per pair of namespace and id. What happens to two markers of one pair?",
-        "Give all three the namespace traffic_light, and the ids 0, 1, 2. Yellow is red and green together.",
-        "for number, (color, height) in enumerate(...): make a SPHERE with id = number, then publish it.",
+        "Compare each line with the list in the task: the frame letter by letter, then place, alpha and id.",
+        "Is the alpha of a new marker 1? Which of x, y and z points up? What if two markers share ns and id?",
+        "Set the frame to map, position.z = height, color.a = 1.0, and take id=number from enumerate(LAMPS).",
     ),
     scenarios=(
         Scenario(
@@ -144,7 +143,7 @@ PURPLE_CIRCLE = Task(
     kind="node",
     name="PurpleCircleNode",
     hints=(
-        "A point on a circle: x = r cos(angle), y = r sin(angle). What must change from call to call?",
+        "A point on a circle: x = r cos(angle), y = r sin(angle). What must change between two calls?",
         "math.cos takes radians. A full turn is 2 pi, and it takes 10 s at 10 calls a second.",
         "Start with self.angle = 0.0; in every call use it, then add 2 * math.pi / 100 to it.",
     ),
@@ -186,7 +185,7 @@ SQUARE_ROUTE = Task(
     kind="node",
     name="SquareRouteNode",
     hints=(
-        "LINE_STRIP joins each point with the next one, and it does not close by itself.",
+        "A LINE_STRIP connects each point to the next one, and it doesn't close by itself.",
         "Points are geometry_msgs/msg/Point. The width of the line is scale.x; a width of 0 draws nothing.",
         "Append the four corners to marker.points, then the first corner once more; scale.x = 0.05.",
     ),
@@ -215,4 +214,4 @@ SQUARE_ROUTE = Task(
     ),
 )
 
-TASKS = (RED_CUBE, BLUE_CYLINDER, TRAFFIC_LIGHT, PURPLE_CIRCLE, SQUARE_ROUTE)
+TASKS = (RED_CUBE, BLUE_CYLINDER, PURPLE_CIRCLE, TRAFFIC_LIGHT, SQUARE_ROUTE)

@@ -49,9 +49,9 @@ JOINT_WAVE = Task(
     kind="node",
     name="JointWaveNode",
     hints=(
-        "A JointState has a stamp, names and positions. The positions stand in the order of the names.",
-        "The time is steps * 0.02 s. A sine that swings 0.25 times a second is sin(2 pi * 0.25 * time).",
-        "position = [A sin(angle), -1.2, 0.5 sin(2 angle), 0.0, 0.0, 0.0], with A your amplitude.",
+        "state.position needs six numbers, in the order of NAMES. Which joint is the first one?",
+        "A sine that swings 0.25 times a second is sin(2 pi * 0.25 * time). The elbow swings twice as fast.",
+        "state.position = [A sin(angle), -1.2, 0.5 sin(2 angle), 0.0, 0.0, 0.0], with A your amplitude.",
     ),
     scenarios=(
         Scenario(
@@ -86,7 +86,7 @@ TWO_LINK = Task(
     name="two_link",
     hints=(
         "Go along the first link, then along the second one. In which direction does each of them point?",
-        "The second angle counts from the first link. So the second link points to first + second.",
+        "The second angle counts from the first link. So the second link points along first + second.",
         "x = a cos(first) + b cos(first + second); y is the same with sin.",
     ),
     scenarios=(
@@ -107,9 +107,9 @@ TOOL_PLACE = Task(
     kind="function",
     name="tool_place",
     hints=(
-        "Begin with np.eye(4). Each joint brings a shift, then a turn. How do matrices chain?",
+        "Begin with np.eye(4). Each joint adds a shift, then a turn. How do you combine matrices?",
         "In the loop: place = place @ shifted(shift) @ turned(axis, angle).",
-        "At the end a column takes the tip: (place @ [*tip, 1.0])[:3].",
+        "At the end, transform the tip: (place @ [*tip, 1.0])[:3].",
     ),
     scenarios=(
         Scenario(
@@ -141,13 +141,13 @@ TOOL_PLACE = Task(
 
 MENDED_STATES = Task(
     "week02.mended_states",
-    title="A mended robot",
+    title="Find the faults: a robot that stays white",
     kind="node",
     name="MendedStates",
     hints=(
-        "Start BrokenStates and read its log and the table of statuses. Mend one fault, then look again.",
-        "The log says that the message is invalid: count names and positions. Then read each name aloud.",
-        "wrist_3_joint needs a position, elbow_jont needs an i, and angles are radians: math.radians(...).",
+        "Run BrokenStates, and read its log and the table of statuses. Fix one fault, then look again.",
+        "The log says that the message is invalid: count names and positions. Then check each spelling.",
+        "wrist_3_joint needs a position, elbow_jont lacks an i, angles are in radians: math.radians(...).",
     ),
     scenarios=(
         Scenario(
@@ -183,13 +183,13 @@ SPHERE = (
 
 NEAREST_OBSTACLE = Task(
     "week02.nearest",
-    title="Stretch: the nearest obstacle",
+    title="Stretch: find five faults: the nearest obstacle",
     kind="node",
     name="NearestNode",
     hints=(
-        "Which beams count? Leave out all below range_min and above range_max; inf and NaN go with them.",
-        "Beam number i looks along angle_min + i * angle_increment. 0 is x, and it counts to the left.",
-        "x = r cos(angle), y = r sin(angle), in the frame of the scan: marker.header = message.header.",
+        "Which beams count? A beam must be between range_min and range_max. And what if none is?",
+        "Beam number i looks along angle_min + i * angle_increment. In which frame? Is the sphere visible?",
+        "Check low <= distance <= high, return without beams, add angle_min, copy the header, set color.a.",
     ),
     scenarios=(
         Scenario(

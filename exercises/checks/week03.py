@@ -91,9 +91,9 @@ CONFIDENCE_COLOR = Task(
     kind="function",
     name="confidence_color",
     hints=(
-        "A sure detection is green, an unsure one is red. What is half sure?",
-        "Green is the confidence itself. Red is what is missing to 1.",
-        "return (1.0 - confidence, confidence, 0.0, 0.5)",
+        "A confident detection is green, an unsure one is red. What colour is half sure?",
+        "Green is the confidence itself. Red and green add up to 1.",
+        "red, green = 1.0 - confidence, confidence",
     ),
     scenarios=(
         Scenario(
@@ -114,7 +114,7 @@ BOXES = Task(
     kind="node",
     name="BoxNode",
     hints=(
-        "One marker per detection, all in one MarkerArray. Which field makes a good marker id?",
+        "Make one marker per detection, all in one MarkerArray. Which field makes a good marker id?",
         "The centre is detection.bbox.center, the size is detection.bbox.size. Ids are texts: use int(...).",
         "In the loop: marker.header = message.header, marker.pose = detection.bbox.center, marker.scale = "
         "detection.bbox.size, marker.lifetime = Duration(seconds=1.0).to_msg().",
@@ -187,13 +187,13 @@ A_BOX = expect_marker(MARKERS, type="CUBE", at=1.0).titled("a box is there at fi
 
 SURE = Task(
     "week03.sure_boxes",
-    title="Only what is sure, and nothing stale",
+    title="Find the faults: only what is sure, and nothing stale",
     kind="node",
     name="SureBoxNode",
     hints=(
-        "Two things: leave out what is below the threshold, and remove what was drawn before but is gone.",
-        "An array is worked through in order. What could its first marker do?",
-        "Begin every array with Marker(action=Marker.DELETEALL), then add the boxes with score >= THRESHOLD.",
+        "At which place in the array must DELETEALL be? Which detections does > leave out, compared to >=?",
+        "Two markers with the same ns and id are one marker. And is every detection in the frame map?",
+        "Begin with Marker(action=Marker.DELETEALL); score >= threshold; int(detection.id); message.header.",
     ),
     scenarios=(
         Scenario(
@@ -255,8 +255,8 @@ VELOCITY = Task(
     kind="node",
     name="VelocityNode",
     hints=(
-        "A velocity needs two messages. What do you have to remember from the first?",
-        "Keep time and centre by track id. The stamp of the message is the time that counts.",
+        "A velocity needs two messages. What must you keep from the first one?",
+        "Keep time and centre by track id. Use the stamp of the message as the time.",
         "velocity = (centre - old) / (now - then); the arrow's points are centre and centre + velocity.",
     ),
     scenarios=(
@@ -295,4 +295,4 @@ VELOCITY = Task(
     ),
 )
 
-TASKS = (CONFIDENCE_COLOR, BOXES, LABELS, SURE, VELOCITY)
+TASKS = (CONFIDENCE_COLOR, LABELS, BOXES, SURE, VELOCITY)

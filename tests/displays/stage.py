@@ -15,6 +15,13 @@ def publish(graph: Graph, topic: str, message: Any, qos: Qos | None = None) -> N
     graph.publish(graph.add_publisher(node, topic, type_name(message), qos or Qos()), serialize(message))
 
 
+def wait(graph: Graph, seconds: float) -> None:
+    """Advance robot time."""
+    graph.call_at(graph.now_ns + round(seconds * 1e9), lambda: None, node=0, entity=0)
+    while graph.advance():
+        pass
+
+
 def shown(viewer: Viewer) -> set[str]:
     viewer.look()
     return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.visible(path)}

@@ -119,7 +119,7 @@ def test_beside_shows_the_viewer_in_the_cell_where_no_page_docks_it(
 ) -> None:
     shown: list[object] = []
     monkeypatch.setattr("IPython.display.display", shown.append)
-    monkeypatch.delitem(sys.modules, "sidecar")
+    monkeypatch.delitem(sys.modules, "sidecar", raising=False)
     viewer = Viewer()
     viewer.beside()
     assert shown == [viewer]

@@ -137,6 +137,18 @@ def test_names_are_found_as_python_finds_them(
     assert "get_ipython" not in text
 
 
+def test_code_of_a_module_beside_the_notebook_is_copied(exported: Callable[..., str], tmp_path: Path) -> None:
+    (tmp_path / "parts.py").write_text("import math\n\nRATE = 2.0\n\n\ndef f():\n    return math.pi\n")
+    text = exported(
+        "# export\n" + NODE,
+        "# export\nfrom parts import (\n    f,\n)\n",
+        "# export\n" + TALKER + "        f()",
+    )
+    assert "def f():" in text
+    assert "import math" in text
+    assert not [word for word in ("from parts", "RATE") if word in text]
+
+
 def test_strings_get_the_quotes_that_ros_s_linters_want(exported: Callable[..., str]) -> None:
     kept = ['"it\'s"', '"a\\tb"', '"""doc"""', "'single'"]
     text = exported(NODE, f'A = [\'a\', "b", r"c", "", {", ".join(kept)}]', TALKER + "        print(A)")

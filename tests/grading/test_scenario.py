@@ -1,4 +1,5 @@
 import re
+import signal
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -128,6 +129,15 @@ def test_an_endless_loop_is_interrupted_and_the_next_run_is_fine(subject: Callab
     where = r"test_scenario.py, line \d+: (while True:|pass)"
     assert re.fullmatch(rf"still running after 0.2 s \({where}\): an endless loop\? It was stopped.", said)
     assert run(lambda: 3, "function", calls=(Call(),)).returns == (3,)
+
+
+def test_an_endless_loop_is_interrupted_where_interrupts_are_ignored_as_under_nohup() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert run(loop_for_ever, wall_limit=0.2).stopped == "time"
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_output_is_kept_and_chance_is_seeded() -> None:

@@ -1,5 +1,6 @@
 """Week 7's notebooks as packages: what they publish is what the notebook's nodes publish."""
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -35,6 +36,8 @@ def test_the_launched_package_publishes_what_the_notebook_s_nodes_do(
 ) -> None:
     made = ", ".join(f"{node}()" for node in nodes)
     run = f"from course_lib import spin_for\nrclpy.init()\nspin_for({SECONDS}, {made})"
+    for module in notebook.parent.glob("week07*.py"):
+        shutil.copy(module, tmp_path)
     file = write_notebook(tmp_path / "nodes.ipynb", ["%load_ext course_lib", *exported_cells(notebook), run])
     export(file, "my_dashboard", tmp_path / "src", nodes=nodes)
     package = tmp_path / "src" / "my_dashboard"

@@ -119,3 +119,18 @@ def test_a_stopped_film_goes_no_further(clock: Clock) -> None:
     clock.now += 1.0
     scene.set_object("a", RED_BOX)
     assert "batches" not in packed(film)
+
+
+def test_only_the_last_seconds_may_be_wanted_and_begin_with_the_scene_as_it_was(clock: Clock) -> None:
+    scene = Scene()
+    scene.set_object("a", RED_BOX)
+    film = Film(scene, clock)
+    for x in (1.0, 2.0, 3.0):
+        clock.now += 1.0
+        scene.set_transform("a", moved(x))
+    data = decoded(film.packed(1.5))
+    assert (data["start"], data["end"]) == (101.5, 1.5)
+    assert [batch["time"] for batch in data["batches"]] == [0.0, 0.5, 1.5]
+    assert [batch["matrices"][9] for batch in data["batches"]] == [1.0, 2.0, 3.0]
+    clock.now += 5.0
+    assert "batches" not in decoded(film.packed(1.5))

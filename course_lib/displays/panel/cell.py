@@ -14,9 +14,11 @@ from course_lib.errors import CourseError
 from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph
+from course_lib.viewer.film import Film
 from course_lib.viewer.page_link import Click, PageLink
 
 if TYPE_CHECKING:
+    from course_lib.displays.panel.resting_view import RestingView
     from course_lib.viewer.page_server import PageServer
     from course_lib.viewer.widget import SceneWidget
 _ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
@@ -62,6 +64,14 @@ class ViewerCell:
 
         self._widget(viewer).beside = True
         display(viewer)  # type: ignore[no-untyped-call]
+
+    def at_rest(self, film: Film, seconds: float) -> "RestingView":
+        """Return a view that plays the last part of a film; it ends with the last page that shows it."""
+        from course_lib.displays.panel.resting_view import RestingView  # here: anywidget is slow to load
+
+        view = RestingView(self._session, film, seconds)
+        view.on_views = lambda count: None if count else _end(view)
+        return view
 
     def close(self) -> None:
         """Remove the viewer from all cells."""
@@ -135,6 +145,11 @@ class ViewerCell:
     def _is_there(self) -> bool:
         """Return whether a page shows the scene."""
         return self._view is not None and self._view.link.ready
+
+
+def _end(view: "RestingView") -> None:
+    _forget(view)
+    view.close()
 
 
 def _forget(result: object) -> None:

@@ -89,8 +89,7 @@ class Desk:
     def post(self) -> None:
         """Send the page the fields of the state and the rows that have changed."""
         self._waiting, self._posted = False, wall.monotonic()
-        state = self._state()
-        rows = {key: entry.row for key, entry in self._orders.rows.items()}
+        state, rows = self.whole()
         names = (field.name for field in fields(PanelState))
         now = {name: getattr(state, name) for name in names}
         changed = {name: value for name, value in now.items() if value != getattr(self._sent, name, None)}
@@ -99,6 +98,11 @@ class Desk:
         self._sent, self._sent_rows = state, rows
         if changed or changed_rows or news.gone:
             self._link.post({"type": "desk", **to_json(news)})
+
+    def whole(self) -> tuple[PanelState, dict[str, PanelRow]]:
+        """Return all that the panels show now: the state and its rows."""
+        state = self._state()
+        return state, {key: entry.row for key, entry in self._orders.rows.items()}
 
     def _state(self) -> PanelState:
         session, orders = self._session, self._orders

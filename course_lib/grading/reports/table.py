@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
-LONG = 40  # characters of a reason that is not repeated row by row
 FOR_A_PERSON = "noted; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
@@ -55,8 +54,11 @@ class Table:
 
 
 def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
-    """Return icon, word, title and reason of each check; of a hidden one its number and kind of mistake."""
-    made: list[tuple[str, str, str, str]] = []
+    """Return icon, word, title and reason of each check; of a hidden one its number and kind of mistake.
+
+    Public checks that fail for one reason share a row.
+    """
+    made: dict[tuple[str, ...], tuple[str, str, str, str]] = {}
     hidden = 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
@@ -65,11 +67,11 @@ def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
         hidden += check.hidden
         said = (f"hidden check {hidden}", check.mistake) if check.hidden else (check.title, check.message)
         title, why = said
-        if not check.passed and len(why) > LONG:
-            same = next((row[2] for row in made if row[3] == why and row[1] == word), "")
-            why = f"as for “{same}”" if same else why
-        made.append((icon, word, title, why))
-    return made
+        shares = not check.passed and not check.hidden and why
+        key = (word, why) if shares else (title, str(len(made)))
+        title = f"{made[key][2]}; {title}" if key in made else title
+        made[key] = (icon, word, title, why)
+    return list(made.values())
 
 
 def fill(template: str, **values: Any) -> str:

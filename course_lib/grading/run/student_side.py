@@ -140,12 +140,27 @@ def watchdog(seconds: float) -> Iterator[Watchdog]:
     """Raise KeyboardInterrupt in the main thread, and end threads started meanwhile, after so many [s]."""
     dog = Watchdog()
     thread = threading.Thread(target=dog.watch, args=(seconds,), daemon=True)
-    thread.start()
+    with _interrupts_heard():
+        thread.start()
+        try:
+            yield dog
+        finally:
+            dog.stop()
+            thread.join()
+
+
+@contextmanager
+def _interrupts_heard() -> Iterator[None]:
+    """Raise KeyboardInterrupt on SIGINT where it is ignored: `nohup` and a script's `&` start programs so."""
+    is_main = threading.current_thread() is threading.main_thread()
+    if not is_main or signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        yield dog
+        yield
     finally:
-        dog.stop()
-        thread.join()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def run_here(

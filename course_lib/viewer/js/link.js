@@ -1,12 +1,15 @@
-import { bytesOf } from "./decode.js";
+import { bytesOf, decode } from "./decode.js";
 import { encode } from "./encode.js";
+import { Film } from "./film.js";
 import { Mirror } from "./mirror.js";
 import { Desk, DeskState } from "./panels/desk.js";
 import { Place } from "./panels/place.js";
 import { timeBelow } from "./panels/time.js";
+import { Player } from "./player.js";
 import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
+const LOOKS = ["OpenPanels", "LookAgain", "TurnView", "HomeView", "SelectObject"]; // orders that change no display
 const SAVE_AFTER = 3000; // [ms] after a change; others may come meanwhile
 
 /**
@@ -55,13 +58,30 @@ export class Link {
       this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
       this.saving ||= setTimeout(() => this.save(), SAVE_AFTER);
     };
-    this.attempt(() => this.mirror.apply(bytesOf(model.get("snapshot"))));
+    /** @type {Player | null} of a view at rest */
+    this.player = null;
+    this.attempt(() => this.start());
     this.wake = () => document.hidden || this.send({ type: "ready" }); // much may be lost while a laptop sleeps
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
     model.on("comm_live_update", () => model.comm_live || this.undock());
     this.send({ type: "ready" });
-    this.desk = new DeskState((order) => this.send(order));
+    const panels = model.get("panels"); // of a view at rest
+    this.desk = new DeskState((order) => (panels ? this.refuse(order) : this.send(order)), Boolean(panels));
+    if (panels) this.desk.take(JSON.parse(panels));
+  }
+
+  /** Show the scene, or the end of a film that can be played. */
+  start() {
+    const film = this.model.get("film");
+    const content = film?.byteLength ? decode(bytesOf(film)) : {};
+    if (!content.batches) return this.mirror.apply(bytesOf(this.model.get("snapshot")));
+    this.player = new Player(new Film(content, this.mirror), (time) => this.timeBars.forEach((update) => update(time)));
+  }
+
+  /** @param {import("./protocol.js").Order} order that a view at rest cannot carry out */
+  refuse({ act }) {
+    if (!LOOKS.includes(act)) this.say("This view is at rest. Run its cell again to change it.");
   }
 
   /** @param {any} message for Python: it also tells which page this is, and how far it has come */

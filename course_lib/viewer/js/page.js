@@ -1,6 +1,7 @@
 import { decode } from "./decode.js";
 import { Film } from "./film.js";
 import { Mirror } from "./mirror.js";
+import { TimeBar } from "./panels/time.js";
 import { Player } from "./player.js";
 import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
@@ -27,9 +28,17 @@ export async function mountAll() {
     host.append(picture);
     const alone = host.dataset.alone === "true";
     new View(picture, mirror, { label: host.dataset.label ?? "", alone });
-    if (content.batches) new Player(new Film(content, mirror), host, alone ? document.body : host);
+    if (content.batches) play(new Film(content, mirror), host, alone ? document.body : host);
     else mirror.take(content);
   }
+}
+
+/** @param {Film} film @param {HTMLElement} host gets a time bar @param {HTMLElement} keys where its keys are heard */
+function play(film, host, keys) {
+  /** @type {TimeBar} */
+  const bar = new TimeBar(host, (change) => player.act(change), keys);
+  /** @type {Player} */
+  const player = new Player(film, (time) => bar.update(time));
 }
 
 /**

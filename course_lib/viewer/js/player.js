@@ -1,20 +1,18 @@
-import { TimeBar } from "./panels/time.js";
-
-/** Plays a film: its clock, and the bar that it is driven by. */
+/** Plays a film: its clock, driven by time bars. */
 export class Player {
   /**
-   * @param {import("./film.js").Film} film @param {HTMLElement} host gets the bar @param {HTMLElement} keys
-   *   where its keys are heard
+   * @param {import("./film.js").Film} film
+   * @param {(time: import("./protocol.js").TimeState) => void} told the time for the bars
    */
-  constructor(film, host, keys) {
+  constructor(film, told) {
     this.film = film;
+    this.told = told;
     this.end = film.data.end; // [s]
     this.now = this.end; // what the page is about; `play` begins at the start then
     this.paused = true;
     this.rate = 1;
     this.loop = false;
     this.last = 0; // [ms] of the page's clock
-    this.bar = new TimeBar(host, (change) => this.act(change), keys);
     this.act({ now: this.end });
   }
 
@@ -61,6 +59,6 @@ export class Player {
     const { now, end, paused, rate, loop, film } = this;
     const { start, note } = film.data;
     film.seek(now);
-    this.bar.update({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
+    this.told({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
   }
 }

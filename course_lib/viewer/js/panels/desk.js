@@ -8,8 +8,9 @@ import { part } from "./parts.js";
 
 /** The state of all panels as Python has sent it, and the desks of a page that show it. */
 export class DeskState {
-  /** @param {(order: any) => void} send carries an order to Python */
-  constructor(send) {
+  /** @param {(order: any) => void} send carries an order to Python @param {boolean} resting nothing can be edited */
+  constructor(send, resting = false) {
+    this.resting = resting;
     this.values = /** @type {PanelState} */ ({}); // complete after the first news
     /** @type {Record<string, Row>} */
     this.rows = {};
@@ -50,6 +51,7 @@ export class Desk {
     this.frame.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
       if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // they are not the notebook's
     });
+    this.frame.classList.toggle("course-resting", state.resting);
     host.classList.add("course-host");
     element.append(this.frame);
     state.desks.add(this);

@@ -86,11 +86,15 @@ export function timeBelow(link, element) {
   /** @type {TimeBar | null} */
   let bar = null;
   const update = (/** @type {Time} */ time) => {
-    bar ??= new TimeBar(element, (change) => link.send({ type: "time", ...change }));
+    bar ??= new TimeBar(element, (change) => {
+      if (link.player) link.player.act(change);
+      else link.send({ type: "time", ...change });
+    });
     bar.update(time);
   };
   link.timeBars.add(update);
-  link.send({ type: "time" }); // an empty change: Python answers, if it has a time
+  if (link.player) link.player.show();
+  else link.send({ type: "time" }); // an empty change: Python answers, if it has a time
   return () => {
     link.timeBars.delete(update);
     bar?.box.remove();

@@ -1,0 +1,96 @@
+"""Hints by the mistake that was seen."""
+
+import ast
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import course_lib.grading.vocabulary
+from course_lib.grading.advice import Advice, hints_by_mistake
+from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
+from course_lib.grading.task import Scenario, Task
+from course_lib.grading.vocabulary.markers import PROPERTIES
+
+WORDS = Path(course_lib.grading.vocabulary.__file__).parent
+LADDER = ("one", "two", "three")
+MISTAKE = "a value has the wrong sign"
+TASK = Task("week01.half", "Half of it", "function", "half", LADDER, (Scenario("public"),))
+
+
+def failing(mistake: str, title: str = "its value") -> CheckResult:
+    return CheckResult(title, "public", False, 1.0, 0.0, "2.00, expected -2.00", mistake)
+
+
+def result(*checks: CheckResult) -> TaskResult:
+    return TaskResult("week01.half", "Half of it", 10.0, False, checks)
+
+
+def texts(node: ast.AST) -> set[str]:
+    """All texts in a piece of code; a value inside an f-string stands as *."""
+    found: set[str] = set()
+    for part in ast.walk(node):
+        match part:
+            case ast.JoinedStr(values):
+                found.add("".join(str(v.value) if isinstance(v, ast.Constant) else "*" for v in values))
+            case ast.Constant(str(text)):
+                found.add(text)
+    return found
+
+
+TREES = [ast.parse(path.read_text(encoding="utf-8")) for path in sorted(WORDS.glob("*.py"))]
+
+
+def named_by_words() -> set[str]:
+    """The texts that stand where a Problem is made, and those of the table of a marker's properties."""
+    found = {row[0] for row in PROPERTIES.values()}
+    for node in (node for tree in TREES for node in ast.walk(tree)):
+        match node:
+            case ast.Call(func=ast.Name("Problem"), args=[_, ast.Constant() | ast.JoinedStr() as mistake]):
+                found |= texts(mistake)
+    return found
+
+
+def test_every_mistake_that_a_word_names_has_a_hint() -> None:
+    table, named = hints_by_mistake(), named_by_words()
+    assert len(named) > 80
+    with_value = {"a stamp is *", "a stamp is "}  # the table has both, in the past and in the future
+    assert {m for m in named - with_value if not any(fnmatchcase(m, kind) for kind in table)} == set()
+
+
+def test_every_hint_belongs_to_a_mistake_that_the_vocabulary_can_name() -> None:
+    said = set().union(*map(texts, TREES))
+    assert {k for k in hints_by_mistake() if not any(fnmatchcase(k, text) for text in said)} == set()
+
+
+def test_the_first_failure_shows_the_kind_and_the_second_the_numbers() -> None:
+    advice, wrong = Advice(), result(failing(MISTAKE))
+    assert [advice.reasons(wrong).checks[0].message for _ in range(2)] == [MISTAKE, "2.00, expected -2.00"]
+
+
+def test_a_check_without_a_kind_or_behind_another_keeps_its_message() -> None:
+    kept = result(failing(""), failing(NEEDS_ANOTHER))
+    assert Advice().reasons(kept) == kept
+
+
+def test_a_task_s_own_hint_for_a_mistake_comes_before_the_general_one() -> None:
+    own = replace(TASK, mistakes={MISTAKE: "Half of it, not minus half of it."})
+    assert Advice().hint(own, result(failing(MISTAKE))) == "Hint: Half of it, not minus half of it."
+    assert Advice().hint(TASK, result(failing(MISTAKE))).startswith("Hint: The size is right and the sign")
+
+
+def test_the_ladder_follows_where_the_mistake_s_hint_was_shown_or_there_is_none() -> None:
+    advice = Advice()
+    said = [advice.hint(TASK, result(failing(MISTAKE)))[:11] for _ in range(3)]
+    assert said == ["Hint: The s", "Hint 1 of 3", "Hint 2 of 3"]
+    assert Advice().hint(TASK, result(failing("of no kind"))) == "Hint 1 of 3: one"
+
+
+def test_the_cause_is_the_first_check_that_fails_by_itself() -> None:
+    behind = failing(NEEDS_ANOTHER, "the rate")
+    assert "wrong sign" not in Advice().hint(TASK, result(behind, failing("a value is missing")))
+    assert Advice().hint(TASK, result(behind, failing("a value is missing"))).startswith("Hint: Nothing came")
+
+
+def test_a_new_kernel_counts_from_the_beginning() -> None:
+    first, second = Advice(), Advice()
+    assert first.hint(TASK, result(failing(MISTAKE))) == second.hint(TASK, result(failing(MISTAKE)))

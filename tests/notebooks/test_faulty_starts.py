@@ -1,0 +1,57 @@
+"""The faulty start of a task that asks for its faults earns next to nothing."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from course_lib.grading.judge import judge_task
+from course_lib.grading.run.job import Run
+from course_lib.grading.task import Task
+from tests.notebooks.graded import (
+    IN_PROCESS,
+    WEEKS,
+    catalog,
+    cells_of,
+    defined,
+    evidence_here,
+    judged,
+    solution,
+)
+
+MOST = 0.1  # of a task's points, for rate, stamps and frame
+FAULTY = r"^class (Broken\w+)\b"
+
+
+def faulty_starts() -> Iterator[Any]:
+    """Each task whose start has faults, with the name of the faulty class."""
+    for week in WEEKS:
+        tasks, faulty = {task.name: task for task in judged(week)}, ""
+        for cell in cells_of(solution(week)):
+            found = re.search(FAULTY, cell, re.MULTILINE)
+            faulty = found[1] if found else faulty
+            for name in re.findall(r"^class (\w+)\b", cell, re.MULTILINE):
+                if faulty and name in tasks and tasks[name].kind in IN_PROCESS:
+                    yield pytest.param(tasks[name], faulty, id=tasks[name].id)
+                    faulty = ""
+
+
+STARTS = list(faulty_starts())
+
+
+@pytest.mark.parametrize(("task", "faulty"), STARTS)
+def test_a_faulty_start_earns_at_most_a_tenth(task: Task, faulty: str) -> None:
+    names = defined(cells_of(solution(task.week)), task.week)
+    names[task.name] = names[faulty]
+    scenarios = [(one, False) for one in task.scenarios]
+    scenarios += [(one, True) for one in catalog().hidden[task.id]]
+    runs = [Run(one, evidence_here(task, one, names), hidden) for one, hidden in scenarios]
+    result = judge_task(task, *catalog().points(task), runs)
+    earned = [(check.title, check.hidden, check.weight) for check in result.checks if check.passed]
+    assert result.fraction <= MOST, earned
+
+
+@pytest.mark.parametrize("week", ["week01", "week02", "week03"])
+def test_there_are_faults_to_find_in_each_week(week: str) -> None:
+    assert [start.values[0].id for start in STARTS if start.values[0].week == week]
