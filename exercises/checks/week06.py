@@ -75,10 +75,10 @@ CAMERA = Task(
     kind="node",
     name="Camera",
     hints=(
-        "declare_parameter has a name and a default. A timer keeps its period: a new period needs a new timer.",
+        "declare_parameter has a name and a default. A new period needs a new timer.",
         "The callback is called before a value changes. Each parameter has .name and .value; return a "
         "SetParametersResult at the end, too.",
-        "If the rate is out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
+        "Out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
     ),
     scenarios=(
         Scenario(
@@ -185,7 +185,7 @@ PERFORMANCE_TABLE = Task(
     hints=(
         "What must exist before a line can use it? rows first; then one round of the loop for each topic.",
         "n messages have n - 1 gaps: that shows which of the two lines with rate = is wrong.",
-        "Order: rows, for, times, sizes, size, rate = gap = 0.0, if, rate, gap, append, and return at the end.",
+        "Order: rows, for, times, sizes, size, rate = gap = 0.0, if, rate, gap, append, return.",
     ),
     scenarios=(
         Scenario(
