@@ -197,7 +197,7 @@ PARAMS = Task(
     kind="function",
     name="robot_params",
     hints=(
-        "Read each name letter by letter: nodes, ros__parameters, parameters. ROS ignores names that it doesn't know.",
+        "Read each name letter by letter: nodes, ros__parameters, parameters. ROS ignores unknown names.",
         "Rates are floating point numbers: 5.0. The number of points is an integer: 50. A list has one type.",
         "ros__parameters below /**, perception_node, 5.0, confidence_threshold, [1.0, 1.0, 0.0, 0.5], 50.",
     ),
