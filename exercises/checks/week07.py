@@ -156,7 +156,7 @@ TRAJECTORY_TASK = Task(
     hints=(
         "Print found.transform.translation: is it where the robot is in the world? Compare the two frames.",
         "Which half of the list does [:most] keep? And which way does the robot look in every pose?",
-        "lookup_transform(world, base, ...), found.transform.rotation, [-most:], Path(header=found.header, ...).",
+        "lookup_transform(world, base, ...), found.transform.rotation, [-most:], header=found.header.",
     ),
     scenarios=(
         Scenario(
