@@ -1,5 +1,6 @@
 """Programs as processes: each has its own command line and exit code, in a thread of this process."""
 
+import ast
 import json
 import sys
 import threading
@@ -66,12 +67,14 @@ class Program(Process):
     def __init__(self, file: Path, args: Sequence[str]) -> None:
         super().__init__(file, args)
         try:
-            self._code = compile(file.read_bytes(), str(file), "exec")
+            source = file.read_bytes()
+            self._code = compile(source, str(file), "exec")
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
         except SyntaxError as error:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}.") from error
+        self._only_defines_main = _only_defines_main(ast.parse(source))
 
     @property
     def is_launch_file(self) -> bool:
@@ -80,12 +83,29 @@ class Program(Process):
         return named or "generate_launch_description" in self._code.co_names
 
     def work(self) -> None:
-        """Run the file."""
+        """Run the file; where it only defines `main`, call that, as its console script does."""
         module = ModuleType("__main__")
         module.__file__ = str(self.file)
         sys.modules["__main__"] = module
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
         exec(self._code, module.__dict__)
+        if self._only_defines_main:
+            sys.exit(module.__dict__["main"]())
+
+
+_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign)
+_IMPORTS = (ast.Import, ast.ImportFrom, ast.Try)
+
+
+def _only_defines_main(tree: ast.Module) -> bool:
+    """Return whether a file defines a function `main` and no statement of it runs anything."""
+    statements = [node for node in tree.body if not _is_text(node)]
+    has_main = any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in statements)
+    return has_main and all(isinstance(node, (*_DEFINITIONS, *_IMPORTS)) for node in statements)
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 class NotebookProgram(Process):

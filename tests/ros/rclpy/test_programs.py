@@ -199,3 +199,21 @@ def test_a_program_that_never_shuts_down_leaves_no_signal_handler_behind(tmp_pat
     run(tmp_path, "import rclpy; rclpy.init()")
     uninstall_signal_handlers()  # as the next program does
     assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize(
+    ("source", "code"),
+    [
+        ('"""Say it."""\nimport sys\nCODE = 3\n\ndef main():\n    return CODE\n', 3),  # as a console script
+        ("def main():\n    raise SystemExit(4)\n\nif __name__ == '__main__':\n    print('guarded')\n", 0),
+        ("def main():\n    return 5\n\nprint('it runs something already')\n", 0),
+        ("def start():\n    return 6\n", 0),
+    ],
+)
+def test_a_file_that_only_defines_main_runs_it_as_its_console_script_would(
+    source: str, code: int, tmp_path: Path
+) -> None:
+    file = tmp_path / "program.py"
+    file.write_text(source)
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files([file], seed=0) == code
