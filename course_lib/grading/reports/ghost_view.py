@@ -27,5 +27,5 @@ def show_ghost(task: Task, evidence: Evidence) -> None:
             scene.set_visible(path, change["new"])
 
     tick.observe(toggle, "value")
-    display(HBox([tick, HTML(LEGEND)]))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    display(HBox([tick, HTML(LEGEND, layout=Layout(margin="0 0 0 16px"))]))  # type: ignore[no-untyped-call]  # IPython does not annotate it
     display(SceneWidget(scene, HEIGHT, LEGEND))  # type: ignore[no-untyped-call]
