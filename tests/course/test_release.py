@@ -20,10 +20,10 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def answers() -> list[str]:
-    """The longer lines of all answers, but those of faulty starts and disordered lines that are handed out."""
+    """The longer lines of all answers, but those that are handed out as faulty starts."""
     lines = []
     for path in solutions_dir().glob("week*_solution.ipynb"):
-        inside, outside = [], set[str]()
+        inside, outside = list[str](), set[str]()
         for cell in read_notebook(path)["cells"]:
             answer = False
             for line in source(cell).splitlines():
@@ -44,7 +44,7 @@ def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
 
 def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
     released = "\n".join(path.read_text() for path in (out / "exercises").rglob("*.ipynb"))
-    assert len(answers()) > 100
+    assert len(answers()) > 50
     assert not [line for line in answers() if line in released]
 
 
