@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
 from course_lib.ros.graph import current_graph
-from course_lib.ros.notices import repeated_lines
+from course_lib.ros.notices import repeated_lines, replacements
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -22,10 +22,12 @@ def load(shell: "InteractiveShell") -> None:
     register(shell)
     shorten_tracebacks(shell)
     shell.events.register("post_run_cell", _end_of_cell)
+    replacements.waits = True
 
 
 def _end_of_cell(*_: object) -> None:
     repeated_lines.end()
+    replacements.tell()
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:

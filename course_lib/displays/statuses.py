@@ -13,6 +13,10 @@ LEVELS: Mapping[Level, tuple[str, str, str]] = {
     "error": ("✖", "Error", "rgb(192, 32, 32)"),
     "hint": ("➤", "hint", "rgb(32, 96, 160)"),
 }
+# Titles of RViz's own statuses that nobody understands.
+NOTES: Mapping[str, str] = {
+    "Array Topic": "RViz's Marker display also listens to arrays, on its topic's name with _array behind it."
+}
 _HEAD = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align: left'>Text</th></tr>"
 
 
@@ -72,9 +76,10 @@ class StatusTable(list[StatusRow]):
 
 
 def _row(row: StatusRow) -> str:
-    """Return one row in HTML; that of a hint has a title about it."""
+    """Return one row in HTML, with a title where it needs one."""
     icon, word, color = LEVELS[row.level]
-    title = ' title="from this viewer; RViz2 says nothing here"' if row.level == "hint" else ""
+    note = "from this viewer; RViz2 says nothing here" if row.level == "hint" else NOTES.get(row.name, "")
+    title = f' title="{note}"' if note else ""
     return (
         f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
         f'<td style="color: {color}; white-space: nowrap">{icon} {word}</td>'

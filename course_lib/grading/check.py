@@ -21,7 +21,6 @@ from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Task
 
 STRICT = "COURSE_STRICT"
-GHOST_HEIGHT = 260  # [px]
 FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."
 NO_ID = (
     "No student ID is known, so your own values are a guest's. Type it into the form in week00_welcome.ipynb."
@@ -67,7 +66,9 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     table = table_of(task, shown, evidence, student, _ADVICE)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
-        _show_ghost(task, runs[0].evidence)
+        from course_lib.grading.reports.ghost_view import show_ghost  # here: widgets are slow to load
+
+        show_ghost(task, runs[0].evidence)
     if strict and not result.passed:
         raise CheckFailedError(str(table))
 
@@ -124,13 +125,3 @@ def _example(catalog: Catalog, subject: Any) -> str:
     name = getattr(subject, "__name__", "")
     tasks = list(catalog.tasks.values())
     return _call(next((task for task in tasks if task.name == name), tasks[0]))
-
-
-def _show_ghost(task: Task, evidence: Evidence) -> None:
-    from IPython.display import display
-
-    from course_lib.grading.reports.scenes import compared
-    from course_lib.viewer.widget import SceneWidget
-
-    view = SceneWidget(compared(task, evidence), GHOST_HEIGHT, "what you drew, and pale: what is expected")
-    display(view)  # type: ignore[no-untyped-call]  # IPython does not annotate it

@@ -10,6 +10,32 @@ def say(line: str) -> None:
     sys.stdout.write(f"{line}\n")
 
 
+class Replacements:
+    """Nodes that new ones of the same name have replaced, in one line at the end of the cell.
+
+    Without cells that end, each is named immediately.
+    """
+
+    def __init__(self) -> None:
+        self.waits = False  # somebody calls `tell` after each cell
+        self._names: list[str] = []
+
+    def add(self, name: str) -> None:
+        """Note a node's full name."""
+        self._names.append(name)
+        if not self.waits:
+            self.tell()
+
+    def tell(self) -> None:
+        """Print the line, if a node was replaced since the last one."""
+        names = list(dict.fromkeys(self._names))
+        self._names.clear()
+        if len(names) == 1:
+            say(f"The new node {names[0]} replaces the one of the same name.")
+        elif names:
+            say(f"New nodes replace those of the same names: {', '.join(names)}.")
+
+
 class RepeatedLines:
     """Log lines on stderr, of which equal ones in a row are counted: at 10, 100, 1000 … and at the end."""
 
@@ -39,3 +65,4 @@ class RepeatedLines:
 
 
 repeated_lines = RepeatedLines()  # of this process, as stderr is
+replacements = Replacements()

@@ -2,7 +2,9 @@
 
 import time
 from argparse import Namespace
+from base64 import b64encode
 from collections.abc import Mapping
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,8 @@ from course_lib.tools.sources import Source
 from course_lib.tools.tf2 import TransformStream, log_line
 from course_lib.tools.verb import Verb, Write, value
 
-_WIDTH, _HEIGHT = 3.0, 1.7  # [in] of a frame with what leads to it
+_WIDTH, _HEIGHT = 2.3, 1.7  # [in] of a frame with what leads to it
+_IMAGE = '<img style="max-width: 100%" alt="{}" src="data:image/svg+xml;base64,{}">'  # as wide as the cell
 _LABELS = {
     "broadcaster": "Broadcaster",
     "rate": "Average rate",
@@ -36,9 +39,11 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
     write(log_line("view_frames", now_ns, f"Result:{result}"))
     frames: dict[str, Any] = yaml.safe_load(text) or {}
     if current_graph().notebook and source.live:
-        from IPython.display import SVG, display
+        from IPython.display import HTML, display
 
-        display(SVG(picture(frames, now_ns, "svg")))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        tree = "; ".join(f"{frame} in {about['parent']}" for frame, about in frames.items())
+        drawn = b64encode(picture(frames, now_ns, "svg")).decode()
+        display(HTML(_IMAGE.format(escape(f"The tree of frames: {tree}"), drawn)))  # type: ignore[no-untyped-call]  # IPython does not annotate it
         return
     name = arguments.output or f"frames_{time.strftime('%Y-%m-%d_%H.%M.%S')}"
     write(log_line("view_frames", now_ns, f"Exporting graph in {name}.pdf file..."))

@@ -68,7 +68,7 @@ JOINT_WAVE = Task(
                         "the elbow swings by 0.5 rad"
                     ),
                     expect_joints_still({"shoulder_lift_joint": -1.2, **WRISTS}).titled(
-                        "the shoulder lift stands at -1.2 rad, the wrists at 0"
+                        "the shoulder lift stays at -1.2 rad, the wrists at 0"
                     ),
                 ),
                 expect_rate(STATES, 50.0).titled("50 times a second"),
@@ -164,7 +164,7 @@ MENDED_STATES = Task(
                     ),
                     expect_joints_still(
                         {f"{name}_joint": math.radians(angle) for name, angle in POSE.items()}
-                    ).titled("the other joints stand at their angles"),
+                    ).titled("the other joints stay at their angles"),
                 ),
                 expect_rate(STATES, 20.0).titled("20 times a second"),
                 expect_stamps(STATES).titled("stamped with the time"),

@@ -54,9 +54,9 @@ POINT_TO_WORLD = Task(
     kind="function",
     name="point_to_world",
     hints=(
-        "First turn the point by yaw about z, then shift it by x and y.",
-        "Turned: (cos yaw * px - sin yaw * py, sin yaw * px + cos yaw * py, pz).",
-        "A matrix of 4 x 4 does both: rows (c, -s, 0, x), (s, c, 0, y), (0, 0, 1, 0), (0, 0, 0, 1).",
+        "First rotate the point by yaw about z, then translate it by x and y.",
+        "The rotated y is sin(yaw) * point[0] + cos(yaw) * point[1]; z does not change.",
+        "Return [turned_x + x, turned_y + y, point[2]].",
     ),
     scenarios=(
         Scenario(
@@ -87,7 +87,7 @@ ROBOT_FRAMES = Task(
     kind="node",
     name="RobotFramesNode",
     hints=(
-        "Two broadcasters: one for what moves, one for what is fixed. Which frame is the parent of which?",
+        "Change the parent, the radius, the period of the timer, the step and the yaw. Then add the camera.",
         "Per call the angle grows by 2 pi / (8 s * 50 Hz). Along the path is a quarter turn from outward.",
         "yaw = angle + math.pi / 2; x = R cos(angle), y = R sin(angle); camera_link at (0.2, 0, 0.6), once.",
     ),
@@ -109,7 +109,7 @@ ROBOT_FRAMES = Task(
                     ),
                     CAMERA,
                     expect_transform("base_link", "camera_link", static=True)
-                    .titled("the camera goes out as static")
+                    .titled("the camera is broadcast as static")
                     .requiring(CAMERA)
                     .worth(0.5),
                 ),
@@ -151,11 +151,11 @@ AFTERWARDS = (
 
 OBSTACLE_IN_MAP = Task(
     "week04.obstacle_in_map",
-    title="An obstacle carried to the map",
+    title="An obstacle in the map",
     kind="node",
     name="ObstacleNode",
     hints=(
-        "Where was the camera when it saw the obstacle? Which time do you have to ask tf2 for?",
+        "Where was the camera when it saw the obstacle? For which time must you ask tf2?",
         "buffer.transform(message, 'map') uses the stamp of the message. It needs import tf2_geometry_msgs.",
         "carried = self.buffer.transform(message, 'map'), in a try with except TransformException: return.",
     ),
@@ -195,12 +195,12 @@ FINGER = expect_transform("hand_link", "finger_link", translation=(0.1, 0.0, 0.0
 
 MENDED_ARM = Task(
     "week04.mended_arm",
-    title="A mended tree",
+    title="Three faults in a tree",
     kind="node",
     name="MendedArm",
     hints=(
-        "Start BrokenArm and look at its log, at the TF display and at view_frames. There are three faults.",
-        "One name is misspelled, one stamp is not set, one rotation is no rotation.",
+        "Run BrokenArm and look at its log, at the TF display and at view_frames.",
+        "One name is misspelled, one stamp is not set, one quaternion is all zeros.",
         "Parent base_link instead of base; stamp = self.get_clock().now().to_msg(); rotation.w = 1.0.",
     ),
     scenarios=(
@@ -221,7 +221,7 @@ MENDED_ARM = Task(
                     FINGER,
                     *(
                         expect_transform(parent, child, static=True)
-                        .titled(f"{child} goes out as static")
+                        .titled(f"{child} is broadcast as static")
                         .requiring(ARM, FINGER)
                         .worth(0.25)
                         for parent, child in FIXED
@@ -240,8 +240,8 @@ IN_BETWEEN = Task(
     name="in_between",
     hints=(
         "x and y: a straight line. ratio 0 is the first pose, ratio 1 the second.",
-        "The turn takes the shorter way round: from 170° to -170° it is 20°, not 340°.",
-        "math.remainder(yaw_b - yaw_a, 2 * math.pi) is the shorter way. Add its share to yaw_a.",
+        "The yaw takes the shorter way round: from 170° to -170° it is 20°, not 340°.",
+        "math.remainder(yaw_b - yaw_a, 2 * math.pi) is the shorter way. Add ratio times that to yaw_a.",
     ),
     scenarios=(
         Scenario(

@@ -49,7 +49,7 @@ ROBOT_FACTS = Task(
     kind="function",
     name="robot_facts",
     hints=(
-        "%ros2 topic -h, %ros2 param -h and %ros2 service -h show what can be asked.",
+        "%ros2 topic -h, %ros2 param -h and %ros2 service -h list what you can ask for.",
         "For example: %timeout 5 ros2 topic hz /robot/front_cam/image_raw. The last block counts.",
         "topic hz, topic echo --once --field width, topic info -v, param get, service list -t.",
     ),
@@ -75,10 +75,10 @@ CAMERA = Task(
     kind="node",
     name="Camera",
     hints=(
-        "declare_parameter before get_parameter(...).value; a timer has its period from the start on.",
-        "add_on_set_parameters_callback calls you before a value changes: p.name, p.value. Return a "
-        "SetParametersResult.",
-        "There: if the rate is out of range, successful=False; else destroy_timer, and create_timer anew.",
+        "declare_parameter has a name and a default. A new period needs a new timer.",
+        "The callback is called before a value changes. Each parameter has .name and .value; return a "
+        "SetParametersResult at the end, too.",
+        "Out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
     ),
     scenarios=(
         Scenario(
@@ -95,8 +95,8 @@ CAMERA = Task(
                 expect_rate(IMAGES, my("frame_rate"), end=2.9).worth(0.2).titled("your own rate at first"),
                 FOLLOWS,
                 FRAME_SET.titled("the frame that was set"),
-                REFUSED[0].titled("61 Hz is refused: it goes on with 5 Hz"),
-                REFUSED[1].titled("0.5 Hz is refused: it goes on with 5 Hz"),
+                REFUSED[0].titled("61 Hz is rejected: it continues with 5 Hz"),
+                REFUSED[1].titled("0.5 Hz is rejected: it continues with 5 Hz"),
                 expect_stamps(IMAGES).worth(0.2).requiring(PIXELS).titled("the stamp"),
             ),
         ),
@@ -128,13 +128,13 @@ NAMES = {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_i
 
 CAMERA_MONITOR = Task(
     "week06.camera_monitor",
-    title="The camera monitor",
+    title="Four faults in a monitor",
     kind="node",
     name="CameraMonitor",
     hints=(
-        "A callback counts the images. A timer of 1 s reports, and sets the count back to 0.",
-        "The levels are DiagnosticStatus.OK, .WARN and .ERROR. Ask for less than 10 first.",
-        "array = DiagnosticArray(status=[status]); array.header.stamp = self.get_clock().now().to_msg()",
+        "Where does it publish? How does the number of images change over time? What is in the header?",
+        "A wrong topic, a count that only grows, two tests in the wrong order, a header without a stamp.",
+        "/diagnostics; self.count = 0 at the end of report; count < 10 first; array.header.stamp = now",
     ),
     scenarios=(
         Scenario(
@@ -183,9 +183,9 @@ PERFORMANCE_TABLE = Task(
     kind="function",
     name="performance_table",
     hints=(
-        "Begin with one topic: its times and its sizes as two lists. n messages have n - 1 gaps.",
-        "rate = (n - 1) / (last - first); zip(times, times[1:]) gives the pairs for the gaps.",
-        "sorted(rows, key=lambda row: row[3], reverse=True)",
+        "What must exist before a line can use it? rows first; then one round of the loop for each topic.",
+        "n messages have n - 1 gaps: that shows which of the two lines with rate = is wrong.",
+        "Order: rows, for, times, sizes, size, rate = gap = 0.0, if, rate, gap, append, return.",
     ),
     scenarios=(
         Scenario(
@@ -217,7 +217,7 @@ INSPECTION_LAYOUT = Task(
     name="inspection_layout",
     hints=(
         "Add → By topic knows which display fits. Then Ctrl+S, with the name inspection.rviz.",
-        "The scan and the images need Reliability Policy: Best Effort. Keep is below Odometry.",
+        "The scan and the images need Reliability Policy: Best Effort. Keep is a property of Odometry.",
         "made.add('LaserScan', '/robot/scan', **{'Topic/Reliability Policy': 'Best Effort'})",
     ),
     scenarios=(
@@ -245,7 +245,7 @@ FINDINGS = Task(
     kind="written",
     name="findings",
     hints=(
-        "Begin with what you measured, then what you saw, then what follows from it.",
+        "Start with what you measured, then what you saw, then what follows from it.",
         "A number alone says little: name its topic, its unit, and the tool that gave it.",
         "I measured ... with ...; LaserScan shows ...; I recommend ..., because ... is ...",
     ),

@@ -100,12 +100,12 @@ def changed(*checks: Check, **parameter: Any) -> Scenario:
 
 MARKERS_TASK = Task(
     "week07.markers",
-    title="Markers that obey parameters",
+    title="Markers that follow parameters",
     kind="node",
     name="PerceptionNode",
     hints=(
-        "self.last.detections has them all. Leave out what is not sure, sort the rest, cut the list.",
-        "sorted(sure, key=score_of, reverse=True)[:most]. Ask self.has_parameter(key) before the color.",
+        "self.last.detections has them all. Remove those below the threshold, sort the rest, cut the list.",
+        "sorted(sure, key=score_of, reverse=True)[:most], with most = self.value('max_detections').",
         "Too old: age_of(self.last, self.get_clock().now()) > self.value('marker_lifetime'). Return [] then.",
     ),
     scenarios=(
@@ -150,13 +150,13 @@ LAST_20 = expect_path(TRAJECTORY, count=20, frame="odom", ends=(LATER, LAST), to
 
 TRAJECTORY_TASK = Task(
     "week07.trajectory",
-    title="Where it has been",
+    title="Where it has been: four faults",
     kind="node",
     name="TrajectoryNode",
     hints=(
-        "lookup_transform(world, base, Time()) gives the newest. Ask can_transform(...) before it.",
-        "The translation becomes pose.position, the rotation pose.orientation, the header the header.",
-        "self.poses = [*self.poses, pose][-most:], then publish Path(header=found.header, poses=self.poses).",
+        "Print found.transform.translation: is it where the robot is in the world? Compare the two frames.",
+        "Which half of the list does [:most] keep? And which way does the robot look in every pose?",
+        "lookup_transform(world, base, ...), found.transform.rotation, [-most:], header=found.header.",
     ),
     scenarios=(
         Scenario(
@@ -193,13 +193,13 @@ PERCEPTION = {
 
 PARAMS = Task(
     "week07.params",
-    title="The parameters in a file",
+    title="The parameters in a file: six faults",
     kind="function",
     name="robot_params",
     hints=(
-        "A node's name, below it ros__parameters, below that its parameters. Indent by two spaces.",
-        "Rates are floating point numbers: write 5.0. The number of points is an integer: write 50.",
-        'Begin with "/**:\\n  ros__parameters:\\n    world_frame: odom\\n", then perception_node.',
+        "Read each name letter by letter: nodes, ros__parameters, parameters. ROS ignores unknown names.",
+        "Rates are floating point numbers: 5.0. The number of points is an integer: 50. A list has one type.",
+        "ros__parameters below /**, perception_node, 5.0, confidence_threshold, [1.0, 1.0, 0.0, 0.5], 50.",
     ),
     scenarios=(
         Scenario(
@@ -252,13 +252,13 @@ REPORT = Task(
     hints=(
         "Write down while you look: numbers, and what surprised you.",
         "ros2 topic hz for the rates. For the fault: what did you see, and what did you ask next?",
-        "One sentence of each kind: it publishes ..., I saw ..., because ..., somebody would miss ...",
+        "One sentence of each kind: it publishes ..., I saw ..., because ..., an operator would miss ...",
     ),
     scenarios=(Scenario("public", checks=(expect_length(150, 300),)),),
     rubric=(
         Row("It is complete: nodes, topics and rates, measured", 5),
         Row("A fault: what was seen, and how its cause was found", 5),
-        Row("A judgement: what somebody who watches a robot would miss, and why", 5),
+        Row("A judgement: what an operator would miss, and why", 5),
     ),
 )
 

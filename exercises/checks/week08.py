@@ -66,9 +66,9 @@ JOINT_AT = Task(
     kind="function",
     name="joint_at",
     hints=(
-        "First say which part u of the time has gone: 0 at the start, 1 at the end, and never beyond.",
-        "Of the way, 3 u**2 - 2 u**3 is done then. How long is the way?",
-        "start + (goal - start) * (3 * u**2 - 2 * u**3), with u = min(max(t / seconds, 0.0), 1.0).",
+        "u is t / seconds while the joint moves. It must never be below 0 or above 1.",
+        "After the end t / seconds is above 1. min(..., 1.0) cuts it. And before the start?",
+        "u = min(max(t / seconds, 0.0), 1.0)",
     ),
     scenarios=(
         Scenario(
@@ -91,13 +91,13 @@ JOINT_AT = Task(
 
 SWEEP_NODE = Task(
     "week08.sweep_node",
-    title="Two commands for the arm",
+    title="Two commands for the arm: four faults",
     kind="node",
     name="SweepNode",
     hints=(
-        "A JointTrajectory has joint_names and points. How are the joints of this arm called?",
-        "The point has six positions and six velocities of 0. point.time_from_start.sec = 3.",
-        "if self.seconds in (1, 5): publish(JointTrajectory(joint_names=names, points=[point])).",
+        "Read the controller's log: which names does it expect? Print robot.model.names and compare.",
+        "Position number 2 belongs to name number 2. And how long are 3 nanoseconds?",
+        "The prefix ur10, shoulder_lift before elbow, time_from_start.sec = 3, and 5 instead of 4.",
     ),
     scenarios=(
         Scenario(

@@ -62,6 +62,12 @@ def test_the_view_docks_and_later_cells_change_it_while_their_own_hold_a_line(no
     active = notebook.page.evaluate("document.activeElement.closest('.jp-Notebook') !== null")
     assert active, "the next Shift+Enter would not run a cell"
     assert notebook.errors() == []
+    docked = notebook.page.locator(".jupyterlab-sidecar")
+    for name in ("Displays panel", "Views panel"):
+        docked.get_by_role("button", name=name).click()
+    left = panel(notebook).bounding_box()
+    assert left is not None
+    assert left["height"] > box["height"] / 2
     if PICTURES:
         notebook.page.screenshot(path=Path(PICTURES) / "beside.png")
 

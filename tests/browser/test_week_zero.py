@@ -44,7 +44,7 @@ def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook) -> None:
 
 
 def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook) -> None:
-    cell = lesson.cell('predict("week00.shape"')
+    cell = lesson.cell('predict("week00.shape")')
     cell.get_by_text("a circle", exact=True).click()
     expect(cell.get_by_text("Kept.")).to_be_visible()
     assert State(lesson.folder).section("predictions") == {"week00.shape": "a circle"}

@@ -56,3 +56,8 @@ def test_in_a_terminal_the_columns_are_aligned() -> None:
     assert lines[0] == "Marker  Topic      ✔ Ok     1 messages received"
     assert lines[3] == "Grid    Transform  ⚠ Warn   hm"
     assert str(StatusTable()) == ""
+
+
+def test_a_status_of_rviz_that_nobody_understands_has_a_title() -> None:
+    html = StatusTable([StatusRow("Marker", "Array Topic", "ok", "OK")])._repr_html_()
+    assert "title=\"RViz's Marker display also listens to arrays" in html

@@ -77,7 +77,7 @@ def test_in_a_notebook_a_check_names_the_kind_of_mistake_first_and_the_numbers_n
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(check_module, "in_notebook", lambda: True)
-    monkeypatch.setattr(check_module, "_show_ghost", lambda *_: None)
+    monkeypatch.setattr("course_lib.grading.reports.ghost_view.show_ghost", lambda *_: None)
     for seen in (False, True):
         check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
         said = capsys.readouterr().out

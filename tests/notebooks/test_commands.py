@@ -56,6 +56,7 @@ FILLED = {  # command with something to fill in -> the same, filled in
     "%ros2 launch file.launch.py": "%ros2 launch robot.launch.py",
     "%ros2 launch ros2_ws/src/my_dashboard/launch/my_dashboard.launch.py": "%ros2 launch robot.launch.py",
     "%ros2 param set /node name value": "%ros2 param set /world rate 2.0",
+    "ros2 launch patrol.launch.py": "ros2 launch robot.launch.py",
     "%rqt --perspective-file": "%rqt --perspective-file inspection.perspective",
     "%rqt bag": "%rqt bag inspection",
     "%rqt save": "%rqt save inspection.perspective",

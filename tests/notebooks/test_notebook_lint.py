@@ -14,7 +14,8 @@ from course_lib.course.installation import exercises_dir, lessons_dir, solutions
 from course_lib.course.questions import load_predictions
 
 LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
-ALL = [*LESSONS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
+REVIEWS = sorted(lessons_dir().glob("review_*.ipynb"))
+ALL = [*LESSONS, *REVIEWS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
 MAX_CELL = 25  # lines
 AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30  # words
 MINUTES = re.compile(r"^## .*\((\d+) min\)$", re.MULTILINE)
@@ -139,6 +140,20 @@ def test_no_cell_up_to_the_comparison_shows_the_answer_of_a_prediction(path: Pat
         between = re.search(rf"predict\({key}.*?compare\({key}[^\n]*", code, re.DOTALL)
         assert between is not None
         assert question.right.text not in between[0]
+
+
+@each(REVIEWS)
+def test_a_review_has_questions_and_compares_its_predictions(path: Path) -> None:
+    code, name = "\n".join(code_cells(path)), path.stem.replace("_weeks", "")
+    assert f'quiz("{name}")' in code
+    asked = re.findall(r'predict\("([^"]+)"', code)
+    assert (
+        asked
+        == re.findall(r'compare\("([^"]+)"', code)
+        == [f"{name}.{q.key}" for q in load_predictions(name)]
+    )
+    total = sum(map(int, MINUTES.findall(markdown(path))))
+    assert f"**Time: {total} minutes in total.**" in markdown(path)
 
 
 COVERAGE = tomllib.loads((lessons_dir() / "coverage.toml").read_text(encoding="utf-8"))["part"]

@@ -109,6 +109,24 @@ def result_of(variant: Variant, *, hidden: bool) -> TaskResult:
     return judge_task(task, *catalog().points(task), runs)
 
 
+FAULTY = {  # task: the class or function that its exercise hands out with faults
+    "week04.mended_arm": "BrokenArm",
+    "week05.battery_bar": "broken_bar",
+    "week06.camera_monitor": "BrokenMonitor",
+}
+
+
+@pytest.mark.parametrize(("name", "faulty"), FAULTY.items())
+def test_a_faulty_start_earns_nothing_as_it_is(name: str, faulty: str) -> None:
+    task = catalog().task(name)
+    subject = {task.name: defined(cells_of(solution(task.week)), task.week)[faulty]}
+    scenarios = [(one, False) for one in task.scenarios]
+    scenarios += [(one, True) for one in catalog().hidden.get(task.id, ())]
+    runs = [Run(one, evidence_here(task, one, subject), hidden) for one, hidden in scenarios]
+    result = judge_task(task, *catalog().points(task), runs)
+    assert result.score == 0, [check.title for check in result.checks if check.passed]
+
+
 @pytest.mark.parametrize("miss", list(variants("near_misses")))
 def test_a_public_check_names_the_requirement_that_is_missed(miss: Variant) -> None:
     result = result_of(miss, hidden=False)

@@ -5,7 +5,7 @@ import rclpy
 from rclpy.node import Node
 
 from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.notices import repeated_lines
+from course_lib.ros.notices import Replacements, repeated_lines
 
 
 @pytest.fixture
@@ -61,3 +61,14 @@ def test_a_program_s_log_keeps_every_line(capsys: pytest.CaptureFixture[str]) ->
             Node.get_logger(Node("robot")).info("on")
         rclpy.try_shutdown()
     assert said(capsys).count("[robot]: on") == 20
+
+
+def test_the_nodes_that_a_cell_replaces_are_named_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    replacements = Replacements()
+    replacements.waits = True
+    for name in ("/a", "/b", "/a"):
+        replacements.add(name)
+    assert capsys.readouterr().out == ""
+    replacements.tell()
+    replacements.tell()
+    assert capsys.readouterr().out == "New nodes replace those of the same names: /a, /b.\n"

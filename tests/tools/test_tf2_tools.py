@@ -229,4 +229,4 @@ def test_in_a_notebook_the_picture_is_displayed(
     shown: list[object] = []
     monkeypatch.setattr("IPython.display.display", shown.append)
     output("tf2_tools view_frames -t 1", GraphSource(graph))
-    assert ">base<" in shown[0].data  # type: ignore[attr-defined]
+    assert "base in world" in shown[0].data  # type: ignore[attr-defined]

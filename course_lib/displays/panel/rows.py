@@ -21,7 +21,7 @@ from course_lib.displays.properties import (
     vector,
 )
 from course_lib.displays.session import RvizSession
-from course_lib.displays.statuses import LEVELS, Level, StatusRow
+from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow
 
 _EDITORS: tuple[tuple[Convert, EditorKind], ...] = (
     (flag, "bool"),
@@ -71,7 +71,8 @@ class Rows(dict[str, RowEntry]):
         worst = worst_of(row.level for row in rows)
         self.put(key, parent, f"{label}: {LEVELS[worst][1].capitalize()}", mark=mark_of(worst))
         for index, row in enumerate(rows):
-            self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark_of(row.level))
+            mark, title = mark_of(row.level), NOTES.get(row.name, "")
+            self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark, title=title)
 
     def _put_property(self, holder: PropertyHolder, prop: Property, parent: str) -> None:
         def edit(value: Any) -> None:

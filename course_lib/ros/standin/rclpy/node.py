@@ -6,7 +6,7 @@ from typing import TypedDict
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 
 from course_lib.ros.graph import current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import replacements
 from rclpy.clock import Clock
 from rclpy.context import Context, get_default_context
 from rclpy.duration import Duration
@@ -162,7 +162,7 @@ class Node(node_parameters.Node):
         if namesakes and not self.handle.graph.notebook:
             get_logger("rcl.logging_rosout").warning(_SAME_NAME.format(self.handle.logger_name))
         elif namesakes:
-            say(f"The new node {name} replaces the one of the same name.")
+            replacements.add(name)
             for other in namesakes:
                 other.destroy_node()
 
