@@ -6,7 +6,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 import course_lib.grading.vocabulary
+from course_lib.course.installation import exercises_dir
 from course_lib.grading.advice import Advice, hints_by_mistake
+from course_lib.grading.catalog import load_catalog
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.vocabulary.markers import PROPERTIES
@@ -94,3 +96,10 @@ def test_the_cause_is_the_first_check_that_fails_by_itself() -> None:
 def test_a_new_kernel_counts_from_the_beginning() -> None:
     first, second = Advice(), Advice()
     assert first.hint(TASK, result(failing(MISTAKE))) == second.hint(TASK, result(failing(MISTAKE)))
+
+
+def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None:
+    catalog = load_catalog(exercises_dir())
+    kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
+    assert kinds
+    assert kinds <= set(hints_by_mistake())
