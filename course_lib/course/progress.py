@@ -1,6 +1,6 @@
 """A student's progress: the first page of the folder, and `course status`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 from rich.table import Table
 
 from course_lib.course.course_file import WeekSettings, shipped_course_file
-from course_lib.course.exercise import read_notebook, source
+from course_lib.course.exercise import Notebook, read_notebook, source
 from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
 from course_lib.course.installation import exercises_dir, lessons_dir
 from course_lib.course.state import Packed, State, find_student_folder, last_check, last_packed, write_whole
@@ -55,12 +55,16 @@ def _week(lesson: Path, settings: Mapping[str, WeekSettings]) -> Week:
     exercise = exercises_dir() / f"{name}_exercise.ipynb"
     return Week(
         name=name,
-        title=source(notebook["cells"][0]).splitlines()[0].lstrip("# "),
+        title=_title(notebook),
         minutes=notebook["metadata"]["course"]["minutes"],
         lesson=lesson.name,
         exercise=exercise.name if exercise.exists() else None,
         settings=settings.get(name, WeekSettings("")),
     )
+
+
+def _title(notebook: Notebook) -> str:
+    return source(notebook["cells"][0]).splitlines()[0].lstrip("# ")
 
 
 @dataclass(frozen=True)
@@ -111,7 +115,15 @@ def _has_changed(file: Packed) -> bool:
 
 def contents_page(state: State) -> str:
     """Return the page as Markdown; links open inside JupyterLab."""
-    return PAGE.format(rows="\n".join(_row(week, state) for week in load_weeks()))
+    rows = [row for week in load_weeks() for row in (_row(week, state), *_reviews(week))]
+    return PAGE.format(rows="\n".join(rows))
+
+
+def _reviews(week: Week) -> Iterator[str]:
+    """Yield the row of a review that ends with this week, like review_weeks01_04.ipynb."""
+    for path in lessons_dir().glob(f"review_weeks*_{week.name[-2:]}.ipynb"):
+        notebook = read_notebook(path)
+        yield f"| [{_title(notebook)}]({path.name}) | {notebook['metadata']['course']['minutes']} | | | |"
 
 
 def _row(week: Week, state: State) -> str:

@@ -20,6 +20,8 @@ from .vocabulary.joints import expect_joint_states as expect_joint_states
 from .vocabulary.joints import expect_joint_swing as expect_joint_swing
 from .vocabulary.joints import expect_joints_still as expect_joints_still
 from .vocabulary.joints import expect_trajectory as expect_trajectory
+from .vocabulary.launch_files import expect_launch_argument as expect_launch_argument
+from .vocabulary.launch_files import expect_launch_node as expect_launch_node
 from .vocabulary.layouts import expect_colors_apart as expect_colors_apart
 from .vocabulary.layouts import expect_display as expect_display
 from .vocabulary.layouts import expect_displays_on as expect_displays_on

@@ -68,7 +68,7 @@ JOINT_WAVE = Task(
                         "the elbow swings by 0.5 rad"
                     ),
                     expect_joints_still({"shoulder_lift_joint": -1.2, **WRISTS}).titled(
-                        "the shoulder lift stands at -1.2 rad, the wrists at 0"
+                        "the shoulder lift stays at -1.2 rad, the wrists at 0"
                     ),
                 ),
                 expect_rate(STATES, 50.0).titled("50 times a second"),
@@ -89,6 +89,9 @@ TWO_LINK = Task(
         "The second angle counts from the first link. So the second link points along first + second.",
         "x = a cos(first) + b cos(first + second); y is the same with sin.",
     ),
+    mistakes={
+        "a value has the wrong sign": "A negative lift raises this arm. Is up positive in your answer?",
+    },
     scenarios=(
         Scenario(
             "public",
@@ -111,6 +114,9 @@ TOOL_PLACE = Task(
         "In the loop: place = place @ shifted(shift) @ turned(axis, angle).",
         "At the end, transform the tip: (place @ [*tip, 1.0])[:3].",
     ),
+    mistakes={
+        "a value is wrong": "Try one joint first: is the shift done before the turn?",
+    },
     scenarios=(
         Scenario(
             "public",
@@ -164,7 +170,7 @@ MENDED_STATES = Task(
                     ),
                     expect_joints_still(
                         {f"{name}_joint": math.radians(angle) for name, angle in POSE.items()}
-                    ).titled("the other joints stand at their angles"),
+                    ).titled("the other joints stay at their angles"),
                 ),
                 expect_rate(STATES, 20.0).titled("20 times a second"),
                 expect_stamps(STATES).titled("stamped with the time"),

@@ -273,7 +273,7 @@ VELOCITY = Task(
                         check.requiring(ARROWS_AGAIN)
                         for check in (
                             expect_marker_count(MARKERS, 2, type="ARROW").titled(
-                                "an arrow for each that was met before"
+                                "an arrow for each detection with an earlier message"
                             ),
                             expect_marker(MARKERS, type="ARROW", id=1, points=PERSON_ARROW).titled(
                                 "the person's arrow: from the centre to where it will be in 1 s"

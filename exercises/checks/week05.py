@@ -10,6 +10,8 @@ from course_lib.grading import (
     expect_display,
     expect_displays_on,
     expect_drawn,
+    expect_launch_argument,
+    expect_launch_node,
     expect_layout,
     expect_value,
     inputs,
@@ -119,7 +121,7 @@ LAYOUT_FOR = Task(
     hints=(
         "topics.items() gives pairs of a topic and its display. viewer.add takes the class first.",
         "viewer.add(display_class, topic, name=topic) returns the display. Set properties by labels.",
-        "added['Topic/Reliability Policy'] = 'Best Effort' for sensors; save_rviz, then read_text.",
+        "added = made.add(display_class, topic, name=topic); for sensors set Topic/Reliability Policy.",
     ),
     scenarios=(
         Scenario(
@@ -148,11 +150,11 @@ MENDED_FRAME = expect_layout(fixed_frame="world").titled("the Fixed Frame")
 
 MENDED_LAYOUT = Task(
     "week05.mended_layout",
-    title="A mended layout",
+    title="Five faults in a layout",
     kind="function",
     name="mended_layout",
     hints=(
-        "Mend the Fixed Frame first, look at the statuses again, then go on from the top.",
+        "Fix the Fixed Frame first, look at the statuses again, then continue from the top.",
         "Two faults have no status: a check box, and a camera that is very far away.",
         "Frame world; Frames enabled; Laser Best Effort; People on /detections; Distance about 8 m.",
     ),
@@ -186,12 +188,12 @@ HALF_FULL = expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, nam
 
 BATTERY_BAR = Task(
     "week05.battery_bar",
-    title="A display for the battery",
+    title="Three faults in a display",
     kind="function",
     name="battery_bar",
     hints=(
-        "How high is the bar at a charge of 0.5? Where is its centre, if it stands on the ground?",
-        "The size along z is charge * height, and the centre is half of that. Limit the charge first.",
+        "Where is the centre of a bar that stands on the ground? Which color at just 0.2? What about 1.2?",
+        "The centre is at half the height; green starts at 0.2; the charge is limited before it is used.",
         "charge = min(max(charge, 0.0), 1.0); the color is green from 0.2 on, else red.",
     ),
     scenarios=(
@@ -237,4 +239,37 @@ DISPLAYS_IN = Task(
     ),
 )
 
-TASKS = (ROBOT_LAYOUT, LAYOUT_FOR, MENDED_LAYOUT, BATTERY_BAR, DISPLAYS_IN)
+PLACE = {"--x": 0.2, "--z": my("height"), "--frame-id": "base_link", "--child-frame-id": "camera_link"}
+
+LAUNCH_FILE = Task(
+    "week05.launch_file",
+    title="A launch file",
+    kind="function",
+    name="launch_file",
+    hints=(
+        "Take the lesson's launch file, and change the default, the name and the words.",
+        "Each word is a string of its own, numbers too: '--x', '0.2'. Which frame is the parent?",
+        "arguments=['-d', LaunchConfiguration('layout')]; '--frame-id', 'base_link', '--child-frame-id', …",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            calls=(Call(),),
+            checks=(
+                expect_launch_argument("layout", default="robot_layout.rviz").titled("the argument layout"),
+                expect_launch_node("rviz2", "rviz2", options={"-d": "$(layout)"}).titled(
+                    "RViz2 with the layout of the argument"
+                ),
+                expect_launch_node("tf2_ros", "static_transform_publisher", name="camera_frame").titled(
+                    "a static transform publisher, with its name"
+                ),
+                expect_launch_node("tf2_ros", "static_transform_publisher", options=PLACE).titled(
+                    "the frames and the place of the camera"
+                ),
+            ),
+        ),
+    ),
+    personal={"height": (0.35, 0.45, 0.55, 0.65, 0.75, 0.85)},  # [m]
+)
+
+TASKS = (ROBOT_LAYOUT, LAYOUT_FOR, MENDED_LAYOUT, BATTERY_BAR, LAUNCH_FILE, DISPLAYS_IN)

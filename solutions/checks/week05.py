@@ -9,6 +9,8 @@ from course_lib.grading import (
     expect_display,
     expect_displays_on,
     expect_drawn,
+    expect_launch_argument,
+    expect_launch_node,
     expect_layout,
     expect_value,
     inputs,
@@ -79,7 +81,22 @@ GOAL_NAMED = expect_display("Pose", "/goal", properties={"Name": "/goal"})
 MENDED_FRAME = expect_layout(fixed_frame="world")
 NEARLY_EMPTY = expect_value([[0.2, 0.2, 0.57], [0.0, 0.0, 0.285], RED], call=1)
 
+PLACE = {"--x": 0.2, "--z": my("height"), "--frame-id": "base_link", "--child-frame-id": "camera_link"}
+
 HIDDEN = {
+    "week05.launch_file": (
+        Scenario(
+            "again",
+            calls=(Call(),),
+            checks=(
+                expect_launch_argument("layout", default="robot_layout.rviz"),
+                expect_launch_node("rviz2", "rviz2", options={"-d": "$(layout)"}),
+                expect_launch_node(
+                    "tf2_ros", "static_transform_publisher", name="camera_frame", options=PLACE
+                ),
+            ),
+        ),
+    ),
     "week05.robot_layout": (
         Scenario(
             "the robot elsewhere",

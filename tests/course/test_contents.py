@@ -16,3 +16,11 @@ def test_progress_counts_the_tasks_that_passed_in_full() -> None:
     state.put("progress", "week01.red_cube", {"score": 20.0, "of": 20.0})
     state.put("progress", "week01.traffic_light", {"score": 10.0, "of": 25.0})
     assert "| 1 of 4 tasks |" in contents_page(state)
+
+
+def test_a_review_follows_the_last_of_its_weeks(tmp_path: Path) -> None:
+    rows = contents_page(State(tmp_path)).splitlines()
+    (place,) = (number for number, row in enumerate(rows) if "(review_weeks01_04.ipynb)" in row)
+    assert "(week04_" in rows[place - 1]
+    assert "(week05_" in rows[place + 1]
+    assert "| 25 |" in rows[place]

@@ -20,14 +20,16 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def answers() -> list[str]:
-    """The longer lines of all answers, as instructors wrote them."""
+    """The longer lines of all answers, but those that are handed out as faulty starts."""
     lines = []
     for path in solutions_dir().glob("week*_solution.ipynb"):
+        inside, outside = list[str](), set[str]()
         for cell in read_notebook(path)["cells"]:
-            inside = False
+            answer = False
             for line in source(cell).splitlines():
-                inside = (inside or bool(BEGIN.match(line))) and line.strip() != END
-                lines += [line.strip()] if inside and len(line.strip()) > 60 else []
+                answer = (answer or bool(BEGIN.match(line))) and line.strip() != END
+                (inside.append if answer else outside.add)(line.strip())
+        lines += [line for line in inside if len(line) > 60 and line not in outside]
     return [line for line in lines if not BEGIN.match(line)]
 
 
@@ -42,7 +44,7 @@ def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
 
 def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
     released = "\n".join(path.read_text() for path in (out / "exercises").rglob("*.ipynb"))
-    assert answers()
+    assert len(answers()) > 50
     assert not [line for line in answers() if line in released]
 
 

@@ -12,7 +12,9 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 import course_lib.grading.vocabulary
+from course_lib.course.installation import exercises_dir
 from course_lib.grading.advice import Advice, hints_by_mistake, large_messages, not_numbers
+from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
 from course_lib.grading.task import Scenario, Task
@@ -119,3 +121,10 @@ def test_nan_is_found_in_doubles_floats_and_long_lists(evidence: Callable[..., E
         (said,) = not_numbers([evidence((1.0, "/m", message))])
         assert f"{place} on /m" in said
     assert not_numbers([evidence((1.0, "/m", Marker(id=-1, text="odd")))]) == []
+
+
+def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None:
+    catalog = load_catalog(exercises_dir())
+    kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
+    assert kinds
+    assert kinds <= set(hints_by_mistake())

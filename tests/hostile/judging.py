@@ -46,6 +46,8 @@ WORDS: tuple[tuple[str, Check], ...] = (
     ("expect_joint_swing", v.expect_joint_swing("joint_1", amplitude=0.0, hz=1.0)),
     ("expect_joints_still", v.expect_joints_still({"joint_1": 0.5, "joint_2": 0.0})),
     ("expect_layout", v.expect_layout(fixed_frame="map", view="Orbit", view_properties={"Focal/X": 1.0})),
+    ("expect_launch_argument", v.expect_launch_argument("layout", default="a.rviz")),
+    ("expect_launch_node", v.expect_launch_node("a", "b", name="c", options={"-d": "$(layout)", "--z": 0.5})),
     ("expect_length", v.expect_length(3, 100)),
     ("expect_level", v.expect_level("WARN", says="slow", begin=0.0, end=3.0)),
     *(("expect_levels", c) for c in v.expect_levels(("OK", "fine", "a"), ("WARN", "slow", "b"), seconds=1.0)),

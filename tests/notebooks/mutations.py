@@ -143,7 +143,7 @@ OPERATORS = (
         "hard-coded: one student's value",
         r"my_values\(.*?\)\[.*?\]",
         "9.9",
-        f"{GEOMETRY}|too slow|your robot|'Keep'|threshold|shows 0 markers",
+        f"{GEOMETRY}|too slow|your robot|'Keep'|threshold|shows 0 markers|word behind",
     ),
     Operator(
         "hard-coded: as long as the public run",

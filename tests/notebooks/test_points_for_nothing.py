@@ -111,6 +111,7 @@ def result_of(variant: Variant, *, hidden: bool) -> TaskResult:
 
 FAULTY = {  # task: the class or function that its exercise hands out with faults
     "week04.mended_arm": "BrokenArm",
+    "week05.battery_bar": "broken_bar",
     "week06.camera_monitor": "BrokenMonitor",
 }
 

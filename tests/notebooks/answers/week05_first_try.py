@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib import Viewer
+from course_lib.grading import my_values
 
 BROKEN = """Visualization Manager:
   Global Options:
@@ -59,3 +60,18 @@ def displays_in(text: str) -> Any:
     names = [line.split("Name: ")[1].split(",")[0] for line in text.splitlines() if "Name: " in line]
     classes = [line.split("Class: ")[1].split(",")[0] for line in text.splitlines() if "Class: " in line]
     return [(name, cls.split("/")[-1]) for name, cls in zip(names, classes, strict=False)]
+
+
+def launch_file() -> str:
+    """The layout's name is written twice, instead of the argument's value."""
+    height = my_values("week05.launch_file")["height"]
+    words = ["--x", "0.2", "--z", str(height), "--frame-id", "base_link", "--child-frame-id", "camera_link"]
+    return f"""
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument("layout", default_value="robot_layout.rviz"),
+        Node(package="rviz2", executable="rviz2", arguments=["-d", "robot_layout.rviz"]),
+        Node(package="tf2_ros", executable="static_transform_publisher",
+             name="camera_frame", arguments={words}),
+    ])
+"""

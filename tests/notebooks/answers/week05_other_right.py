@@ -81,3 +81,29 @@ def displays_in(text: str) -> Any:
         else:
             found.append([display["Name"], display["Class"].rpartition("/")[2]])
     return found
+
+
+def launch_file() -> str:
+    """Built up step by step."""
+    height = my_values("week05.launch_file")["height"]
+    return f"""
+import launch
+import launch.actions
+import launch.substitutions
+import launch_ros.actions
+
+FRAMES = ["--child-frame-id", "camera_link", "--frame-id", "base_link", "--z", str({height}), "--x", "0.20"]
+
+
+def generate_launch_description():
+    started = launch.LaunchDescription()
+    argument = launch.actions.DeclareLaunchArgument(name="layout", default_value="robot_layout.rviz")
+    layout = launch.substitutions.LaunchConfiguration("layout")
+    camera = launch_ros.actions.Node(
+        name="camera_frame", executable="static_transform_publisher", package="tf2_ros", arguments=FRAMES
+    )
+    started.add_action(argument)
+    started.add_action(camera)
+    started.add_action(launch_ros.actions.Node(package="rviz2", executable="rviz2", arguments=["-d", layout]))
+    return started
+"""

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib import Viewer
+from course_lib.grading import my_values
 
 BROKEN = """Visualization Manager:
   Global Options:
@@ -63,3 +64,16 @@ def displays_in(text: str) -> Any:
 
     displays = yaml.safe_load(text)["Visualization Manager"]["Displays"]
     return [(display["Name"], display["Class"].split("/")[-1]) for display in displays]
+
+
+def launch_file() -> str:
+    """One word for an option and its value, and the argument is not in the list."""
+    height = my_values("week05.launch_file")["height"]
+    words = ["--x 0.2", f"--z {height}", "--frame-id base_link", "--child-frame-id camera_link"]
+    return f"""
+def generate_launch_description():
+    layout = LaunchConfiguration("layout")
+    rviz = Node(package="rviz2", executable="rviz2", arguments=["-d", layout])
+    camera = Node(package="tf2_ros", executable="static_transform_publisher", arguments={words})
+    return LaunchDescription([rviz, camera])
+"""
