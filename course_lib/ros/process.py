@@ -113,6 +113,7 @@ class NotebookProgram(Process):
 
     def __init__(self, file: Path) -> None:
         super().__init__(file)
+        self._folder = str(file.resolve().parent)  # before the working directory changes
         try:
             cells = json.loads(file.read_bytes())["cells"]
             self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
@@ -125,7 +126,7 @@ class NotebookProgram(Process):
 
     def work(self) -> None:
         """Run the cells; IPython shows what one raises."""
-        sys.path.insert(1, str(self.file.resolve().parent))  # as JupyterLab does
+        sys.path.insert(1, self._folder)  # as JupyterLab does
         shell = make_shell()
         for source in self._sources:
             if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little

@@ -89,6 +89,9 @@ TWO_LINK = Task(
         "The second angle counts from the first link. So the second link points along first + second.",
         "x = a cos(first) + b cos(first + second); y is the same with sin.",
     ),
+    mistakes={
+        "a value has the wrong sign": "A negative lift raises this arm. Is up positive in your answer?",
+    },
     scenarios=(
         Scenario(
             "public",
@@ -111,6 +114,9 @@ TOOL_PLACE = Task(
         "In the loop: place = place @ shifted(shift) @ turned(axis, angle).",
         "At the end, transform the tip: (place @ [*tip, 1.0])[:3].",
     ),
+    mistakes={
+        "a value is wrong": "Try one joint first: is the shift done before the turn?",
+    },
     scenarios=(
         Scenario(
             "public",

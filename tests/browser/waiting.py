@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page
 
-PATIENCE = 60.0  # [s]
+PATIENCE = 120.0  # [s] a page takes 60 where two servers start on two busy cores
 A_MOMENT = 0.05  # [s]
 
 

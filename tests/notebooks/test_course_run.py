@@ -1,5 +1,6 @@
 """`course run` runs every lesson and every solution to its end."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,8 @@ def test_a_notebook_runs_to_its_end(
     monkeypatch.setenv("COURSE_STRICT", "1" if notebook in SOLUTIONS else "0")
     copy = tmp_path / notebook.name  # it writes files beside itself
     copy.write_bytes(notebook.read_bytes())
+    for module in notebook.parent.glob("week*.py"):
+        shutil.copy(module, tmp_path)
     code = run([copy], seconds=None, seed=0, bag=None, args=(), real_time=False)
     shown = capfd.readouterr()
     assert (code, "Traceback" in shown.out + shown.err) == (0, False), shown

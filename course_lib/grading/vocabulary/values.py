@@ -139,6 +139,7 @@ def _misfit(node: str, key: str, found: Mapping[str, Any], expected: Any) -> Ite
         return [Problem(f"{node} gets no {key} from the file", "a parameter is missing in the file")]
     value = found[key]
     if type(value) is not type(expected):
-        kinds = f"the {NAMES[type(value)]} {value!r}, expected a {NAMES[type(expected)]}"
+        wanted = NAMES[type(expected)]
+        kinds = f"the {NAMES[type(value)]} {value!r}, expected {'an' if wanted[0] == 'i' else 'a'} {wanted}"
         return [Problem(f"{key} of {node} is {kinds}", "a parameter has the wrong type")]
     return compare(value, expected, 1e-9, "", f"{key} of {node}")

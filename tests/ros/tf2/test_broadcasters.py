@@ -73,3 +73,12 @@ def test_the_qualities_of_service_are_those_of_ros(begun: Graph, node: Node) -> 
         ("/tf_static", "pub"): (1, "transient_local"),
         ("/tf_static", "sub"): (100, "transient_local"),
     }
+
+
+def test_names_that_tf2_ros_has_from_its_modules_can_be_imported_from_it() -> None:
+    import geometry_msgs.msg
+    import rclpy.time
+    import tf2_ros
+
+    assert tf2_ros.TransformStamped is geometry_msgs.msg.TransformStamped  # the official URDF tutorial
+    assert tf2_ros.Time is rclpy.time.Time

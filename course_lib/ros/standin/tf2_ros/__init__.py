@@ -1,3 +1,13 @@
+# tf2_ros imports its modules by *, and so these are its names, too; the official URDF tutorial imports one.
+from geometry_msgs.msg import TransformStamped as TransformStamped
+from rclpy.duration import Duration as Duration
+from rclpy.node import Node as Node
+from rclpy.qos import DurabilityPolicy as DurabilityPolicy
+from rclpy.qos import HistoryPolicy as HistoryPolicy
+from rclpy.qos import QoSProfile as QoSProfile
+from rclpy.task import Future as Future
+from rclpy.time import Time as Time
+from tf2_msgs.msg import TFMessage as TFMessage
 from tf2_py import *  # noqa: F403  # tf2's exceptions
 
 from tf2_ros.buffer import Buffer as Buffer
