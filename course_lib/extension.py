@@ -1,6 +1,7 @@
 """`%load_ext course_lib`: the stand-in, robot time and the magics in a kernel."""
 
 import asyncio
+import gc
 from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
@@ -11,6 +12,9 @@ if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
 
+_GARBAGE = (50_000, 20, 20)  # of gc.set_threshold: with Python's own, a million points take twice as long
+
+
 def load(shell: "InteractiveShell") -> None:
     """Install the stand-in, robot time and the magics; a second call changes nothing."""
     standin_path.install()
@@ -18,6 +22,7 @@ def load(shell: "InteractiveShell") -> None:
     from course_lib.tools.notebook import register, shorten_tracebacks  # imports the stand-in's rclpy
 
     current_graph().notebook = True
+    gc.set_threshold(*_GARBAGE)
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
     shorten_tracebacks(shell)

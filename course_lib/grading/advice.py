@@ -10,12 +10,15 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+import numpy as np
+
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
 MAX_PLACES = 3
+LARGE = 2_000_000  # [B] of a message, some 100,000 points
 
 
 @cache
@@ -79,13 +82,32 @@ def not_numbers(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence with the first places of NaN, or nothing; of a topic its last message counts."""
     places: list[str] = []
     for one in evidence:
-        for topic in one.topics:
+        for topic in {sample.topic: None for sample in one.samples if _may_hold_nan(sample.cdr)}:
             last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
             places += (f"{place} on {topic}" for place in _places(last[0] if last else None, ""))
         places += (place for value in one.returns for place in _places(value, "the returned value"))
     found = list(dict.fromkeys(places))[:MAX_PLACES]
     cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
     return [f"NaN (not a number): {', '.join(found)}. Is it {cause}"] if found else []
+
+
+def large_messages(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence for the topic whose messages are so large that they take most of the time."""
+    sizes = [(len(sample.cdr), sample.topic) for one in evidence for sample in one.samples]
+    size, topic = max(sizes, default=(0, ""))
+    if size <= LARGE:
+        return []
+    return [
+        f"This took long: a message on {topic} holds {size / 1e6:.0f} MB, and each has to be made, sent and "
+        "checked. Are that many points needed?"
+    ]
+
+
+def _may_hold_nan(cdr: bytes) -> bool:
+    """Return whether the bytes of any number can be a NaN: to look at a million points takes seconds."""
+    body = cdr[4:]  # numbers are aligned from here
+    doubles, floats = (np.frombuffer(body[: len(body) // size * size], f"<f{size}") for size in (8, 4))
+    return bool(np.isnan(doubles).any() or np.isnan(floats).any())
 
 
 def _places(value: Any, path: str) -> Iterator[str]:

@@ -9,7 +9,7 @@ from course_lib.course.identity import current_identity
 from course_lib.course.questions import in_notebook, show
 from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
-from course_lib.grading.advice import Advice, not_numbers, returned_none
+from course_lib.grading.advice import Advice, large_messages, not_numbers, returned_none
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import TaskResult, judge_task
@@ -113,6 +113,7 @@ def table_of(
         notes += [*returned_none(task, evidence), *not_numbers(evidence), advice.hint(task, result)]
     if task.personal and student is None:
         notes.append(NO_ID)
+    notes += large_messages(evidence)
     return Table(result, tuple(notes), printed(one.output for one in evidence))
 
 

@@ -1,14 +1,21 @@
 """Hints by the mistake that was seen."""
 
 import ast
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
 import course_lib.grading.vocabulary
 from course_lib.course.installation import exercises_dir
-from course_lib.grading.advice import Advice, hints_by_mistake
+from course_lib.grading.advice import Advice, hints_by_mistake, large_messages, not_numbers
 from course_lib.grading.catalog import load_catalog
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.vocabulary.markers import PROPERTIES
@@ -96,6 +103,24 @@ def test_the_cause_is_the_first_check_that_fails_by_itself() -> None:
 def test_a_new_kernel_counts_from_the_beginning() -> None:
     first, second = Advice(), Advice()
     assert first.hint(TASK, result(failing(MISTAKE))) == second.hint(TASK, result(failing(MISTAKE)))
+
+
+def test_messages_that_take_most_of_the_time_are_named(evidence: Callable[..., Evidence]) -> None:
+    small, large = Marker(points=[Point()]), Marker(points=[Point()] * 100_000)
+    assert large_messages([evidence((1.0, "/small", small))]) == []
+    (said,) = large_messages([evidence((1.0, "/small", small), (1.5, "/large", large))])
+    assert said.startswith("This took long: a message on /large holds 2 MB")
+
+
+def test_nan_is_found_in_doubles_floats_and_long_lists(evidence: Callable[..., Evidence]) -> None:
+    points = [Point()] * 7 + [Point(y=math.nan)]
+    for message, place in (
+        (Marker(points=points), "points[7].y"),
+        (Marker(color=ColorRGBA(g=math.nan)), "color.g"),
+    ):
+        (said,) = not_numbers([evidence((1.0, "/m", message))])
+        assert f"{place} on /m" in said
+    assert not_numbers([evidence((1.0, "/m", Marker(id=-1, text="odd")))]) == []
 
 
 def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None:

@@ -1,7 +1,9 @@
 """Drawables of single markers: shapes, lists, lines, meshes and triangles."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -48,14 +50,19 @@ def scale_of(marker: Any) -> Floats:
 
 def points(marker: Any) -> Floats:
     """Return the points of a marker, shape (N, 3), [m]."""
-    return np.array([(p.x, p.y, p.z) for p in marker.points]).reshape(-1, 3)
+    return _numbers(marker.points, "x", "y", "z")
 
 
 def colors(marker: Any) -> Floats:
     """Return the colours of a marker's points, shape (N, 4); NaN counts as 0, RViz does not look."""
-    each = np.array([(c.r, c.g, c.b, c.a) for c in marker.colors]).reshape(-1, 4)
-    values: Floats = np.clip(np.nan_to_num(each), 0.0, 1.0)
+    values: Floats = np.clip(np.nan_to_num(_numbers(marker.colors, "r", "g", "b", "a")), 0.0, 1.0)
     return values
+
+
+def _numbers(messages: Collection[Any], *fields: str) -> Floats:
+    """Return fields of messages, shape (N, number of fields); there may be a million."""
+    each = chain.from_iterable(map(attrgetter(*fields), messages))
+    return np.fromiter(each, float, len(fields) * len(messages)).reshape(-1, len(fields))
 
 
 def label(marker: Any) -> str:

@@ -7,6 +7,7 @@ from course_lib.displays.frames import is_unit
 from course_lib.displays.marker.drawables import LINE_LIST, LINE_STRIP, POINTS, has_colors, has_face_colors
 
 _TEXT, _MESH, _TRIANGLES = 9, 10, 11  # the last one that RViz draws; 12 is in the message only
+_MANY = 100_000  # points, which take a tenth of a second to make and as long to draw
 _LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)
 
 
@@ -19,9 +20,8 @@ class Rule(NamedTuple):
 
 def hints(marker: Any) -> tuple[str, ...]:
     """Return what RViz2 does not say about a marker."""
-    return tuple(
-        rule.text.format(m=marker, q=marker.pose.orientation) for rule in _RULES if rule.holds(marker)
-    )
+    words = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points)}
+    return tuple(rule.text.format(**words) for rule in _RULES if rule.holds(marker))
 
 
 def _one_color(marker: Any) -> bool:
@@ -57,6 +57,11 @@ _RULES = (
     Rule(
         lambda m: m.type in (*_LISTS, _TRIANGLES) and bool(m.colors) and not _colors_fit(m),
         "colors does not have one entry for each point, so RViz2 ignores it and uses color.",
+    ),
+    Rule(
+        lambda m: len(m.points) > _MANY,
+        "{n:,} points make every message slow, as each is a Python object. Publish fewer, or a PointCloud2 "
+        "made of a numpy array.",
     ),
     Rule(
         lambda m: m.type in _LISTS and not m.points,

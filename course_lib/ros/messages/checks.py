@@ -4,6 +4,7 @@ The texts are those of rosidl_generator_py (resource/_msg.py.em). Jazzy leaves t
 publisher then aborts the whole process on a value of a wrong type; here they are on, as in Humble.
 """
 
+import sys
 from array import array
 from collections import UserString
 from collections.abc import Callable, Collection, Sequence, Set
@@ -42,13 +43,24 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
     article = "an" if python is int else "a"
     limits = f"{article} {primitive.range_word} in [{primitive.low}, {primitive.high}]"
 
+    any_fits = needs_type_only(field, primitive)
+
     def check_number(value: Any) -> None:
+        if any_fits and type(value) is python:
+            return
         if not isinstance(value, python):
             raise AssertionError(f"The '{field.name}' field must be of type '{python.__name__}'")
         if not _in_range(value, primitive):
             raise AssertionError(f"The '{field.name}' field must be {limits}")
 
     return check_number
+
+
+def needs_type_only(field: FieldDefinition, primitive: Primitive) -> bool:
+    """Return whether every value of the field's Python type passes `scalar_check`."""
+    if primitive.python is float:
+        return primitive.high == sys.float_info.max
+    return primitive.python in (bool, str) and not field.string_bound
 
 
 def message_check(field: FieldDefinition, item: type) -> Check:

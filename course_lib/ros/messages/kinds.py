@@ -27,6 +27,7 @@ class Kind:
     keep: Convert | None = None  # what the setter stores
     to_wire: Convert | None = None
     from_wire: Convert | None = None
+    exact: type | None = None  # every value of exactly this type passes the check, and is kept as it is
 
 
 def kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Kind:
@@ -41,7 +42,7 @@ def _kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Ki
     if field.is_message:
         item = message_class(field.base)
         if field.container == "scalar":
-            return Kind(item, checks.message_check(field, item))
+            return Kind(item, checks.message_check(field, item), exact=item)
         return _list(field, item, None)
     primitive = PRIMITIVES[field.base]
     if field.container == "scalar":
@@ -54,7 +55,9 @@ def _kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Ki
 def _scalar(field: FieldDefinition, primitive: Primitive) -> Kind:
     default = _one(primitive) if field.default is None else lambda: field.default
     send, receive = _BYTE if primitive.python is bytes else (None, None)
-    return Kind(default, checks.scalar_check(field, primitive), to_wire=send, from_wire=receive)
+    exact = primitive.python if checks.needs_type_only(field, primitive) else None
+    check = checks.scalar_check(field, primitive)
+    return Kind(default, check, to_wire=send, from_wire=receive, exact=exact)
 
 
 def _one(primitive: Primitive) -> Callable[[], Any]:

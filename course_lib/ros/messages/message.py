@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from course_lib.ros.messages.compiled import constructor
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, MessageDefinition
 from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
@@ -76,6 +77,7 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
         "__slots__": [*("_" + field.name for field in fields), "_check_fields"],
         "_TYPE_NAME": definition.type_name,
         "_KINDS": kinds,
+        "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}

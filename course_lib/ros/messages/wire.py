@@ -1,7 +1,6 @@
 """Messages as CDR bytes, by rosbags' serialiser, and as plain Python values."""
 
 from array import array
-from collections.abc import Callable
 from functools import cache
 from struct import error as StructError  # noqa: N812  # a class under a lower-case name
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import numpy as np
 
 from course_lib.errors import CourseError
+from course_lib.ros.messages.compiled import maker
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.kinds import Convert
 from course_lib.ros.messages.message import RosMessage
@@ -57,7 +57,7 @@ def _store_with(type_name: str) -> "Typestore":
             [(name, desc) for name, (_, desc) in zip(names, known, strict=True)],
         )
         # rosbags only ever calls it with the values of the fields in order
-        store.types[type_name] = cast("type[MsgType]", _maker(cls))
+        store.types[type_name] = cast("type[MsgType]", maker(cls, cls._KINDS))
         for field in fields:
             if field.is_message:
                 _store_with(field.base)
@@ -85,20 +85,6 @@ def _wire_name(cls: type[RosMessage], name: str) -> str:
 
 def _converted(slot: str, to_wire: Convert) -> property:
     return property(lambda message: to_wire(getattr(message, slot)))
-
-
-def _maker(cls: type[RosMessage]) -> Callable[..., RosMessage]:
-    """Return the function that rosbags calls to build a message from the values of its fields."""
-    plain = [("_" + name, kind.from_wire) for name, kind in cls._KINDS.items()]
-
-    def make(*values: Any) -> RosMessage:
-        message = cls.__new__(cls)
-        message._check_fields = True  # type: ignore[misc]  # its slot is made by make_class
-        for (slot, from_wire), value in zip(plain, values, strict=False):  # the placeholder has no slot
-            setattr(message, slot, value if from_wire is None else from_wire(value))
-        return message
-
-    return make
 
 
 def _check(message: RosMessage) -> None:

@@ -24,6 +24,7 @@ SILENT: dict[str, tuple[int, dict[str, Any], str]] = {
     "line without width": (Marker.LINE_STRIP, {"points": TWO, "scale": FLAT}, "the width of the line"),
     "points without size": (Marker.POINTS, {"points": TWO, "scale": FLAT}, "the size of the points"),
     "cubes without size": (Marker.CUBE_LIST, {"points": TWO, "scale": FLAT}, "0 in one of x/y/z"),
+    "too many points": (Marker.POINTS, {"points": TWO * 50_001}, "100,002 points make every message slow"),
     "no points": (Marker.SPHERE_LIST, {}, "points is empty"),
     "text without height": (Marker.TEXT_VIEW_FACING, {"text": "hi", "scale": FLAT}, "height of the letters"),
     "no text": (Marker.TEXT_VIEW_FACING, {}, "text is empty"),

@@ -1,4 +1,5 @@
 import copy
+import math
 import pickle
 from array import array
 from inspect import signature
@@ -151,3 +152,16 @@ def test_defaults_are_not_shared() -> None:
     one, other = MarkerArray(), MarkerArray()
     one.markers.append(Marker())
     assert other.markers == []
+
+
+def test_a_field_that_is_called_type_does_not_hide_python_s_own() -> None:
+    assert Marker(type=2, ns="a", frame_locked=True).type == 2
+
+
+def test_what_needs_no_check_is_kept_and_the_rest_goes_through_the_setters() -> None:
+    assert Point(x=math.inf, y=-0.0).x == math.inf
+    with pytest.raises(AssertionError, match="'z' field must be of type 'float'"):
+        Point(x=1.0, z=1)
+    with pytest.raises(AssertionError, match="'a' field must be a float in"):
+        ColorRGBA(a=1e39)
+    assert Point(x=1, check_fields=False).x == 1

@@ -1,0 +1,57 @@
+"""Functions compiled for one message class, for messages that come by the million: points, colours."""
+
+from collections.abc import Callable, Iterable, Mapping
+from keyword import iskeyword
+from typing import Any
+
+from course_lib.ros.messages.kinds import Kind
+
+_UNSET = object()  # stands for a field that was not given
+
+
+def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Callable[..., None]:
+    """Return an `__init__` that does what `general` does; what it needs no check for, it keeps at once."""
+    if any(map(iskeyword, kinds)):
+        return general
+    scope: dict[str, Any] = {
+        "_unset": _UNSET,
+        "_general": general,
+        "_type": type,
+    }  # a field may be called type
+    body = ["if _args or _unknown or check_fields is not True:"]
+    given = "".join(f"{name!r}: {name}, " for name in kinds)
+    body += [
+        f"    _given = {{name: value for name, value in {{{given}}}.items() if value is not _unset}}",
+        "    return _general(_self, *_args, check_fields=check_fields, **_given, **_unknown)",
+        "_self._check_fields = True",
+    ]
+    for name, kind in kinds.items():
+        scope |= {
+            f"_{name}_default": kind.default,
+            f"_{name}_exact": kind.exact,
+            f"_{name}_of": kind.construct,
+        }
+        body += [f"if {name} is _unset: _self._{name} = _{name}_default()"]
+        if kind.exact is not None:
+            body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
+        body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]
+    named = ("check_fields=True", *(f"{name}=_unset" for name in kinds))
+    return _compiled("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
+
+
+def maker(cls: type, kinds: Mapping[str, Kind]) -> Callable[..., Any]:
+    """Return a function that makes a message from the values of its fields as they were sent."""
+    scope: dict[str, Any] = {"_new": cls.__new__, "_cls": cls}
+    body = ["_self = _new(_cls)", "_self._check_fields = True"]
+    for name, kind in kinds.items():
+        scope[f"_{name}_of"] = kind.from_wire
+        body += [f"_self._{name} = {f'v_{name}' if kind.from_wire is None else f'_{name}_of(v_{name})'}"]
+    arguments = ", ".join([*(f"v_{name}" for name in kinds), "*_placeholder"])
+    return _compiled("make", arguments, [*body, "return _self"], scope)
+
+
+def _compiled(name: str, arguments: str, body: Iterable[str], scope: dict[str, Any]) -> Callable[..., Any]:
+    lines = "\n".join(f"    {line}" for line in body)
+    exec(f"def {name}({arguments}):\n{lines}", scope)  # the names are those of a checked definition
+    function: Callable[..., Any] = scope[name]
+    return function
