@@ -1,0 +1,30 @@
+"""JupyterLab's file browser on a student's folder, as `course lab` sets it up."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.browser.jupyterlab import Lab, opened
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+# The names that are listed, and of each whether it is cut off.
+_LISTED = """() => [...document.querySelectorAll(".jp-DirListing-itemText")].map(
+    (name) => [name.textContent, name.scrollWidth > name.clientWidth])"""
+
+
+def test_lessons_and_exercises_come_first_and_their_names_fit(lab: Lab) -> None:
+    with opened(lab, "week00_welcome.ipynb") as notebook:
+        folder = notebook.folder
+        (folder / "a_recording").mkdir()
+        (folder / "a_layout.rviz").write_text("")
+        notebook.page.get_by_role("button", name="Refresh the file browser.").click()
+        notebook.page.wait_for_selector(".jp-DirListing-itemText:has-text('a_layout')")
+        listed = dict(notebook.page.evaluate(_LISTED))
+        if PICTURES:
+            notebook.page.screenshot(path=Path(PICTURES) / "file_browser.png")
+    lessons = [name for name in listed if name.startswith("week") and name.endswith(".ipynb")]
+    assert len(lessons) > 15
+    assert [*listed].index("a_layout.rviz") > max([*listed].index(name) for name in lessons)
+    assert [name for name in lessons if listed[name]] == []
