@@ -18,6 +18,9 @@ from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
 MAX_PLACES = 3
+AFTER_AN_ERROR = (
+    "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
+)
 LARGE = 2_000_000  # [B] of a message, some 100,000 points
 
 
@@ -48,9 +51,12 @@ class Advice:
         return replace(check, message=check.mistake)
 
     def hint(self, task: Task, result: TaskResult) -> str:
-        """Return the hint for the first cause, or the next of the task's own hints where that was shown."""
-        for mistake in _first_cause(result):
-            text = task.mistakes.get(mistake) or _general_hint(mistake)
+        """Return the hint for the first cause, or the next of the task's own hints where that was shown.
+
+        After an exception no check has seen what was meant: the cause is the exception.
+        """
+        for mistake in [""] if result.errors else _first_cause(result):
+            text = task.mistakes.get(mistake) or _general_hint(mistake) if mistake else AFTER_AN_ERROR
             if text and (task.id, mistake) not in self._hinted:
                 self._hinted.add((task.id, mistake))
                 return f"Hint: {text}"

@@ -108,6 +108,8 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("sub message of type 'Time'", "write node.get_clock().now().to_msg()."),
         Hint("sub message of type 'Quaternion'", "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))."),
         Hint(r"sub message of type '(\w+)'", "make one, with names: {1}(x=1.0, ...)."),
+        Hint("each value of type 'float'", "write floats into the list: 0.0 instead of 0."),
+        Hint("each value of type '(int|str|bool|bytes)'", "give a list of {1}s."),
         Hint(r"each value of type '(\w+)'", "give a list of them: [{1}(x=1.0, ...)]."),
         Hint("Invalid arguments passed to constructor: dict_keys", "it takes depth, reliability, ..."),
         Hint("Invalid arguments passed to constructor", "%ros2 interface show lists them."),

@@ -197,6 +197,11 @@ NEAREST_OBSTACLE = Task(
         "Beam number i looks along angle_min + i * angle_increment. In which frame? Is the sphere visible?",
         "Check low <= distance <= high, return without beams, add angle_min, copy the header, set color.a.",
     ),
+    mistakes={
+        "a stamp is not set": "Use the scan's own header: marker.header = message.header.",
+        "a stamp is in the future": "Use the scan's own header: marker.header = message.header.",
+        "the position of a marker is wrong": "Which beams count, and in which direction does beam 0 look?",
+    },
     scenarios=(
         Scenario(
             "public",

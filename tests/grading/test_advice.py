@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker
 
 import course_lib.grading.vocabulary
 from course_lib.course.installation import exercises_dir
-from course_lib.grading.advice import Advice, hints_by_mistake, large_messages, not_numbers
+from course_lib.grading.advice import AFTER_AN_ERROR, Advice, hints_by_mistake, large_messages, not_numbers
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
@@ -128,3 +128,12 @@ def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None
     kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
     assert kinds
     assert kinds <= set(hints_by_mistake())
+
+
+def test_after_an_exception_there_is_no_hint_on_what_its_node_did_not_publish() -> None:
+    advice = Advice()
+    stopped = replace(
+        result(failing("nothing was published on an expected topic")), errors=("ValueError: x",)
+    )
+    said = [advice.hint(TASK, stopped) for _ in range(2)]
+    assert said == [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]
