@@ -111,7 +111,36 @@ def test_a_lesson_has_every_part_that_a_lesson_needs(path: Path) -> None:
     assert any("compare(" in cell for cell in code_cells(path))
 
 
-@each([path for path in LESSONS if path.stem != "week00_welcome"])
+WITH_EXERCISE = [path for path in LESSONS if path.stem != "week00_welcome"]
+
+
+@each(WITH_EXERCISE)
+def test_a_lesson_opens_with_a_true_story_and_its_source(path: Path) -> None:
+    opening, _, rest = markdown(path).partition("## Do you remember?")
+    assert rest, "the story comes first"
+    story = opening.split("> **A true story.**")[1]
+    assert 3 <= len([line for line in story.splitlines() if line.startswith("> ")]) <= 10
+    assert re.search(r"^> Source: \S+", story, re.MULTILINE)
+
+
+@each(WITH_EXERCISE)
+def test_a_lesson_asks_of_earlier_weeks_before_anything_new(path: Path) -> None:
+    titles = [title for level, title in headings(path) if level == 2]
+    assert titles[0].startswith("Do you remember?")
+    quizzes = [cell for cell in code_cells(path) if cell.startswith("quiz(")]
+    assert quizzes == [f'quiz("{path.stem[:6]}_recall")', f'quiz("{path.stem[:6]}")']
+
+
+@each(WITH_EXERCISE)
+def test_a_lesson_ends_with_a_page_to_show_and_further_reading(path: Path) -> None:
+    titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in headings(path)]
+    assert titles.index("Show it") < titles.index("Recap") < titles.index("Further reading")
+    assert any(f'save_html("my_week{int(path.stem[4:6])}.html"' in cell for cell in code_cells(path))
+    reading = markdown(path).split("## Further reading")[1]
+    assert len(re.findall(r"\]\(https://", reading)) >= 3
+
+
+@each(WITH_EXERCISE)
 def test_a_lesson_leads_to_rviz2_and_to_the_robot(path: Path) -> None:
     for phrase in ("> **In RViz2**", "> **On the robot**", "Try it", "_exercise.ipynb`"):
         assert phrase in markdown(path)
