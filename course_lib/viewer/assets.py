@@ -14,7 +14,8 @@ from course_lib.errors import CourseError
 _MODULES = (
     "decode", "encode", "icons", "materials", "surfaces", "billboards", "orbit", "insets", "mirror",
     "renderer", "panels/parts", "labels", "view", "panels/time", "panels/editors", "panels/tree",
-    "panels/gestures", "panels/panels", "panels/desk", "panels/place", "film", "player", "link", "page", "socket",
+    "panels/gestures", "panels/panels", "panels/desk", "panels/place", "film", "player", "link",
+    "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 
