@@ -13,8 +13,9 @@ from course_lib.errors import CourseError
 # In the order in which they need each other.
 _MODULES = (
     "decode", "encode", "icons", "materials", "surfaces", "billboards", "orbit", "insets", "mirror",
-    "renderer", "panels/parts", "view", "panels/time", "panels/editors", "panels/tree", "panels/gestures",
-    "panels/panels", "panels/desk", "panels/place", "film", "player", "link", "page", "socket",
+    "renderer", "panels/parts", "labels", "view", "panels/time", "panels/editors", "panels/tree",
+    "panels/gestures", "panels/panels", "panels/desk", "panels/place", "film", "player", "link",
+    "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

@@ -91,3 +91,23 @@ def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(
     assert clicks[0].path == "cloud"
     assert clicks[0].index is not None
     assert np.linalg.norm(grid.reshape(-1, 3)[clicks[0].index] - clicks[0].point) < 0.05
+
+
+def test_labels_overlap_as_in_rviz_until_a_button_hides_those_behind_nearer_ones(host: Host) -> None:
+    scene = from_above()
+    for name, color, height in (("near", (1, 0, 0, 1), 0.5), ("far", (0, 1, 0, 1), 0.0)):
+        scene.set_object(name, Text("MW", 1.0, color))
+        scene.set_transform(name, [[1.0, 0, 0, 0], [0, 1.0, 0, 0.2], [0, 0, 1.0, height], [0, 0, 0, 1.0]])
+    scene.set_object("aside", Text("MW", 0.5, (0, 0, 1, 1)))
+    scene.set_transform("aside", [[1.0, 0, 0, 0], [0, 1.0, 0, -1.8], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
+    shown(host, scene)
+    apart = host.page.get_by_role("button", name="Labels do not overlap")
+    assert count(host.pixels(), GREEN, within=120) > 50
+    apart.click()
+    host.carry()
+    pixels = host.pixels()
+    assert count(pixels, GREEN, within=120) == 0
+    assert min(count(pixels, RED, within=120), count(pixels, BLUE, within=120)) > 50
+    apart.click()
+    host.carry()
+    assert count(host.pixels(), GREEN, within=120) > 50

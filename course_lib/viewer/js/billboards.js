@@ -132,5 +132,6 @@ export function buildText(text) {
     startTint: perInstance(text.color, 4),
   });
   mesh.userData.mask = mask;
+  mesh.userData.size = size.slice(0, 2); // [m]
   return mesh;
 }

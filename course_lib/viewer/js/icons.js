@@ -3,6 +3,7 @@
 const LINES = {
   full: "M3 7V3h4M13 3h4v4M17 13v4h-4M7 17H3v-4",
   beside: "M2 3h16v14H2zM11 3v14M13.5 7h2M13.5 10h2",
+  apart: "M2 4h9v4H2zM9 12h9v4H9z",
   play: "M5 3l12 7-12 7z",
   pause: "M6 4v12M14 4v12",
   loop: "M4 6a7.5 7.5 0 1 1-1 6M4 2v4h4",

@@ -3,7 +3,8 @@ import { icon } from "./icons.js";
 import { isShown } from "./insets.js";
 import { Orbit } from "./orbit.js";
 import { button, part } from "./panels/parts.js";
-import { draw, views } from "./renderer.js";
+import { textsOf, withoutOverlaps } from "./labels.js";
+import { draw, metresPerPixel, views } from "./renderer.js";
 
 const CLICK = 4; // [px] the pointer may move this far in a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
@@ -42,7 +43,16 @@ export class View {
     this.full = button(icon("full"), "Full screen (F)", () => this.toggleFull());
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
     host.style.position = "relative";
-    host.append(this.canvas, this.words, this.full);
+    this.areApart = false;
+    this.apart = button(icon("apart"), "Labels do not overlap: nearer ones hide others", () => {
+      this.areApart = !this.areApart;
+      this.apart.ariaPressed = String(this.areApart);
+      this.invalidate();
+    });
+    this.apart.ariaPressed = "false";
+    this.apart.hidden = true;
+    this.apart.style.cssText = `${CORNER};right:54px;top:0;border:0;cursor:pointer;opacity:0.7`;
+    host.append(this.canvas, this.words, this.full, this.apart);
     this.host = host;
     this.listen();
     this.sizes = new ResizeObserver(() => this.invalidate());
@@ -64,7 +74,7 @@ export class View {
     this.mirror.views.delete(this);
     views.delete(this);
     clearTimeout(this.silence);
-    for (const part of [this.canvas, this.words, this.full]) part.remove();
+    for (const part of [this.canvas, this.words, this.full, this.apart]) part.remove();
   }
 
   /** @param {string} text shown in a corner, and read aloud by screen readers */
@@ -95,7 +105,13 @@ export class View {
     if (this.canvas.width !== width) this.canvas.width = width; // only then: it empties the canvas
     if (this.canvas.height !== height) this.canvas.height = height;
     const goesOn = this.mirror.tick();
-    draw(this.canvas, this.mirror, this.orbit.camera(clientWidth, clientHeight));
+    const camera = this.orbit.camera(clientWidth, clientHeight);
+    const texts = textsOf(this.mirror.scene);
+    this.apart.hidden = texts.length < 2;
+    const pixel = metresPerPixel(camera, height);
+    const showAll = this.areApart ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
+    draw(this.canvas, this.mirror, camera);
+    showAll();
     if (goesOn) this.invalidate();
   }
 
