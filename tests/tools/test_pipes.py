@@ -86,6 +86,11 @@ def test_where_no_program_may_be_started_the_text_comes_unfiltered(monkeypatch: 
     )
 
 
+def test_in_a_root_without_programs_the_text_comes_unfiltered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    assert output("topic list | wc -l").startswith("No program may be started here")
+
+
 @pytest.mark.parametrize(
     ("line", "text"),
     [
