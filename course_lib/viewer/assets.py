@@ -62,6 +62,6 @@ def _meshcat() -> str:
 
 
 def _joinable(name: str) -> str:
-    """Return a module's text without its imports and exports: together all are one function."""
-    text = (_FOLDER / f"{name}.js").read_text("utf-8")
+    """Return a module's text without types, imports and exports: together all are one function."""
+    text = re.sub(r"/\*\*.*?\*/", "", (_FOLDER / f"{name}.js").read_text("utf-8"), flags=re.S)
     return re.sub(r"^export ", "", re.sub(r"^import [^;]*;$", "", text, flags=re.M), flags=re.M)

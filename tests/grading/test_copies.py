@@ -134,7 +134,7 @@ def test_the_page_shows_copies_side_by_side(page: Page, write: Callable[..., Pat
     assert sides.count() == 2
     assert page.get_by_text("cleo").count() == 0
     like = sides.nth(0).locator("tr.same a")
-    assert like.count() > 20
+    assert like.count() > 10  # of the lines that were not handed out
     like.first.click()
     target = page.locator(":target")
     assert target.evaluate("row => row.closest('section').ariaLabel") == "code of bob"

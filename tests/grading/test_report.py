@@ -6,7 +6,9 @@ import pytest
 
 from course_lib.grading.grade import grade
 from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.records import Course
+from course_lib.grading.reports.report import _worst_first
 
 WriteNotebook = Callable[..., Path]
 SCRIPT = "<script>alert(1)</script>"
@@ -124,3 +126,12 @@ def test_terminal_colours_and_turned_text_are_taken_out(
     code = right + "# next cell\nprint('\\x1b[31mred\\x1b[0m \\u202eleft\\x07')\n"
     page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", code))
     assert "red left" in page
+
+
+def test_checks_that_fail_for_one_reason_share_a_row_above_those_that_pass() -> None:
+    def check(title: str, score: float, why: str) -> CheckResult:
+        return CheckResult(title, "public", False, 1.0, score, why, "a kind")
+
+    checks = check("a", 1.0, "as expected"), check("b", 0.0, "nothing came"), check("c", 0.0, "nothing came")
+    result = TaskResult("week01.x", "X", 10.0, False, checks)
+    assert [row[2] for row in _worst_first(result)] == ["b; c", "a"]

@@ -13,7 +13,7 @@ from course_lib.grading.marks.mark import Result
 from course_lib.grading.marks.marks import HandMark
 from course_lib.grading.records import digest_of, evidence_path, report_path
 from course_lib.grading.reports.scenes import figures, shared_script
-from course_lib.grading.reports.table import fill, rows
+from course_lib.grading.reports.table import Row, fill, scored_rows
 from course_lib.grading.run.job import Run, plan
 from course_lib.grading.run.run import unpack
 
@@ -109,7 +109,7 @@ def _by_hand(result: TaskResult, runs: Iterable[Run]) -> list[str]:
     return [*answers, *result.comments, *waits]
 
 
-def _worst_first(result: TaskResult) -> list[tuple[str, str, str, str]]:
+def _worst_first(result: TaskResult) -> list[Row]:
     """Return the rows of a task's table, failed checks first; hidden checks keep their numbers."""
-    ranked = sorted(zip(result.checks, rows(result.checks), strict=True), key=lambda pair: pair[0].score)
+    ranked = sorted(scored_rows(result.checks), key=lambda pair: pair[0])
     return [row for _, row in ranked]

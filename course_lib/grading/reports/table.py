@@ -53,12 +53,20 @@ class Table:
         return [*self.notes, *([verdict] if self.result.passed else [])]
 
 
-def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
+Row = tuple[str, str, str, str]  # icon, word, title, reason
+
+
+def rows(checks: Iterable[CheckResult]) -> list[Row]:
     """Return icon, word, title and reason of each check; of a hidden one its number and kind of mistake.
 
     Public checks that fail for one reason share a row.
     """
-    made: dict[tuple[str, ...], tuple[str, str, str, str]] = {}
+    return [row for _, row in scored_rows(checks)]
+
+
+def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
+    """Return the rows, each with the score of its checks."""
+    made: dict[tuple[str, ...], tuple[float, Row]] = {}
     hidden = 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
@@ -69,8 +77,8 @@ def rows(checks: Iterable[CheckResult]) -> list[tuple[str, str, str, str]]:
         title, why = said
         shares = not check.passed and not check.hidden and why
         key = (word, why) if shares else (title, str(len(made)))
-        title = f"{made[key][2]}; {title}" if key in made else title
-        made[key] = (icon, word, title, why)
+        title = f"{made[key][1][2]}; {title}" if key in made else title
+        made[key] = (check.score, (icon, word, title, why))
     return list(made.values())
 
 
