@@ -43,7 +43,16 @@ from course_lib.grading.records import (
     writing,
 )
 from course_lib.grading.reports.report import is_current, page_digest, report
-from course_lib.grading.reports.table import Line, broken_lines, counts, say, task_lines, watched
+from course_lib.grading.reports.table import (
+    NO_REPORT,
+    Line,
+    broken_lines,
+    counts,
+    lost_report_lines,
+    say,
+    task_lines,
+    watched,
+)
 from course_lib.grading.reports.tables import concerns, write_tables
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import Ran, demand, keep, run, unpack
@@ -235,7 +244,7 @@ def judge_mark_report(
         except OSError:
             raise
         except Exception as error:  # the marks are right without a report, and must not be lost with it
-            problem = f"no report: {type(error).__name__}: {error}"
+            problem = f"{NO_REPORT}: {type(error).__name__}: {error}"
             result = replace(result, notes=(*result.notes, problem))
         if result is not kept:
             result.write(out)
@@ -265,8 +274,9 @@ def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) ->
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
         files = map(str, write_tables(out, zone))
-    for line in (*task_lines(results_in(out)), *broken_lines(results_in(out))):
-        say(line)
+    for lines in (task_lines, broken_lines, lost_report_lines):
+        for line in lines(results_in(out)):
+            say(line)
     isolations = Counter(result["isolation"] for result in results_in(out))
     say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():

@@ -135,3 +135,22 @@ def test_checks_that_fail_for_one_reason_share_a_row_above_those_that_pass() -> 
     checks = check("a", 1.0, "as expected"), check("b", 0.0, "nothing came"), check("c", 0.0, "nothing came")
     result = TaskResult("week01.x", "X", 10.0, False, checks)
     assert [row[2] for row in _worst_first(result)] == ["b; c", "a"]
+
+
+def test_a_report_that_cannot_be_written_costs_no_mark_and_is_said(
+    course: Course,
+    right: str,
+    write_notebook: WriteNotebook,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("too short")
+
+    monkeypatch.setattr("course_lib.grading.grade.report", fail)
+    write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right, student="ada")
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    said = capsys.readouterr().out
+    assert "No report could be written: ValueError: too short (ada). The marks are right." in said
+    assert ",110.0,graded" in (tmp_path / "out/gradebook.csv").read_text()

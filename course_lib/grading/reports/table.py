@@ -107,6 +107,7 @@ def _tame(value: Any) -> Any:
 
 Line = Mapping[str, Any]  # of the gradebook
 MOST_NAMED = 5  # students in a line
+NO_REPORT = "No report could be written"
 MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
 
 
@@ -161,6 +162,15 @@ def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
                 what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
                 met.setdefault(what, []).append(result["student"])
     return [f"A check could not judge {_few(students)}: {what}. {MEND}" for what, students in met.items()]
+
+
+def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each reason for which pages could not be written, with their students."""
+    lost: dict[str, list[str]] = {}
+    for result in results:
+        for note in (note for note in result["notes"] if note.startswith(NO_REPORT)):
+            lost.setdefault(note, []).append(result["student"])
+    return [f"{note} ({_few(students)}). The marks are right." for note, students in lost.items()]
 
 
 def _few(students: list[str]) -> str:
