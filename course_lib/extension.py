@@ -26,13 +26,18 @@ def load(shell: "InteractiveShell") -> None:
     _keep_jupyters_loop_on_the_wall_clock()
     register(shell)
     shorten_tracebacks(shell)
-    shell.events.register("post_run_cell", _end_of_cell)
+    shell.events.register("pre_run_cell", _begin_cell)
+    shell.events.register("post_run_cell", _end_cell)
+
+
+def _begin_cell(*_: object) -> None:
     replacements.waits = True
 
 
-def _end_of_cell(*_: object) -> None:
+def _end_cell(*_: object) -> None:
     repeated_lines.end()
     replacements.tell()
+    replacements.waits = False
 
 
 def _keep_jupyters_loop_on_the_wall_clock() -> None:

@@ -13,11 +13,11 @@ def say(line: str) -> None:
 class Replacements:
     """Nodes that new ones of the same name have replaced, in one line at the end of the cell.
 
-    Without cells that end, each is named immediately.
+    Outside of cells each is named immediately.
     """
 
     def __init__(self) -> None:
-        self.waits = False  # somebody calls `tell` after each cell
+        self.waits = False  # a cell runs, at whose end somebody calls `tell`
         self._names: list[str] = []
 
     def add(self, name: str) -> None:

@@ -4,6 +4,8 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
+from course_lib import extension
+from course_lib.ros import notices
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.notices import Replacements, repeated_lines
 
@@ -72,3 +74,13 @@ def test_the_nodes_that_a_cell_replaces_are_named_in_one_line(capsys: pytest.Cap
     replacements.tell()
     replacements.tell()
     assert capsys.readouterr().out == "New nodes replace those of the same names: /a, /b.\n"
+
+
+def test_a_node_that_is_replaced_after_a_cell_is_named_immediately(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    extension._begin_cell()
+    notices.replacements.add("/a")
+    extension._end_cell()
+    notices.replacements.add("/b")
+    assert [line.split()[3] for line in capsys.readouterr().out.splitlines()] == ["/a", "/b"]
