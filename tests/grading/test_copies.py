@@ -25,6 +25,30 @@ PAGE = "copies_week01_exercise.html"
 HOSTILE = '<script>document.title = "run"</script><img src=x onerror="document.title = 1">'
 
 
+# A student's own cell: most lines of week 1's answers are handed out in a faulty start.
+OWN = """\
+def corners_of(width, depth, height):
+    corners = []
+    for x in (-width / 2, width / 2):
+        for y in (-depth / 2, depth / 2):
+            for z in (0.0, height):
+                corners.append((x, y, z))
+    return corners
+
+
+def longest_way(corners):
+    longest = 0.0
+    for first in corners:
+        for second in corners:
+            squares = [(a - b) ** 2 for a, b in zip(first, second)]
+            longest = max(longest, sum(squares) ** 0.5)
+    return longest
+
+
+print(longest_way(corners_of(1.0, 2.0, 3.0)))
+"""
+
+
 def cells_as_code(cells: Sequence[str]) -> str:
     return "# next cell\n".join(f"{cell}\n" for cell in cells)
 
@@ -123,7 +147,7 @@ def test_a_damaged_file_of_copies_is_named(write: Callable[..., Path], tmp_path:
 
 @pytest.mark.browser
 def test_the_page_shows_copies_side_by_side(page: Page, write: Callable[..., Path], tmp_path: Path) -> None:
-    cells = cells_of(solution("week01"))
+    cells = [*cells_of(solution("week01")), OWN]
     write("ada", cells)
     hostile = [cell.replace('"map"', f"'{HOSTILE}'").replace("marker", "m") for cell in reversed(cells)]
     write("bob", hostile)
@@ -134,7 +158,7 @@ def test_the_page_shows_copies_side_by_side(page: Page, write: Callable[..., Pat
     assert sides.count() == 2
     assert page.get_by_text("cleo").count() == 0
     like = sides.nth(0).locator("tr.same a")
-    assert like.count() > 10  # of the lines that were not handed out
+    assert like.count() > 20
     like.first.click()
     target = page.locator(":target")
     assert target.evaluate("row => row.closest('section').ariaLabel") == "code of bob"

@@ -90,7 +90,7 @@ class AsyncParameterClient:
         qos_profile: QoSProfile = qos_profile_parameter_events,
         **options: Any,
     ) -> Subscription[ParameterEvent]:
-        """Be told of every change of parameters, of all nodes."""
+        """Subscribe to every change of parameters, of all nodes."""
         return self.node.create_subscription(
             ParameterEvent, "/parameter_events", callback, qos_profile, **options
         )
