@@ -206,16 +206,16 @@ def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page,
 
 
 def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: Viewer, graph: Graph) -> None:
-    graph.add_publisher(graph.add_node("humid", "/"), "/humidity", "sensor_msgs/msg/RelativeHumidity", Qos())
+    updates = "visualization_msgs/msg/InteractiveMarkerUpdate"
+    graph.add_publisher(graph.add_node("menu", "/"), "/menu/update", updates, Qos())
     page.ask(act="LookAgain")
-    shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/humidity")
+    shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/menu/update")
     topic, name = shown["topic"], shown["display"]
     assert name in page.told["undrawn"]
     page.ask(act="AddDisplay", topic=topic, display=name)
-    (row,) = viewer["RelativeHumidity"].rows()
-    said = "RViz2 draws RelativeHumidity (sensor_msgs/msg/RelativeHumidity); this viewer does not"
-    assert said in row.text
-    assert member_config(viewer["RelativeHumidity"])["Topic"] == {"Value": "/humidity"}
+    (row,) = viewer["InteractiveMarkers"].rows()
+    assert f"RViz2 draws InteractiveMarkers ({updates}); this viewer does not" in row.text
+    assert member_config(viewer["InteractiveMarkers"])["Topic"] == {"Value": "/menu/update"}
 
 
 def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:
