@@ -1,0 +1,75 @@
+"""Type hashes (REP 2016): the last part of every key. Another hash means another definition of the type."""
+
+from functools import cache
+from typing import TYPE_CHECKING, Any, cast
+
+from course_lib.errors import CourseError
+from course_lib.ros.messages.definitions import definition, typestore
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+EVENT_INFO = "service_msgs/msg/ServiceEventInfo"
+
+
+@cache
+def type_hash(type_name: str) -> str:
+    """Return `RIHS01_…` of a message's or a service's type; a CourseError if it is not known here."""
+    store = _hashed_types()
+    request = f"{type_name}_Request"
+    definition(request if _is_service(type_name) else type_name)  # it may lie in a package of the student's
+    for name, (_, fields) in typestore().fielddefs.items():
+        if name not in store.fielddefs:
+            store.fielddefs[name] = [], [(field, _hashed(form)) for field, form in fields]
+    if request in store.fielddefs:
+        _describe_service(store, type_name)
+    return store.hash_rihs01(type_name)
+
+
+def is_known(type_name: str) -> bool:
+    """Return whether a message's or a service's type is known here."""
+    try:
+        type_hash(type_name)
+    except CourseError:
+        return False
+    return True
+
+
+def _is_service(type_name: str) -> bool:
+    return "/srv/" in type_name or type_name.endswith(("_SendGoal", "_GetResult"))
+
+
+@cache
+def _hashed_types() -> "Typestore":
+    """Return a store that is only hashed with."""
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.EMPTY)
+
+
+def _describe_service(store: "Typestore", type_name: str) -> None:
+    """Add a service as rosidl describes it: a struct of its request, its response and its event."""
+    from rosbags.interfaces import Nodetype
+
+    request, response, event = (f"{type_name}_{part}" for part in ("Request", "Response", "Event"))
+    whole, known = Nodetype.NAME, cast("dict[str, Any]", store.fielddefs)
+    known[event] = (
+        [],
+        [
+            ("info", (whole, EVENT_INFO)),
+            ("request", (Nodetype.SEQUENCE, ((whole, request), 1))),
+            ("response", (Nodetype.SEQUENCE, ((whole, response), 1))),
+        ],
+    )
+    parts = (("request_message", request), ("response_message", response), ("event_message", event))
+    known[type_name] = [], [(field, (whole, name)) for field, name in parts]
+
+
+def _hashed(form: Any) -> Any:
+    """Return a field's form as rosidl hashes it: `char` of a .msg file is uint8, not IDL's char."""
+    from rosbags.interfaces import Nodetype
+
+    kind, detail = form
+    if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        return kind, (_hashed(detail[0]), detail[1])
+    return (kind, ("uint8", 0)) if form == (Nodetype.BASE, ("char", 0)) else form

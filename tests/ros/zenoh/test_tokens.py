@@ -1,0 +1,91 @@
+from dataclasses import replace
+
+import pytest
+
+from course_lib.ros.qos import Qos
+from course_lib.ros.zenoh.tokens import Entity, attachment, qos_text, read_attachment, read_qos, read_token
+
+STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+SUM_HASH = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
+ZID = "aac3178e146ba6f1fc6e6a4085e77f21"
+# docs/design.md of rmw_zenoh (jazzy)
+NODE = f"@ros2_lv/0/{ZID}/0/0/NN/%/%/listener"
+SUBSCRIPTION = (
+    f"@ros2_lv/0/{ZID}/0/10/MS/%/%/listener/%chatter/std_msgs::msg::dds_::String_/{STRING_HASH}/::,10:,:,:,,"
+)
+LISTENER = Entity(0, ZID, 0, 0, "NN", "/", "listener")
+CHATTER = replace(
+    LISTENER, id=10, kind="MS", topic="/chatter", type_name="std_msgs/msg/String", type_hash=STRING_HASH
+)
+
+
+def test_tokens_are_those_of_rmw_zenohs_design_page() -> None:
+    assert LISTENER.token == NODE
+    assert CHATTER.token == SUBSCRIPTION
+
+
+@pytest.mark.parametrize("entity", [LISTENER, CHATTER, replace(CHATTER, namespace="/a/b", topic="/a/b/c")])
+def test_a_token_is_read_as_it_was_written(entity: Entity) -> None:
+    assert read_token(entity.token) == entity
+
+
+def test_rollings_fourteenth_part_is_not_read() -> None:
+    assert read_token(f"{SUBSCRIPTION}/more") == CHATTER
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "",
+        "0/chatter/x/y",
+        f"@ros2_lv/zero/{ZID}/0/0/NN/%/%/listener",
+        f"@ros2_lv/0/{ZID}/0/0/XX/%/%/listener",
+        SUBSCRIPTION.rpartition("/")[0],
+        f"{SUBSCRIPTION.rpartition('/')[0]}/::ten,:,:,:",
+    ],
+)
+def test_what_is_not_a_token_is_none(key: str) -> None:
+    assert read_token(key) is None
+
+
+def test_keys_of_topics_and_services_are_those_of_the_design_page() -> None:
+    assert CHATTER.key == f"0/chatter/std_msgs::msg::dds_::String_/{STRING_HASH}"
+    service = Entity(
+        2, ZID, 0, 11, "SS", "/", "adder", "/a/add_two_ints", "example_interfaces/srv/AddTwoInts", SUM_HASH
+    )
+    assert service.key == f"2/a/add_two_ints/example_interfaces::srv::dds_::AddTwoInts_/{SUM_HASH}"
+
+
+@pytest.mark.parametrize(
+    ("qos", "text"),
+    [
+        (Qos(), "::,10:,:,:,,"),
+        (Qos(depth=42), "::,:,:,:,,"),
+        (Qos(depth=5, reliability="best_effort"), "2::,5:,:,:,,"),
+        (Qos(depth=1, durability="transient_local"), ":1:,1:,:,:,,"),
+        (Qos("keep_all", 10), "::2,10:,:,:,,"),
+        (Qos(deadline_ns=1_500_000_000, lease_ns=2 * 10**9), "::,10:1,500000000:,:,2,0"),
+        (Qos(liveliness="manual_by_topic"), "::,10:,:,:3,,"),
+    ],
+)
+def test_a_qos_is_written_and_read(qos: Qos, text: str) -> None:
+    assert qos_text(qos) == text
+    assert read_qos(text) == qos
+
+
+def test_an_attachment_has_33_bytes() -> None:
+    data = attachment(3, bytes(range(16)), 1_700_000_000_000_000_000)
+    assert data.hex() == "0300000000000000" + "00002a36fe9c9717" + "10" + bytes(range(16)).hex()
+    assert read_attachment(data) == (3, 1_700_000_000_000_000_000, bytes(range(16)))
+
+
+def test_an_older_attachment_is_refused() -> None:
+    with pytest.raises(ValueError, match="49 bytes instead of 33"):
+        read_attachment(bytes(49))
+
+
+def test_a_gid_is_the_hash_of_the_token_low_half_first() -> None:
+    import xxhash
+
+    high, low = divmod(xxhash.xxh3_128(SUBSCRIPTION.encode()).intdigest(), 2**64)
+    assert CHATTER.gid == low.to_bytes(8, "little") + high.to_bytes(8, "little")
