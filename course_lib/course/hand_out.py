@@ -12,7 +12,7 @@ from pathlib import Path
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import read_notebook, source, stamp_exercises, write_exercises
 from course_lib.course.installation import PACKAGE, checkout_root, exercises_dir, lessons_dir
-from course_lib.course.state import STATE_FOLDER, State
+from course_lib.course.state import STATE_FOLDER, WRITTEN_FOLDER, State
 from course_lib.errors import CourseError
 
 DEFAULT_FOLDER = Path("my_course")
@@ -93,7 +93,8 @@ def prepare(folder: Path) -> Refresh:
     if folder == PACKAGE.parent:
         raise CourseError(f"{folder} is the kit itself. Name a folder of your own: course lab my_course")
     try:
-        (folder / STATE_FOLDER).mkdir(parents=True, exist_ok=True)
+        for name in (STATE_FOLDER, WRITTEN_FOLDER):
+            (folder / name).mkdir(parents=True, exist_ok=True)
         refresh = _refresh(folder)
     except OSError as error:
         raise CourseError(

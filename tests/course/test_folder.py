@@ -40,6 +40,11 @@ def test_the_kit_ships_lessons_and_exercises_but_no_checks_and_no_solutions() ->
     assert [name for name in names if name.endswith(".py")] == ["week07_parts.py"]  # read in lesson 7
 
 
+def test_a_folder_waits_for_what_lessons_write(tmp_path: Path, release: Path) -> None:
+    prepare(tmp_path / "course")
+    assert (tmp_path / "course" / "my_files").is_dir()
+
+
 def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Path, release: Path) -> None:
     mine = tmp_path / "new" / "course"
     assert prepare(mine).added == ("week01_exercise.ipynb", "assets/map.txt")

@@ -135,7 +135,7 @@ def test_a_lesson_asks_of_earlier_weeks_before_anything_new(path: Path) -> None:
 def test_a_lesson_ends_with_a_page_to_show_and_further_reading(path: Path) -> None:
     titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in headings(path)]
     assert titles.index("Show it") < titles.index("Recap") < titles.index("Further reading")
-    assert any(f'save_html("my_week{int(path.stem[4:6])}.html"' in cell for cell in code_cells(path))
+    assert any(f'save_html("my_files/my_week{int(path.stem[4:6])}.html"' in cell for cell in code_cells(path))
     reading = markdown(path).split("## Further reading")[1]
     assert len(re.findall(r"\]\(https://", reading)) >= 3
 
@@ -145,6 +145,13 @@ def test_each_try_it_is_followed_by_an_answer_to_open(path: Path) -> None:
     answer = r"<details><summary>Answer</summary>\n\n.{20,}?\n\n</details>"
     for tried in re.split(r"^\*\*Try it", markdown(path), flags=re.MULTILINE)[1:]:
         assert re.match(rf":\*\*[^\n]+\n\n{answer}(\n|$)", tried, re.DOTALL), tried[:80]
+
+
+@each(LESSONS)
+def test_what_a_lesson_writes_goes_into_one_folder(path: Path) -> None:
+    writing = r'(?:save_\w+\("|rqt save |record -o |^%ros2 .* > )([\w./]+)'
+    named = {name for cell in code_cells(path) for name in re.findall(writing, cell, re.MULTILINE)}
+    assert [name for name in named if not name.startswith("my_files/")] == []
 
 
 @each(WITH_EXERCISE)
