@@ -125,6 +125,17 @@ def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page,
     assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
 
 
+def test_layouts_that_lessons_wrote_can_be_opened_and_saved_again(page: Page) -> None:
+    Path("my_files").mkdir()
+    Path("my_files/old.rviz").write_text(LAYOUT)
+    page.ask(act="LookAgain")
+    assert "my_files/old.rviz" in page.told["layouts"]["files"]
+    page.ask(act="LoadLayout", name="my_files/old.rviz")
+    page.ask(act="SaveLayout", name="my_files/new.rviz")
+    assert page.told["notice"] == {"level": "ok", "text": "Saved my_files/new.rviz."}
+    assert Path("my_files/new.rviz").is_file()
+
+
 def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) -> None:
     viewer["Grid"]["Cell Size"] = 3.0
     page.ask(act="LookAgain")
