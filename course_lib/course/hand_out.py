@@ -32,7 +32,6 @@ LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
 LESSONS = (
     "week*.ipynb",
     "week*.py",
-    "review_*.ipynb",
     "images",
     "coverage.toml",
 )  # else lessons have written it
@@ -61,9 +60,7 @@ class Refresh:
 
 def shipped_files() -> dict[str, Path]:
     """Return the kit's file for each name in a student's folder."""
-    lessons = [
-        path for name in ("week*.ipynb", "week*.py", "review_*.ipynb") for path in lessons_dir().glob(name)
-    ]
+    lessons = [path for name in ("week*.ipynb", "week*.py") for path in lessons_dir().glob(name)]
     notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
     named = {path.name: path for path in notebooks}

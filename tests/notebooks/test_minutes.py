@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
-from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.installation import exercises_dir, lessons, solutions_dir
 
-LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
+LESSONS = lessons()
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 ROOT = Path(__file__).parents[2]
 WORDS_A_MINUTE = 80
