@@ -105,7 +105,12 @@ class Graph:
         self._topics.remove(endpoint)
 
     def publish(self, endpoint: int, cdr: bytes) -> None:
-        """Publish serialised data; it reaches each matching subscription as an event after the delay."""
+        """Publish serialised data; it reaches each matching subscription as an event after the delay.
+
+        After the end of the run nothing is published any more.
+        """
+        if self.ended:
+            return
         publisher = self._topics.publishers[endpoint]
         info = publisher.info
         self.wake(info.node)

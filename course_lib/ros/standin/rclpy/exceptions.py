@@ -4,6 +4,8 @@
 
 from typing import TYPE_CHECKING
 
+from course_lib.ros.program_thread import ShutDown
+
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
 
@@ -34,7 +36,7 @@ class InvalidHandle(Exception):
         super().__init__(message)
 
 
-class ROSInterruptException(Exception):
+class ROSInterruptException(ShutDown):
     """A wait was ended by `rclpy.shutdown()`."""
 
     def __init__(self) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
+from course_lib.ros.program_thread import AtEnd
 from rclpy.context import Context
 from rclpy.impl.executor import Executor as Executor
 from rclpy.impl.executor import ExternalShutdownException as ExternalShutdownException
@@ -61,7 +62,7 @@ class MultiThreadedExecutor(Executor):
         threading.Thread(target=self._work, args=(task,), name="callback", daemon=True).start()
 
     def _work(self, task: Task) -> None:
-        with baton.known():
+        with baton.known(), baton.at_end(AtEnd.STOP):
             try:
                 super()._execute(task)
             except Exception as error:  # the thread that spins raises it

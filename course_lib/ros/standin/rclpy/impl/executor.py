@@ -1,7 +1,5 @@
 """The base of executors: the order of callbacks, waiting, and spinning, also in a notebook's cell."""
 
-# ruff: noqa: N818 - the names are ROS's
-
 import inspect
 import threading
 import time
@@ -16,6 +14,7 @@ from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted, watch
 from course_lib.ros.mistakes import mark
 from course_lib.ros.notices import say
+from course_lib.ros.program_thread import ShutDown
 from rclpy.context import Context, get_default_context
 from rclpy.exceptions import NotInitializedException
 from rclpy.impl.node_handle import Entity, HandledNode, Turn
@@ -25,7 +24,7 @@ from rclpy.utilities import timeout_sec_to_nsec
 FOR_EVER_NS = 2**62  # [ns]
 
 
-class ExternalShutdownException(Exception):
+class ExternalShutdownException(ShutDown):
     """The context was shut down while an executor waited."""
 
 
@@ -197,8 +196,9 @@ class Executor(AbstractContextManager["Executor"]):
             names = ", ".join(node.handle.full_name for node in self._nodes)
             what = f"a callback of {names or 'no node'}"
             if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=what):
-                return None
-        if not self.context.is_valid and not self._is_shutdown:
+                break
+        over = not self.context.is_valid or baton.is_shut_down()
+        if over and not self._is_shutdown:
             raise ExternalShutdownException
         return None
 
