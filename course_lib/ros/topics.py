@@ -128,6 +128,10 @@ class Topics:
         if subscription is not None:
             self._subscriptions_of[subscription.info.topic].remove(subscription)
 
+    def listening(self, topic: str, type_name: str) -> list[Subscription]:
+        """List the subscriptions of a topic and type, whatever their QoS."""
+        return [s for s in self._subscriptions_of.get(topic, ()) if s.info.type_name == type_name]
+
     def receivers(self, publisher: EndpointInfo) -> list[Subscription]:
         """List the subscriptions that a publisher's sample reaches."""
         return [s for s in self._subscriptions_of.get(publisher.topic, ()) if matches(publisher, s.info)]
