@@ -62,7 +62,10 @@ def run(
     context: typer.Context,
     files: Annotated[
         list[Path],
-        typer.Argument(help="rclpy programs, launch files with name:=value, notebooks; they share a graph."),
+        typer.Argument(
+            help="rclpy programs, PACKAGE_DIR:executable, launch files with name:=value, notebooks; "
+            "they share a graph."
+        ),
     ],
     seconds: Annotated[
         float | None, typer.Option(min=0, help="Robot time to run; default 5, notebooks: to their end.")

@@ -20,9 +20,19 @@ LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "dist")
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the project in which all recipes are carried out, one after the other."""
+    """A copy of the project in which all recipes are carried out, one after the other.
+
+    The display of the first recipe is in the project; the copy is as it was before.
+    """
     copy = tmp_path_factory.mktemp("checkout") / "course"
     shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
+    for language, _, name, content in BLOCK.findall(RECIPES[0][1]):
+        path = copy / name
+        if language == "python":
+            assert path.read_text("utf-8") == content, f"the page shows another {name}"
+            path.unlink()
+        elif language == "diff":
+            path.write_text(edit(path.read_text("utf-8"), undone(content)), "utf-8")
     return copy
 
 
@@ -33,6 +43,12 @@ def edit(text: str, change: str) -> str:
     new = "".join(line[1:] for line in lines if not line.startswith("-"))
     assert text.count(old) == 1, f"these lines are there {text.count(old)} times:\n{old}"
     return text.replace(old, new)
+
+
+def undone(change: str) -> str:
+    """Return the hunk that takes another one back."""
+    signs = {"+": "-", "-": "+", " ": " "}
+    return "".join(signs[line[0]] + line[1:] for line in change.splitlines(keepends=True))
 
 
 def notebook(cells: str) -> str:

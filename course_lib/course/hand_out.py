@@ -12,7 +12,7 @@ from pathlib import Path
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import read_notebook, source, stamp_exercises, write_exercises
 from course_lib.course.installation import PACKAGE, checkout_root, exercises_dir, lessons_dir
-from course_lib.course.state import STATE_FOLDER, State
+from course_lib.course.state import STATE_FOLDER, WRITTEN_FOLDER, State
 from course_lib.errors import CourseError
 
 DEFAULT_FOLDER = Path("my_course")
@@ -32,7 +32,6 @@ LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
 LESSONS = (
     "week*.ipynb",
     "week*.py",
-    "review_*.ipynb",
     "images",
     "coverage.toml",
 )  # else lessons have written it
@@ -61,9 +60,7 @@ class Refresh:
 
 def shipped_files() -> dict[str, Path]:
     """Return the kit's file for each name in a student's folder."""
-    lessons = [
-        path for name in ("week*.ipynb", "week*.py", "review_*.ipynb") for path in lessons_dir().glob(name)
-    ]
+    lessons = [path for name in ("week*.ipynb", "week*.py") for path in lessons_dir().glob(name)]
     notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
     named = {path.name: path for path in notebooks}
@@ -96,7 +93,8 @@ def prepare(folder: Path) -> Refresh:
     if folder == PACKAGE.parent:
         raise CourseError(f"{folder} is the kit itself. Name a folder of your own: course lab my_course")
     try:
-        (folder / STATE_FOLDER).mkdir(parents=True, exist_ok=True)
+        for name in (STATE_FOLDER, WRITTEN_FOLDER):
+            (folder / name).mkdir(parents=True, exist_ok=True)
         refresh = _refresh(folder)
     except OSError as error:
         raise CourseError(

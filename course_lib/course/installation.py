@@ -33,6 +33,16 @@ def lessons_dir() -> Path:
     return material_root() / "notebooks"
 
 
+def lessons() -> list[Path]:
+    """Return the lessons of all weeks, in order; a review is not a lesson."""
+    return sorted(set(lessons_dir().glob("week*.ipynb")) - set(reviews()))
+
+
+def reviews() -> list[Path]:
+    """Return the reviews, in order, such as `week04_your_review.ipynb`; by its name it follows week 4."""
+    return sorted(lessons_dir().glob("week*_your_review.ipynb"))
+
+
 def exercises_dir() -> Path:
     """Return the folder of the exercises, `course.toml`, public checks, quizzes and assets."""
     return material_root() / "exercises"

@@ -11,7 +11,7 @@ from rich.table import Table
 from course_lib.course.course_file import WeekSettings, shipped_course_file
 from course_lib.course.exercise import Notebook, read_notebook, source
 from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
-from course_lib.course.installation import exercises_dir, lessons_dir
+from course_lib.course.installation import exercises_dir, lessons, reviews
 from course_lib.course.state import Packed, State, find_student_folder, last_check, last_packed, write_whole
 from course_lib.errors import CourseError, counted
 
@@ -47,7 +47,7 @@ class Week:
 def load_weeks() -> tuple[Week, ...]:
     """Return all weeks that have a lesson, in order; deadlines and points from course.toml."""
     settings = shipped_course_file().weeks
-    return tuple(_week(path, settings) for path in sorted(lessons_dir().glob("week*.ipynb")))
+    return tuple(_week(path, settings) for path in lessons())
 
 
 def _week(lesson: Path, settings: Mapping[str, WeekSettings]) -> Week:
@@ -120,8 +120,8 @@ def contents_page(state: State) -> str:
 
 
 def _reviews(week: Week) -> Iterator[str]:
-    """Yield the row of a review that ends with this week, like review_weeks01_04.ipynb."""
-    for path in lessons_dir().glob(f"review_weeks*_{week.name[-2:]}.ipynb"):
+    """Yield the row of a review that follows this week."""
+    for path in (path for path in reviews() if path.name.startswith(week.name)):
         notebook = read_notebook(path)
         yield f"| [{_title(notebook)}]({path.name}) | {notebook['metadata']['course']['minutes']} | | | |"
 

@@ -1,6 +1,7 @@
 """Questions to the student: predictions and quizzes, as a widget or as text."""
 
 import sys
+import textwrap
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from course_lib.course.state import student_state
 from course_lib.errors import CourseError
 
 SECTION = "predictions"
+WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
 
 
 def in_notebook() -> bool:
@@ -133,7 +135,7 @@ def compare(key: str, measured: str = "") -> None:
         lines.append(f"What happened: {question.right.text}. {question.right.reason}")
     if measured:
         lines.append(f"Measured: {measured}")
-    print("\n".join(lines))  # noqa: T201  the cell's output
+    print("\n".join(textwrap.fill(line, WIDTH) for line in lines))  # noqa: T201  the cell's output
 
 
 def _prediction_form(key: str, question: Question, kept: str | None) -> Any:

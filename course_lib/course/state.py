@@ -14,6 +14,7 @@ from typing import Any
 from course_lib.errors import CourseError
 
 STATE_FOLDER = ".course"
+WRITTEN_FOLDER = "my_files"  # for what lessons and exercises write; the cells name it
 CHECKS, PACKED = "checks", "packed_files"  # sections of the state
 DIGITS = 12  # of a cell's digest
 

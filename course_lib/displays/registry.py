@@ -3,8 +3,15 @@
 from difflib import get_close_matches
 
 from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
-from course_lib.displays.clouds.display import LaserScanDisplay, PointCloud2Display
+from course_lib.displays.clouds.display import LaserScanDisplay, PointCloud2Display, PointCloudDisplay
+from course_lib.displays.clouds.scalar import (
+    FluidPressureDisplay,
+    IlluminanceDisplay,
+    RelativeHumidityDisplay,
+    TemperatureDisplay,
+)
 from course_lib.displays.display import Context, Display
+from course_lib.displays.effort import EffortDisplay
 from course_lib.displays.geometry import (
     AccelStampedDisplay,
     PointStampedDisplay,
@@ -13,6 +20,7 @@ from course_lib.displays.geometry import (
     TwistStampedDisplay,
     WrenchDisplay,
 )
+from course_lib.displays.grid_cells import GridCellsDisplay
 from course_lib.displays.images.camera import CameraDisplay, CameraInfoDisplay
 from course_lib.displays.images.display import ImageDisplay
 from course_lib.displays.map import MapDisplay
@@ -38,7 +46,11 @@ REGISTRY: dict[str, type[Display]] = {
         CameraDisplay,
         CameraInfoDisplay,
         DepthCloudDisplay,
+        EffortDisplay,
+        FluidPressureDisplay,
+        GridCellsDisplay,
         GridDisplay,
+        IlluminanceDisplay,
         ImageDisplay,
         LaserScanDisplay,
         MapDisplay,
@@ -46,15 +58,18 @@ REGISTRY: dict[str, type[Display]] = {
         MarkerDisplay,
         OdometryDisplay,
         PathDisplay,
+        PointCloudDisplay,
         PointCloud2Display,
         PointStampedDisplay,
         PolygonDisplay,
         RobotModelDisplay,
+        TemperatureDisplay,
         TfDisplay,
         PoseArrayDisplay,
         PoseDisplay,
         PoseWithCovarianceDisplay,
         RangeDisplay,
+        RelativeHumidityDisplay,
         TwistStampedDisplay,
         WrenchDisplay,
     )
@@ -62,14 +77,7 @@ REGISTRY: dict[str, type[Display]] = {
 
 # What else RViz2 has, with what it shows (rviz_default_plugins/plugins_description.xml).
 RVIZ_ONLY = {
-    "rviz_default_plugins/Effort": "sensor_msgs/msg/JointState",
-    "rviz_default_plugins/FluidPressure": "sensor_msgs/msg/FluidPressure",
-    "rviz_default_plugins/GridCells": "nav_msgs/msg/GridCells",
-    "rviz_default_plugins/Illuminance": "sensor_msgs/msg/Illuminance",
     "rviz_default_plugins/InteractiveMarkers": "visualization_msgs/msg/InteractiveMarkerUpdate",
-    "rviz_default_plugins/PointCloud": "sensor_msgs/msg/PointCloud",
-    "rviz_default_plugins/RelativeHumidity": "sensor_msgs/msg/RelativeHumidity",
-    "rviz_default_plugins/Temperature": "sensor_msgs/msg/Temperature",
 }
 
 

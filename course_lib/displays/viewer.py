@@ -213,9 +213,10 @@ class Viewer:
         png = self._cell.picture(size)
         if png is None:
             return screenshot(self.scene, path, size)
+        picture = Picture(png, "page")
         if path is not None:
-            Path(path).write_bytes(png)
-        return Picture(png, "page")
+            picture.save(path)
+        return picture
 
     def beside(self) -> None:
         """Show the viewer in a panel beside the notebook, where JupyterLab has one, else in the cell."""

@@ -25,8 +25,10 @@ def save_rviz(session: RvizSession, path: str | Path) -> None:
     Raises:
         CourseError: If the file cannot be written.
     """
+    path = Path(path)
     try:
-        Path(path).write_text(yaml_text(document(session)), encoding="utf-8")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(yaml_text(document(session)), encoding="utf-8")
     except OSError as error:
         raise CourseError(f"Cannot write the layout {path}: {error.strerror}.") from None
 

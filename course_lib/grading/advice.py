@@ -21,7 +21,6 @@ MAX_PLACES = 3
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
-LARGE = 2_000_000  # [B] of a message, some 100,000 points
 
 
 @cache
@@ -99,14 +98,9 @@ def not_numbers(evidence: Iterable[Evidence]) -> list[str]:
 
 def large_messages(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence for the topic whose messages are so large that they take most of the time."""
-    sizes = [(len(sample.cdr), sample.topic) for one in evidence for sample in one.samples]
-    size, topic = max(sizes, default=(0, ""))
-    if size <= LARGE:
-        return []
-    return [
-        f"This took long: a message on {topic} holds {size / 1e6:.0f} MB, and each has to be made, sent and "
-        "checked. Are that many points needed?"
-    ]
+    named = [one.large_message for one in evidence if one.large_message]
+    told = "and each has to be made, sent and checked. Are that many points needed?"
+    return [f"This took long: {text}, {told}" for text in named[:1]]
 
 
 def _may_hold_nan(cdr: bytes) -> bool:

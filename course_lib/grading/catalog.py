@@ -1,8 +1,9 @@
 """All tasks of the course: course.toml and the weeks' check files, checked against each other."""
 
 import runpy
+import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -62,7 +63,7 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
             continue  # a week without tasks, such as week 0
         names = [*settings.points, *settings.bonus]
         of_week = _tasks(exercises / "checks" / f"{week}.py", {f"{week}.{name}" for name in names})
-        tasks |= of_week
+        tasks |= of_week | _with_hints(exercises / "mistakes" / f"{week}.toml", of_week)
         if solutions is not None:
             hidden |= _hidden(solutions / "checks" / f"{week}.py", of_week)
     return Catalog(course, tasks, hidden)
@@ -82,6 +83,21 @@ def _tasks(path: Path, with_points: set[str]) -> dict[str, Task]:
     if ids != sorted(with_points):
         raise CourseError(f"{path} has the tasks {ids}, but course.toml has points for {sorted(with_points)}")
     return {task.id: task for task in tasks}
+
+
+def _with_hints(path: Path, tasks: Mapping[str, Task]) -> dict[str, Task]:
+    """Return the tasks for which the file has hints, with these; the file may be missing."""
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else dict[str, Any]()
+    except ValueError as error:
+        raise CourseError(f"{path}: {error}") from error
+    hints = {f"{path.stem}.{name}": table for name, table in tables.items()}
+    for task_id, table in hints.items():
+        if task_id not in tasks:
+            raise CourseError(f"{path}: unknown task {task_id!r}, known: {', '.join(tasks)}")
+        if not isinstance(table, dict) or not all(isinstance(hint, str) for hint in table.values()):
+            raise CourseError(f"{path}: {task_id}: expected a table of kinds of mistakes and their hints")
+    return {task_id: replace(tasks[task_id], mistakes=table) for task_id, table in hints.items()}
 
 
 def _hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scenario, ...]]:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 FORMAL_SHARE = 0.1  # of the weight of a scenario's checks
+LARGE = 2_000_000  # [B] of a message, some 100,000 points: from here on they are what takes the time
 LIGHT = 0.05  # of a check's weight, where students can read its inputs
 
 
@@ -62,6 +63,14 @@ class Evidence:
             pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
         return self._decoded[topic]
+
+    @cached_property
+    def large_message(self) -> str:
+        """The topic and the size of the largest message, where it is LARGE, else ""."""
+        largest = max(self.samples, key=lambda sample: len(sample.cdr), default=None)
+        if largest is None or len(largest.cdr) <= LARGE:
+            return ""
+        return f"a message on {largest.topic} holds {len(largest.cdr) / 1e6:.0f} MB"
 
     def release(self) -> None:
         """Drop what was decoded: it takes ten times the memory of the bytes."""

@@ -20,6 +20,7 @@ TASK_SECONDS = 10.0  # [s] of processor time for all checks of a task
 LEAST_SECONDS = 0.1  # [s] for a check where the others have used up the task's time
 LONGEST = 500  # characters of an exception's text
 NEEDS_ANOTHER = "another check must pass first"
+TOO_LARGE = "the messages are too large to be checked in time"
 CANNOT_JUDGE = "this check could not judge what came: a fault of the course, which your instructor looks at"
 
 # Its text is the student's own and may tell a hidden input, so students don't get it; the evidence has it.
@@ -227,7 +228,10 @@ class _Judge:
                 verdict = check.judge(evidence)
                 return replace(verdict, score=float(verdict.score), message=str(verdict.message))
         except Exception as error:  # of the kit or of a check file, over what a student published
-            return Verdict(0.0, CANNOT_JUDGE, CANNOT_JUDGE, f"{type(error).__name__}: {error}"[:LONGEST])
+            slow = evidence.large_message if isinstance(error, TimeoutError) else ""
+            message = f"{TOO_LARGE}: {slow}; publish fewer points" if slow else CANNOT_JUDGE
+            kind = TOO_LARGE if slow else CANNOT_JUDGE
+            return Verdict(0.0, message, kind, f"{type(error).__name__}: {error}"[:LONGEST])
         finally:
             self._left -= time.process_time() - begin
 

@@ -120,7 +120,7 @@ class Task:
         personal: Options for the student's own values, by name.
         ghost: The expected picture, as messages.
         rubric: For a task that a person marks.
-        mistakes: Hints for kinds of mistakes, where the general one of `vocabulary/hints.toml` is not enough.
+        mistakes: Hints for kinds of mistakes, from `exercises/mistakes/`, before `vocabulary/hints.toml`.
     """
 
     id: str

@@ -9,6 +9,7 @@ from course_lib.arrays import Floats
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.robots.resources import package_roots, resolve
 from course_lib.robots.urdf import Urdf, needed, parse_urdf
+from course_lib.ros.xacro_program import expanded
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -47,7 +48,7 @@ def load_robot(name: str | Path) -> Robot:
     """Load a robot.
 
     Args:
-        name: A model of example-robot-data like "ur10", a URDF file, or the text of a URDF.
+        name: A model of example-robot-data like "ur10", a URDF or xacro file, or the text of a URDF.
 
     Raises:
         CourseError: If there is no such robot or file, the URDF is not valid, a mesh is missing, or robots
@@ -56,7 +57,8 @@ def load_robot(name: str | Path) -> Robot:
     if isinstance(name, str) and "<" in name:
         return _from_text(name, None)
     if isinstance(name, Path) or "/" in name or name.endswith((".urdf", ".xml", ".xacro")):
-        return _from_text(_read(Path(name)), Path(name))
+        path = Path(name)
+        return _from_text(expanded(path) if path.suffix == ".xacro" else _read(path), path)
     return _from_example_robot_data(name)
 
 

@@ -141,7 +141,13 @@ class Follow:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two links; `limits` holds lower, soft_lower_limit … where given, [rad] or [m]."""
+    """A joint between two links.
+
+    Args:
+        limits: Holds lower, soft_lower_limit … where given, [rad] or [m].
+        axis: Of the motion, in the child's frame.
+        effort: The limit, [N m] or [N]; None without a <limit> tag.
+    """
 
     name: str
     kind: str
@@ -149,6 +155,8 @@ class Joint:
     child: str
     limits: Mapping[str, float]
     mimic: Follow | None
+    axis: tuple[float, ...]
+    effort: float | None
 
     @property
     def unit(self) -> str:
@@ -224,7 +232,9 @@ def _joint(element: ET.Element) -> Joint:
         else None
     )
     name, kind = element.attrib["name"], element.attrib["type"]
-    return Joint(name, kind, of("parent")["link"], of("child")["link"], limits, follow)
+    effort = float(of("limit").get("effort", 0)) if of("limit") else None
+    axis = _numbers(of("axis").get("xyz", "1 0 0"))
+    return Joint(name, kind, of("parent")["link"], of("child")["link"], limits, follow, axis, effort)
 
 
 def needed(package: str) -> Any:

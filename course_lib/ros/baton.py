@@ -14,12 +14,11 @@ from contextlib import contextmanager
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.program_thread import ProgramThread, StoppedProgram, StoppedThread, Wait, always
+from course_lib.ros.program_thread import AtEnd, ProgramThread, Wait, always
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
 POLL_STEP_NS = 1_000_000  # [ns]
-RETURNS_AFTER_THE_END = 1_000  # waits that return at once after the end, before the thread is ended
 
 
 class DeadlockError(CourseError):
@@ -81,7 +80,27 @@ class Baton:
 
     def new_thread(self, name: str, *, main: bool = False, visits: bool = False) -> ProgramThread:
         """Create a thread's place in the order of threads."""
-        return ProgramThread(next(self._numbers), name=name, main=main, visits=visits)
+        thread = ProgramThread(next(self._numbers), name=name, main=main, visits=visits)
+        maker = self._threads.get(_thread.get_ident())
+        if maker is not None and maker.at_end is not AtEnd.RETURN:
+            thread.at_end = AtEnd.SHUT_DOWN
+        return thread
+
+    @contextmanager
+    def at_end(self, at_end: AtEnd) -> Iterator[None]:
+        """Set what the end of the run does to the calling program thread within a `with` block."""
+        me = self._threads[_thread.get_ident()]
+        before, me.at_end = me.at_end, at_end
+        me.waits_after_end = me.sleeps_after_end = 0
+        try:
+            yield
+        finally:
+            me.at_end = before
+
+    def is_shut_down(self) -> bool:
+        """Return whether the run has ended and the calling thread is of a program."""
+        me = self._threads.get(_thread.get_ident())
+        return me is not None and me.at_end is not AtEnd.RETURN and current_graph().ended
 
     def line_up(self, thread: ProgramThread) -> None:
         """Queue a thread that has just been started for its first turn."""
@@ -126,13 +145,12 @@ class Baton:
             return True
         graph, me = current_graph(), self._threads[_thread.get_ident()]
         me.polls = 0
-        if graph.ended:
-            self._count_wait_after_end(me)
-        outer, me.wait = me.wait, Wait(graph, ready, what, events_help=events_help)
+        wait = Wait(graph, ready, what, events_help=events_help)
+        outer, me.wait = me.wait, wait
         alarm = None
         if until_ns is not None:
-            me.wait.has_deadline = True
-            alarm = graph.call_at(until_ns, me.wait.pass_deadline, node=THREADS, entity=me.index)
+            wait.has_deadline = True
+            alarm = graph.call_at(until_ns, wait.pass_deadline, node=THREADS, entity=me.index)
         try:
             if outer is None:  # else it is inside an event, while an outer wait lets events happen
                 self._waiting.append(me)
@@ -144,7 +162,10 @@ class Baton:
             if alarm is not None:
                 alarm.cancel()
         _raise_pending(me)
-        return ready()
+        done = ready()
+        if graph.ended and not done and not wait.deadline_passed:
+            me.pass_end(sleeps=until_ns is not None)
+        return done
 
     def sleep_until(self, wake_ns: int, what: str) -> None:
         """Block the calling program thread until robot time `wake_ns`, [ns]."""
@@ -165,19 +186,19 @@ class Baton:
         """After the end of a run: let the other threads return from their waits and come to their ends."""
         graph, me = current_graph(), self._threads[_thread.get_ident()]
         while any(thread.waits_in(graph) for thread in self._waiting):
-            me.waits_after_end = 0
+            me.waits_after_end = me.sleeps_after_end = 0
             self.wait(_never, until_ns=None, what="the others' ends")
 
     def interrupt(self, thread: threading.Thread) -> None:
-        """Raise KeyboardInterrupt in a thread of the program, in its present wait or its next one."""
+        """Raise KeyboardInterrupt in a thread of the program, in its present wait or its next one.
+
+        The end of a run has done that.
+        """
+        if current_graph().ended:
+            return
         for ident, program_thread in list(self._threads.items()):
             if ident == thread.ident:
                 program_thread.raises = KeyboardInterrupt()
-
-    def _count_wait_after_end(self, me: ProgramThread) -> None:
-        me.waits_after_end += 1
-        if me.waits_after_end > RETURNS_AFTER_THE_END:
-            raise StoppedProgram if me.main else StoppedThread
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         yielded = False

@@ -220,6 +220,8 @@ def until_interrupted() -> Iterator[None]:
     except KeyboardInterrupt as interrupt:
         line = line_of_traceback(interrupt.__traceback__)
         where = line and f", in {line}"
+        if graph.ended:  # the end of a run, which is none that anybody pressed
+            return
         say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{where}.")
 
 

@@ -14,21 +14,19 @@ from launch.entities import (
     Entities,
     Event,
     LaunchContext,
-    LaunchDescription,
     SubstitutionFailure,
     listed,
     text_of,
 )
 from launch.events import ProcessExited, ProcessStarted, Shutdown
 from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
-from launch_ros.actions import Node
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
-from course_lib.ros.packages import Package, find_package, source, why_not_found
-from course_lib.ros.process import INTERRUPTED, Function, Process, Processes
+from course_lib.ros.packages import Package, find_package, python_path, source, why_not_found
+from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
 
 Executables = Mapping[tuple[str, str], Callable[[], object]]  # by package and name
 _COMPLAINTS = (
@@ -98,7 +96,7 @@ class LaunchProgram(Process):
         """Start an executable; raises a CourseError if there is none."""
         if self._stopping:
             return
-        function = self.find(package, executable)
+        function = find_executable(package, executable, self._own)
         pid = len(self._started) + 1
         name = f"{executable}-{pid}"
         process = Function(name, function, [*words, "--", *self._for_nodes])
@@ -145,22 +143,6 @@ class LaunchProgram(Process):
         for entity in listed(entities):
             self._visit(entity.visit(self._context))
 
-    def find(self, package: str, executable: str) -> Callable[[], object]:
-        """Find an executable; raises a CourseError that says what there is."""
-        found = find_package(package)
-        if found is not None and executable in found.executables:
-            return partial(_call, found, executable)
-        if (package, executable) in self._own:
-            return self._own[package, executable]
-        names = [*found.executables] if found else [name for place, name in self._own if place == package]
-        if not names and found is None:
-            raise CourseError(why_not_found(package))
-        where = " Executables are named in console_scripts in setup.py." if found else ""
-        raise CourseError(
-            f"executable '{executable}' not found in package '{package}', which has: "
-            f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
-        )
-
     def _go_on(self) -> None:
         while True:
             try:
@@ -203,21 +185,35 @@ class LaunchProgram(Process):
         self.emit(ProcessExited(action, name, code))
 
 
-class RunProgram(LaunchProgram):
-    """One executable of a package, started as a launch file would, without its log."""
+class RunProgram(Function):
+    """One executable of a package with its words, as `ros2 run` starts it."""
 
     def __init__(self, package: str, executable: str, words: Sequence[str], own: Executables) -> None:
-        super().__init__(Path(executable), (), own)
-        self._node = Node(package=package, executable=executable, arguments=words)
+        super().__init__(executable, find_executable(package, executable, own), words)
 
-    def describe(self) -> LaunchDescription:
-        """Describe the one node."""
-        return LaunchDescription([self._node])
+    def run(self) -> None:
+        """Run it to its end, with ros2cli's line for a failure."""
+        forget_imported()
+        super().run()
+        if self.exit_code:
+            sys.stdout.write(f"[ros2run]: Process exited with failure {self.exit_code}\n")
 
-    def log(self, level: str, name: str, text: str) -> None:
-        """Write warnings and errors only."""
-        if level != "INFO":
-            super().log(level, name, text)
+
+def find_executable(package: str, executable: str, own: Executables) -> Callable[[], object]:
+    """Find an executable of a package or of the kit; raises a CourseError that says what there is."""
+    found = find_package(package)
+    if found is not None and executable in found.executables:
+        return partial(_call, found, executable)
+    if (package, executable) in own:
+        return own[package, executable]
+    names = [*found.executables] if found else [name for place, name in own if place == package]
+    if not names and found is None:
+        raise CourseError(why_not_found(package))
+    where = " Executables are named in console_scripts in setup.py." if found else ""
+    raise CourseError(
+        f"executable '{executable}' not found in package '{package}', which has: "
+        f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
+    )
 
 
 def arguments_of(file: Path) -> str:
@@ -241,6 +237,11 @@ def _call(package: Package, executable: str) -> object:
         *folders,
         *(entry for entry in sys.path[1:] if entry not in folders),
     ]  # behind the stand-in
-    module, function = package.executables[executable]
+    sys.path += [place for place in python_path(package.share / "package.xml") if place not in sys.path]
+    target = package.executables[executable]
+    if isinstance(target, Path):
+        Program(target, ()).work()
+        return None
+    module, function = target
     _imported.add(module.partition(".")[0])
     return getattr(import_module(module), function)()

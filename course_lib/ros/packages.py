@@ -3,13 +3,15 @@
 import ast
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import distributions
 from pathlib import Path
 
 from course_lib.errors import CourseError
 
+Executable = tuple[str, str] | Path  # a module and its function, or a script
+_PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
 _SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
 
 
@@ -17,19 +19,23 @@ _SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scri
 class Package:
     """A package: the folder with its launch/, config/ and rviz/, where Python finds it, and its executables.
 
-    `executables` gives (module, function) by name.
+    `executables` gives (module, function) by name, or the file of a script.
     """
 
     name: str
     share: Path
     python: tuple[Path, ...]
-    executables: dict[str, tuple[str, str]]
+    executables: Mapping[str, Executable]
 
 
 def find_package(name: str) -> Package | None:
-    """Find a package; see `packages`."""
-    folder = packages().get(name)
-    return None if folder is None else _package(name, folder)
+    """Find a package by its name (see `packages`) or by its folder, whose path has a slash or is a dot."""
+    if ("/" in name or name in (".", "..")) and (Path(name) / "package.xml").is_file():
+        folder = Path(name).resolve()
+        source(folder / "package.xml")
+        return _package(_name(folder / "package.xml") or folder.name, folder)
+    found = packages().get(name)
+    return None if found is None else _package(name, found)
 
 
 def packages() -> dict[str, Path]:
@@ -40,10 +46,15 @@ def packages() -> dict[str, Path]:
     """
     found: dict[str, Path] = {}
     for manifest in _manifests():
-        name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text("utf-8", errors="replace"))
+        name = _name(manifest)
         if name:
-            found.setdefault(name[1], manifest.parent)
+            found.setdefault(name, manifest.parent)
     return dict(sorted(found.items()))
+
+
+def _name(manifest: Path) -> str | None:
+    name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text("utf-8", errors="replace"))
+    return name and name[1]
 
 
 def why_not_found(name: str) -> str:
@@ -65,6 +76,15 @@ def source(file: Path) -> None:
             _put_first("AMENT_PREFIX_PATH", [path.parent for path in (folder.parent, *prefixes) if is_built])
             _put_first("ROS_PACKAGE_PATH", [] if is_built else [folder.parent])
             return
+
+
+def python_path(file: Path) -> list[str]:
+    """List where a file in a package's sources finds its own package, those beside it and their messages."""
+    for folder in file.resolve().parents:
+        if (folder / "package.xml").is_file() and folder.parent.name != "share":
+            beside = (manifest.parent for manifest in sorted(folder.parent.glob("*/package.xml")))
+            return [str(place) for place in (folder, *beside, folder.parent)]
+    return []
 
 
 def _put_first(variable: str, paths: list[Path]) -> None:
@@ -89,11 +109,13 @@ def _manifests() -> Iterator[Path]:
 
 def _package(name: str, share: Path) -> Package:
     if share.parent.name != "share":
-        return Package(name, share, (share,), executables_of(share / "setup.py"))
+        executables: dict[str, Executable] = {**executables_of(share / "setup.py")}
+        return Package(name, share, (share,), executables | _programs(share / "CMakeLists.txt"))
+    scripts = {file.name: file for file in sorted((share.parents[1] / "lib" / name).glob("*.py"))}
     python = tuple(share.parents[1].glob("lib/python*/site-packages"))
     built = distributions(name=name, path=[str(path) for path in python])
     points = [point for one in built for point in one.entry_points if point.group == "console_scripts"]
-    return Package(name, share, python, {point.name: (point.module, point.attr) for point in points})
+    return Package(name, share, python, {**scripts, **{p.name: (p.module, p.attr) for p in points}})
 
 
 def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
@@ -107,3 +129,14 @@ def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
     texts = [str(node.value) for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     scripts = filter(None, map(_SCRIPT.fullmatch, texts))
     return {script[1]: (script[2], script[3]) for script in scripts}
+
+
+def _programs(cmake: Path) -> dict[str, Executable]:
+    """Return the Python scripts that a CMakeLists.txt installs as executables, by name."""
+    if not cmake.is_file():
+        return {}
+    words = " ".join(
+        _PROGRAMS.findall(re.sub(r"#.*", "", cmake.read_text("utf-8", errors="replace")))
+    ).split()
+    files = [cmake.parent / word.strip("\"'") for word in words]
+    return {file.name: file for file in files if file.suffix == ".py" and file.is_file()}

@@ -4,7 +4,8 @@ import ast
 import json
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import NodesOfProgram, current_graph, program
-from course_lib.ros.program_thread import StoppedProgram, StoppedThread
+from course_lib.ros.packages import python_path, source
+from course_lib.ros.program_thread import AtEnd, ShutDown, StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ INTERRUPTED = 130  # a shell's exit code for Ctrl+C
 
 class Process:
     """One program, called like a file; `args` is what it finds in `sys.argv` behind that."""
+
+    at_end = AtEnd.INTERRUPT
 
     def __init__(self, file: Path, args: Sequence[str] = ()) -> None:
         self.file = file
@@ -37,7 +41,8 @@ class Process:
         """Run the program to its end; what it raises is shown as Python shows it."""
         sys.argv = self.argv
         try:
-            self.work()
+            with baton.at_end(self.at_end):
+                self.work()
         except (StoppedProgram, StoppedThread):
             sys.stderr.write(f"{self.file.name} was stopped: it went on waiting after the end of the run.\n")
         except SystemExit as leaving:
@@ -45,16 +50,25 @@ class Process:
         except KeyboardInterrupt:
             self.exit_code = 0 if current_graph().ended else INTERRUPTED
         except BaseException as error:
-            print_error(error)
-            self.exit_code = 1
+            if not (isinstance(error, ShutDown) and current_graph().ended):
+                print_error(error)
+                self.exit_code = 1
 
 
 class Function(Process):
     """A program that is a function; as in a console script, what it returns is the exit code."""
 
-    def __init__(self, name: str, function: Callable[[], object], args: Sequence[str]) -> None:
+    def __init__(
+        self,
+        name: str,
+        function: Callable[[], object],
+        args: Sequence[str],
+        *,
+        at_end: AtEnd = AtEnd.INTERRUPT,
+    ) -> None:
         super().__init__(Path(name), args)
         self._function = function
+        self.at_end = at_end
 
     def work(self) -> None:
         """Call it."""
@@ -88,6 +102,8 @@ class Program(Process):
         module.__file__ = str(self.file)
         sys.modules["__main__"] = module
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
+        source(self.file)
+        sys.path += [place for place in python_path(self.file) if place not in sys.path]
         exec(self._code, module.__dict__)
         if self._only_defines_main:
             sys.exit(module.__dict__["main"]())
@@ -111,6 +127,8 @@ def _is_text(node: ast.stmt) -> bool:
 class NotebookProgram(Process):
     """The code cells of a notebook of format 4, in order, up to the first that fails."""
 
+    at_end = AtEnd.RETURN  # later cells look at what came before
+
     def __init__(self, file: Path) -> None:
         super().__init__(file)
         self._folder = str(file.resolve().parent)  # before the working directory changes
@@ -128,8 +146,8 @@ class NotebookProgram(Process):
         """Run the cells; IPython shows what one raises."""
         sys.path.insert(1, self._folder)  # as JupyterLab does
         shell = make_shell()
-        for source in self._sources:
-            if not shell.run_cell(source).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+        for cell in self._sources:
+            if not shell.run_cell(cell).success:  # type: ignore[no-untyped-call]  # IPython annotates little
                 self.exit_code = 1
                 return
 
@@ -148,7 +166,8 @@ class Processes:
 
         def run() -> None:
             try:
-                process.run()
+                with _event_loop():
+                    process.run()
             finally:
                 _remove_nodes()
                 self.ended.append(number)
@@ -182,6 +201,19 @@ class Processes:
     def _join(self) -> None:
         for thread in self._threads:
             thread.join()
+
+
+@contextmanager
+def _event_loop() -> Iterator[None]:
+    """Set an event loop for the calling thread, as a process has one for `asyncio.get_event_loop()`."""
+    import asyncio  # programs that run alone do not need it
+
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    try:
+        yield
+    finally:
+        loop.close()
 
 
 def _remove_nodes() -> None:

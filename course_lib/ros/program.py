@@ -32,6 +32,8 @@ def run_files(
 ) -> int:
     """Run Python, launch files and notebooks as if each were started alone; they share the current graph.
 
+    `PACKAGE_DIR:executable` is a program of the package in that folder.
+
     `args` is what each finds in `sys.argv` behind its name; `beside` is started last; `own` are executables
     that launch files may start beside those of packages. Notebooks without other programs work in their
     folder, as in Jupyter. A CourseError says which file cannot be run. Returns the first exit code that is
@@ -56,6 +58,11 @@ def run_files(
 def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
+    folder, _, executable = str(file).rpartition(":")
+    if folder and (Path(folder) / "package.xml").is_file():
+        from course_lib.ros.launch_program import RunProgram  # it imports launch, the stand-in's
+
+        return RunProgram(os.path.join(folder, ""), executable, args, own)
     program = Program(file, args)
     if not program.is_launch_file:
         return program

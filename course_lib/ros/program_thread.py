@@ -2,8 +2,25 @@
 
 import _thread
 from collections.abc import Callable
+from enum import Enum, auto
 
 from course_lib.ros.graph import Graph
+
+WAITS_AFTER_THE_END = 200  # that return at once, before the thread is ended
+SLEEPS_AFTER_THE_END = 100  # of them, those with a time limit: robot time stands still
+
+
+class AtEnd(Enum):
+    """The effect of the end of a run on a waiting thread."""
+
+    RETURN = auto()  # it returns: a cell, a test, a tool
+    INTERRUPT = auto()  # it raises KeyboardInterrupt, once: a program's main thread
+    SHUT_DOWN = auto()  # it returns, once if it has a time limit: a program's other threads
+    STOP = auto()  # it ends the thread: callbacks in threads of their own
+
+
+class ShutDown(Exception):  # noqa: N818 - the base of ROS's exceptions, which are no errors
+    """Raised by a call that a shutdown ended; at the end of a run it ends a program in silence."""
 
 
 class StoppedProgram(KeyboardInterrupt):
@@ -59,9 +76,30 @@ class ProgramThread:
         self.wait: Wait | None = None  # the innermost one; None while it is running
         self.depth = 1
         self.polls = 0
+        self.at_end = AtEnd.RETURN
         self.waits_after_end = 0
+        self.sleeps_after_end = 0
+        self.stopped = False
         self.raises: BaseException | None = None
         self.done = False
+
+    def pass_end(self, *, sleeps: bool) -> None:
+        """Do what a wait that the end of the run cut short does; `sleeps`: it has a time limit."""
+        self.waits_after_end += 1
+        self.sleeps_after_end += sleeps
+        if self.at_end is AtEnd.INTERRUPT and self.waits_after_end == 1:
+            raise KeyboardInterrupt
+        sleeps_left = 1 if self.at_end is AtEnd.SHUT_DOWN else SLEEPS_AFTER_THE_END
+        if self.at_end is AtEnd.STOP or self.sleeps_after_end > sleeps_left:
+            self._stop()
+        if self.waits_after_end > WAITS_AFTER_THE_END:
+            self._stop()
+
+    def _stop(self) -> None:
+        """End the thread; a main thread that catches the interrupt is ended by the next one."""
+        interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.stopped
+        self.stopped = True
+        raise StoppedProgram if interrupts else StoppedThread
 
     def waits_in(self, graph: Graph) -> bool:
         """Return whether it waits in a run."""

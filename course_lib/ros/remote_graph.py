@@ -66,7 +66,9 @@ class RemoteGraph(Graph):
         self._channel.queue(["unend", endpoint])
 
     def publish(self, endpoint: int, cdr: bytes) -> None:
-        """Publish serialised data."""
+        """Publish serialised data, unless the run has ended."""
+        if self.ended:
+            return
         info = self._publishers[endpoint]
         self._show(Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node))
         self._channel.send(["publish", endpoint, cdr])  # at once: it counts even if the program hangs next

@@ -19,7 +19,7 @@ from course_lib.ros import wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph, program
-from course_lib.ros.program_thread import ProgramThread
+from course_lib.ros.program_thread import ProgramThread, ShutDown, StoppedThread
 
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join
@@ -107,6 +107,9 @@ def _start(thread: threading.Thread) -> None:
         baton.enter(program_thread)
         try:
             run()
+        except (StoppedThread, ShutDown):
+            if not current_graph().ended:
+                raise
         finally:
             baton.leave(program_thread)
 

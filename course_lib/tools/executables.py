@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.graph import current_graph
+from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import Executables
@@ -74,6 +75,14 @@ def _urdf_argument() -> str:
     """Return the text of the URDF file that is the first argument (deprecated in ROS), or ""."""
     files = own_words()
     return Path(files[0]).read_text(encoding="utf-8") if files else ""
+
+
+def _xacro() -> int:
+    """Print what xacro makes of a file."""
+    done = run_xacro(own_words())
+    sys.stderr.write(done.errors)
+    sys.stdout.write(done.output)
+    return done.code
 
 
 def _aggregator_node() -> None:
@@ -146,4 +155,7 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("unknown_robot", "robot"): _unknown_robot,
     **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }
-NODE_EXECUTABLES: "Executables" = {name: partial(with_rclpy, work) for name, work in _NODES.items()}
+NODE_EXECUTABLES: "Executables" = {
+    **{name: partial(with_rclpy, work) for name, work in _NODES.items()},
+    ("xacro", "xacro"): _xacro,
+}

@@ -16,7 +16,7 @@ from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables, LaunchProgram
+    from course_lib.ros.launch_program import Executables, LaunchProgram, RunProgram
 
 _STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
 
@@ -24,7 +24,7 @@ _STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
 class LaunchedRun(LiveRun):
     """A launch file's processes, running between the cells; stopping it interrupts them."""
 
-    def __init__(self, graph: Graph, program: "LaunchProgram") -> None:
+    def __init__(self, graph: Graph, program: "LaunchProgram | RunProgram") -> None:
         super().__init__(graph, ())
         self.file = program.file
         self._processes = Processes()
@@ -96,11 +96,10 @@ def _run(executables: "Executables", source: Source, arguments: Namespace, write
     from course_lib.ros.launch_program import RunProgram
 
     program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
-    program.find(arguments.package_name, arguments.executable_name)
     _start(source, program)
 
 
-def _start(source: Source, program: "LaunchProgram") -> None:
+def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
     """Run a program to its end; in a notebook start it, in place of an earlier run of the same file."""
     import rclpy
 

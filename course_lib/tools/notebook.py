@@ -35,11 +35,16 @@ def register(shell: "InteractiveShell") -> None:
     shell.register_magic_function(no_var_expand(timeout_magic), "line", "timeout")  # type: ignore[arg-type]  # as above
 
 
-def ros2_magic(line: str) -> None:
-    """Run a `ros2` command on this notebook's nodes, like %ros2 topic list | grep image."""
+def ros2_magic(line: str, *, interrupted: bool = False) -> None:
+    """Run a `ros2` command on this notebook's nodes, like %ros2 topic list | grep image.
+
+    Args:
+        line: The command without its `ros2`.
+        interrupted: Whether the caller ends an endless command, so that no page is needed for that.
+    """
     from IPython.core.error import UsageError
 
-    source = GraphSource(current_graph())
+    source = GraphSource(current_graph(), interrupted=interrupted)
 
     def run(words: Sequence[str], write: Write) -> None:
         ros2(words, source, write)
@@ -66,7 +71,7 @@ def timeout_magic(line: str) -> None:
     due_ns = graph.now_ns + round(float(found[1]) * 1e9)
     alarm = graph.call_at(due_ns, lambda: baton.interrupt(thread), node=0, entity=0)
     try:
-        ros2_magic(found[2])
+        ros2_magic(found[2], interrupted=True)
     finally:
         alarm.cancel()
 

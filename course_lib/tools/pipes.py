@@ -5,7 +5,8 @@ import shlex
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, redirect_stdout, suppress
+from io import TextIOBase
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO
@@ -63,8 +64,22 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
             write = stack.enter_context(through(filters, write)) if filters else write
         except PermissionError:  # as where notebooks are graded
             write(f"No program may be started here; this is what {filters[0][0]} would be given:\n")
+        if words[:1] == ["run"] and (filters or target):  # a program prints by itself
+            stack.enter_context(redirect_stdout(_Printed(write)))
         with suppress(BrokenPipeError):  # `head` has enough
             ros2(words, write)
+
+
+class _Printed(TextIOBase):
+    """A stream whose text is passed to a function."""
+
+    def __init__(self, pass_on: Write) -> None:
+        self._pass_on = pass_on
+
+    def write(self, text: str) -> int:
+        """Pass the text on."""
+        self._pass_on(text)
+        return len(text)
 
 
 @contextmanager

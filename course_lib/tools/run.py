@@ -14,6 +14,7 @@ from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import WallPace
 from course_lib.ros.process import Function
 from course_lib.ros.program import run_files
+from course_lib.ros.program_thread import AtEnd
 from course_lib.tools.ros2 import EXECUTABLES, HELP, find_verb, ros2
 from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource
 
@@ -106,7 +107,8 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
             graph.end_ns = graph.now_ns
 
     with use_graph(graph):
-        code = run_files(files, seed=0, beside=[Function("ros2", beside, ())], own=EXECUTABLES)
+        tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)  # a verb says what it lacked
+        code = run_files(files, seed=0, beside=[tools], own=EXECUTABLES)
     if wrong:
         raise wrong[0]
     return code

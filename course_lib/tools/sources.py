@@ -91,13 +91,14 @@ class GraphSource(Source):
 
     live = True
 
-    def __init__(self, graph: Graph, *, discovery: float = 0.0) -> None:
+    def __init__(self, graph: Graph, *, discovery: float = 0.0, interrupted: bool = False) -> None:
         super().__init__(graph, ALWAYS_THERE)
-        self.discovery = discovery
+        self.discovery, self._interrupted = discovery, interrupted
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Return a limit for notebooks without a page, in which nobody presses ■."""
-        return enough if self.graph.notebook and pace.wanted() == "fast" else None
+        """Return a limit for notebooks without a page, in which nobody presses ■ and no %timeout ends."""
+        alone = self.graph.notebook and pace.wanted() == "fast" and not self._interrupted
+        return enough if alone else None
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
         """Wait; raises a CourseError if rclpy has not been started."""

@@ -50,6 +50,7 @@ def save_html(scene: Scene | Film, path: str | Path, title: str = "3D view") -> 
     background = str(shown.background)
     page = _PAGE.format(title=escape(title), background=background, fragment=fragment, script=bundle_script())
     path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page, encoding="utf-8")
     return path
 

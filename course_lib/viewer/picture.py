@@ -100,6 +100,12 @@ class Picture:
     renderer: Renderer  # what drew it
     note: str = ""  # why it was not drawn by a browser, or ""
 
+    def save(self, path: str | Path) -> None:
+        """Write the file, and the folder that it lies in."""
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(self.png)
+
 
 def screenshot(
     scene: Scene,
@@ -124,7 +130,7 @@ def screenshot(
                 raise CourseError(f"{error} Take renderer='numpy', which needs no browser.") from error
             picture = Picture(zbuffer.draw(scene, size), "numpy", note=str(error))
     if path is not None:
-        Path(path).write_bytes(picture.png)
+        picture.save(path)
     return picture
 
 

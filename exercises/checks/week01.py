@@ -50,9 +50,6 @@ RED_CUBE = Task(
         "The cube's edge is 1 m, so its centre is half an edge above the ground. Scales are lengths.",
         "Set pose.position.z = 0.5, scale.x, scale.y and scale.z to 1.0, color.r = 1.0 and color.a = 0.8.",
     ),
-    mistakes={
-        "the position of a marker is wrong": "How high is the centre of a cube that stands on the ground?",
-    },
     scenarios=(
         Scenario(
             "public",
@@ -79,10 +76,6 @@ BLUE_CYLINDER = Task(
         "scale.x and scale.y are diameters, scale.z is the height. Half of the height lies below the centre.",
         "With HEIGHT as your height: pose.position.z = HEIGHT / 2 and scale.z = HEIGHT.",
     ),
-    mistakes={
-        "the position of a marker is wrong": "The foot is on the ground. How high is the centre?",
-        "the size of a marker is wrong": "Two of the scales are diameters, and one is your own height.",
-    },
     scenarios=(
         Scenario(
             "public",
@@ -116,9 +109,6 @@ TRAFFIC_LIGHT = Task(
         "Is the alpha of a new marker 1? Which of x, y and z points up? What if two markers share ns and id?",
         "Set the frame to map, position.z = height, color.a = 1.0, and take id=number from enumerate(LAMPS).",
     ),
-    mistakes={
-        "the color of a marker is wrong": "Yellow light is red and green light together.",
-    },
     scenarios=(
         Scenario(
             "public",

@@ -89,9 +89,6 @@ TWO_LINK = Task(
         "The second angle counts from the first link. So the second link points along first + second.",
         "x = a cos(first) + b cos(first + second); y is the same with sin.",
     ),
-    mistakes={
-        "a value has the wrong sign": "A negative lift raises this arm. Is up positive in your answer?",
-    },
     scenarios=(
         Scenario(
             "public",
@@ -114,9 +111,6 @@ TOOL_PLACE = Task(
         "In the loop: place = place @ shifted(shift) @ turned(axis, angle).",
         "At the end, transform the tip: (place @ [*tip, 1.0])[:3].",
     ),
-    mistakes={
-        "a value is wrong": "Try one joint first: is the shift done before the turn?",
-    },
     scenarios=(
         Scenario(
             "public",
@@ -197,11 +191,6 @@ NEAREST_OBSTACLE = Task(
         "Beam number i looks along angle_min + i * angle_increment. In which frame? Is the sphere visible?",
         "Check low <= distance <= high, return without beams, add angle_min, copy the header, set color.a.",
     ),
-    mistakes={
-        "a stamp is not set": "Use the scan's own header: marker.header = message.header.",
-        "a stamp is in the future": "Use the scan's own header: marker.header = message.header.",
-        "the position of a marker is wrong": "Which beams count, and in which direction does beam 0 look?",
-    },
     scenarios=(
         Scenario(
             "public",

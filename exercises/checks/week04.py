@@ -58,10 +58,6 @@ POINT_TO_WORLD = Task(
         "The rotated y is sin(yaw) * point[0] + cos(yaw) * point[1]; z does not change.",
         "Return [turned_x + x, turned_y + y, point[2]].",
     ),
-    mistakes={
-        "a value is wrong": "Try yaw = 0 first, then x = y = 0. Which of the two steps is wrong?",
-        "a value has the wrong sign": "A turn by 90° moves x to y. Which of the two sines has a minus?",
-    },
     scenarios=(
         Scenario(
             "public",

@@ -80,10 +80,6 @@ CAMERA = Task(
         "SetParametersResult at the end, too.",
         "Out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
     ),
-    mistakes={
-        "a topic falls silent for a while": "A timer takes a period in seconds, not a rate.",
-        "a topic is published too fast": "Does an old timer still run? Is the default a double, like 5.0?",
-    },
     scenarios=(
         Scenario(
             "public",

@@ -81,6 +81,7 @@ GREEN, GREY = (0.0, 1.0, 0.0, 0.5), (0.5, 0.5, 0.5, 0.5)  # RGBA
 LOOKS: dict[str, Any] = {"type": "CUBE", "position": PERSON.center, "scale": PERSON.size, "color": GREEN}
 ALWAYS = expect_throughout(MARKERS).worth(0)
 PERSON_BOX = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS).requiring(ALWAYS).titled("the person's box")
+SURE, SUREST = (PERSON_BOX.titled(f"the person's box, {why}") for why in ("sure enough", "the surest"))
 PERSON_BEFORE = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, at=1.5)
 DOG_BOX = expect_marker(MARKERS, type="CUBE", ns="boxes", id=7, scale=DOG.size, color=GREY).requiring(ALWAYS)
 BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=(0.0, 0.5, 1.0, 0.5)).requiring(ALWAYS)
@@ -121,10 +122,8 @@ MARKERS_TASK = Task(
                 expect_rate(MARKERS, 10.0).requiring(PERSON_BOX).worth(0.2),
             ),
         ),
-        changed(
-            boxes(1).titled("one is above your threshold"), PERSON_BOX, confidence_threshold=my("threshold")
-        ),
-        changed(boxes(1).titled("one box only"), PERSON_BOX, max_detections=1),
+        changed(boxes(1).titled("one is above your threshold"), SURE, confidence_threshold=my("threshold")),
+        changed(boxes(1).titled("one box only"), SUREST, max_detections=1),
         changed(BLUE_CAR.titled("the car in its new color"), car_color=[0.0, 0.5, 1.0, 0.5]),
         Scenario(
             "the detector stops",
@@ -191,6 +190,12 @@ PERCEPTION = {
     "bicycle_color": [1.0, 1.0, 0.0, 0.5],
 }
 
+
+def parameter(node: str, name: str, value: Any) -> Check:
+    """Return a check of one parameter that a node gets from the file."""
+    return expect_parameters(node, {name: value}).titled(f"{name} of {node}")
+
+
 PARAMS = Task(
     "week07.params",
     title="The parameters in a file: six faults",
@@ -206,9 +211,9 @@ PARAMS = Task(
             "public",
             calls=(Call(),),
             checks=(
-                *(expect_parameters("/perception_node", {name: PERCEPTION[name]}) for name in PERCEPTION),
-                expect_parameters("/trajectory_node", {"trajectory_max_points": 50}),
-                *(expect_parameters(node, {"world_frame": "odom"}).worth(0.25) for node in ALL_NODES),
+                *(parameter("/perception_node", name, value) for name, value in PERCEPTION.items()),
+                parameter("/trajectory_node", "trajectory_max_points", 50),
+                *(parameter(node, "world_frame", "odom").worth(0.25) for node in ALL_NODES),
             ),
         ),
     ),

@@ -148,9 +148,11 @@ def each_point(stripes: Sequence[Sequence[Any]]) -> Check:
 def rule(name: str, steps: Sequence[tuple[float, float, float]]) -> Scenario:
     """A scenario of a few steps, one per 0.1 s, that shows whether one rule is kept."""
     moves = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
-    each = each_point(painted(steps))
-    stripes = [expect_marker(PAINT, points=stripe).requiring(each).titled(name) for stripe in painted(steps)]
+    each = each_point(painted(steps)).titled(f"{name}: each point is published")
+    found = [expect_marker(PAINT, points=stripe).requiring(each) for stripe in painted(steps)]
+    stripes = [check.titled(f"{name}: stripe {number}") for number, check in enumerate(found, 1)]
     count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
+    count = count.titled(f"{name}: the number of stripes")
     return Scenario(name, seconds=2.0, seed=1, inputs=tuple(moves), checks=lightly(each, *stripes, count))
 
 

@@ -12,12 +12,12 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Locator, expect
 
-from course_lib.course.installation import exercises_dir, lessons_dir
+from course_lib.course.installation import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-LESSONS = [path for path in sorted(lessons_dir().glob("week*.ipynb")) if path.name >= "week02"]
+LESSONS = [path for path in lessons() if path.name >= "week02"]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
 DRAWN = 150  # [px] that are clearly coloured, in the best view
 A_LOOK = 1.5  # [s], longer than the slowest node is silent

@@ -1,5 +1,6 @@
 from pathlib import Path
 
+from course_lib.course.hand_out import shipped_files
 from course_lib.course.progress import contents_page, load_weeks, write_contents
 from course_lib.course.state import State
 
@@ -20,7 +21,13 @@ def test_progress_counts_the_tasks_that_passed_in_full() -> None:
 
 def test_a_review_follows_the_last_of_its_weeks(tmp_path: Path) -> None:
     rows = contents_page(State(tmp_path)).splitlines()
-    (place,) = (number for number, row in enumerate(rows) if "(review_weeks01_04.ipynb)" in row)
-    assert "(week04_" in rows[place - 1]
+    (place,) = (number for number, row in enumerate(rows) if "(week04_your_review.ipynb)" in row)
+    assert "(week04_transforms" in rows[place - 1]
     assert "(week05_" in rows[place + 1]
     assert "| 25 |" in rows[place]
+
+
+def test_by_their_names_reviews_follow_the_lesson_and_the_exercise_of_their_week() -> None:
+    names = sorted(shipped_files())
+    for week in ("week04", "week08"):
+        assert [name for name in names if name.startswith(week)][-1] == f"{week}_your_review.ipynb"

@@ -35,9 +35,14 @@ def release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_kit_ships_lessons_and_exercises_but_no_checks_and_no_solutions() -> None:
     names = set(shipped_files())
     assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= names
-    assert {"review_weeks01_04.ipynb", "review_weeks05_08.ipynb"} <= names
+    assert {"week04_your_review.ipynb", "week08_your_review.ipynb"} <= names
     assert not [name for name in names if "solution" in name or name.endswith(".toml")]
     assert [name for name in names if name.endswith(".py")] == ["week07_parts.py"]  # read in lesson 7
+
+
+def test_a_folder_waits_for_what_lessons_write(tmp_path: Path, release: Path) -> None:
+    prepare(tmp_path / "course")
+    assert (tmp_path / "course" / "my_files").is_dir()
 
 
 def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Path, release: Path) -> None:

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.course import questions
-from course_lib.course.questions import _prediction_form, compare, load_prediction, predict
+from course_lib.course.questions import WIDTH, _prediction_form, compare, load_prediction, predict
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -39,17 +39,19 @@ def test_a_wrong_guess_is_answered_by_its_own_reason_and_by_what_happened(
     assert State(folder).section("predictions") == {"week01.ground": WRONG}
     compare("week01.ground")
     question = load_prediction("week01.ground")
-    said, happened = capsys.readouterr().out.splitlines()
+    lines = capsys.readouterr().out.splitlines()
     wrong = question.answer(WRONG)
     assert wrong is not None
-    assert said == f"You predicted: {WRONG}. ✘ Not this one. {wrong.reason}"
-    assert happened == f"What happened: {RIGHT}. {question.right.reason}"
+    said = f"You predicted: {WRONG}. ✘ Not this one. {wrong.reason}"
+    happened = f"What happened: {RIGHT}. {question.right.reason}"
+    assert " ".join(lines) == f"{said} {happened}"
+    assert max(map(len, lines)) <= WIDTH
 
 
 def test_a_right_guess_is_confirmed_beside_what_was_measured(capsys: pytest.CaptureFixture[str]) -> None:
     choose(RIGHT)
     compare("week01.ground", "z = 0.0 m")
-    said, measured = capsys.readouterr().out.splitlines()
+    said, *_, measured = capsys.readouterr().out.splitlines()
     assert said.startswith(f"You predicted: {RIGHT}. ✔ Right. ")
     assert measured == "Measured: z = 0.0 m"
 

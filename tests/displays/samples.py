@@ -16,8 +16,21 @@ from geometry_msgs.msg import (
     TwistStamped,
     WrenchStamped,
 )
-from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, Range
+from nav_msgs.msg import GridCells, OccupancyGrid, Odometry, Path
+from sensor_msgs.msg import (
+    CameraInfo,
+    ChannelFloat32,
+    FluidPressure,
+    Illuminance,
+    Image,
+    JointState,
+    LaserScan,
+    PointCloud,
+    PointCloud2,
+    Range,
+    RelativeHumidity,
+    Temperature,
+)
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -73,6 +86,13 @@ def points(x: float) -> PointCloud2:
     return cloud(plain(at, intensity=np.array([1, 5, 9], np.float32), height=np.array([3, 2, 1], np.float32)))
 
 
+def legacy(x: float) -> PointCloud:
+    places = [Point32(y=1.0, z=2.0), Point32(x=1.0, y=2.0), Point32(x=2.0 + x, z=1.0)]
+    values = {"intensity": [1.0, 5.0, 9.0], "height": [3.0, 2.0, 1.0]}
+    channels = [ChannelFloat32(name=name, values=numbers) for name, numbers in values.items()]
+    return PointCloud(points=places, channels=channels)
+
+
 def calibrated() -> CameraInfo:
     message = info()
     message.k = message.p.reshape(3, 4)[:, :3].ravel()
@@ -101,6 +121,13 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "Camera": {"/t/camera_info": lambda _: info(), "/t/image": lambda _: image(GREY, "rgb8")},
     "CameraInfo": {"/t/image": lambda _: info()},
     "DepthCloud": {"/t/camera_info": lambda _: calibrated(), "/t/image": depth},
+    "Effort": {
+        "/robot_description": lambda _: String(data=ARM.format(arm=CYLINDER)),
+        "/t/image": lambda x: JointState(name=["j"], effort=[1.0 + x]),
+    },
+    "FluidPressure": {"/t/image": lambda x: FluidPressure(fluid_pressure=100_000.0 + x)},
+    "GridCells": {"/t/image": lambda x: GridCells(cell_width=1.0, cell_height=1.0, cells=[Point(x=x)])},
+    "Illuminance": {"/t/image": lambda x: Illuminance(illuminance=300.0 + x)},
     "Image": {"/t/image": depth},
     "LaserScan": {"/t/image": scan},
     "Map": {"/t/image": grid},
@@ -108,6 +135,7 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "MarkerArray": {"/t/image": lambda x: MarkerArray(markers=[marker(frame=FRAME, number=int(x))])},
     "Odometry": {"/t/image": lambda x: placed(Odometry(), x)},
     "Path": {"/t/image": path},
+    "PointCloud": {"/t/image": legacy},
     "PointCloud2": {"/t/image": points},
     "PointStamped": {"/t/image": lambda x: PointStamped(point=Point(x=x))},
     "Polygon": {"/t/image": polygon},
@@ -115,7 +143,9 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "PoseArray": {"/t/image": array_of_poses},
     "PoseWithCovariance": {"/t/image": lambda x: placed(PoseWithCovarianceStamped(), x)},
     "Range": {"/t/image": lambda x: Range(range=1.0 + x / 4, max_range=4.0, field_of_view=0.5)},
+    "RelativeHumidity": {"/t/image": lambda x: RelativeHumidity(relative_humidity=0.4 + x / 9)},
     "RobotModel": {"/t/image": lambda _: String(data=ARM.format(arm=CYLINDER))},
+    "Temperature": {"/t/image": lambda x: Temperature(temperature=20.0 + x)},
     "TwistStamped": {"/t/image": lambda x: screw(TwistStamped(), "twist", x)},
     "Wrench": {"/t/image": lambda x: screw(WrenchStamped(), "wrench", x)},
 }  # fmt: skip

@@ -125,6 +125,17 @@ def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page,
     assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
 
 
+def test_layouts_that_lessons_wrote_can_be_opened_and_saved_again(page: Page) -> None:
+    Path("my_files").mkdir()
+    Path("my_files/old.rviz").write_text(LAYOUT)
+    page.ask(act="LookAgain")
+    assert "my_files/old.rviz" in page.told["layouts"]["files"]
+    page.ask(act="LoadLayout", name="my_files/old.rviz")
+    page.ask(act="SaveLayout", name="my_files/new.rviz")
+    assert page.told["notice"] == {"level": "ok", "text": "Saved my_files/new.rviz."}
+    assert Path("my_files/new.rviz").is_file()
+
+
 def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) -> None:
     viewer["Grid"]["Cell Size"] = 3.0
     page.ask(act="LookAgain")
@@ -195,16 +206,16 @@ def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page,
 
 
 def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: Viewer, graph: Graph) -> None:
-    graph.add_publisher(graph.add_node("humid", "/"), "/humidity", "sensor_msgs/msg/RelativeHumidity", Qos())
+    updates = "visualization_msgs/msg/InteractiveMarkerUpdate"
+    graph.add_publisher(graph.add_node("menu", "/"), "/menu/update", updates, Qos())
     page.ask(act="LookAgain")
-    shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/humidity")
+    shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/menu/update")
     topic, name = shown["topic"], shown["display"]
     assert name in page.told["undrawn"]
     page.ask(act="AddDisplay", topic=topic, display=name)
-    (row,) = viewer["RelativeHumidity"].rows()
-    said = "RViz2 draws RelativeHumidity (sensor_msgs/msg/RelativeHumidity); this viewer does not"
-    assert said in row.text
-    assert member_config(viewer["RelativeHumidity"])["Topic"] == {"Value": "/humidity"}
+    (row,) = viewer["InteractiveMarkers"].rows()
+    assert f"RViz2 draws InteractiveMarkers ({updates}); this viewer does not" in row.text
+    assert member_config(viewer["InteractiveMarkers"])["Topic"] == {"Value": "/menu/update"}
 
 
 def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:

@@ -35,6 +35,7 @@ SILENT = {
     "LaserScan: Use Fixed Frame": "scans are projected into the fixed frame, so both are one",
     "Accept NaN Values": "is for messages with NaN; see test_screws",
     "Topic Filter": "offers fewer topics in RViz's panel",
+    "Effort: Alpha": "RViz has it and never uses it",
     "Use Timestamp": "counts while the map's frame moves; see map/test_display",
 }
 # What a property needs to be seen by: the properties that it depends on, by label of those it is for.
@@ -42,6 +43,8 @@ _OF_AXES = ("Axes Length", "Axes Radius", "Shape/Axes Length", "Shape/Axes Radiu
 _OF_ARROWS = ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")
 _OF_PATHS = ("Pose Color", "Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
 _OF_RAINBOWS = ("Use rainbow", "Invert Rainbow", "Autocompute Intensity Bounds")
+MEASURED = ("FluidPressure", "Illuminance", "RelativeHumidity", "Temperature")
+CLOUDS = ("DepthCloud", "LaserScan", "PointCloud", "PointCloud2", *MEASURED)
 _BY_Z = {"Color Transformer": "Intensity", "Channel Name": "z"}
 _BY_AXIS = {"Color Transformer": "AxisColor"}
 NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
@@ -66,7 +69,12 @@ NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
     ("Hide Small Values",): {"History Length": 2},
     ("Position Tolerance",): {"Angle Tolerance": 5.0},
     ("Angle Tolerance",): {"Position Tolerance": 5.0},
-    ("LaserScan: Color", "PointCloud2: Color", "DepthCloud: Color"): {"Color Transformer": "FlatColor"},
+    tuple(f"{name}: Color" for name in CLOUDS): {"Color Transformer": "FlatColor"},
+    # one point has the lowest colour wherever it is, unless the bounds are given
+    tuple(f"{name}: Axis" for name in MEASURED): {**_BY_AXIS, "Autocompute Value Bounds": False},
+    tuple(f"{name}: Use Fixed Frame" for name in MEASURED): (
+        {**_BY_AXIS, "Axis": "X", "Autocompute Value Bounds": False}
+    ),
     ("Description File",): {"Description Source": "File"},
     ("Show polygons", "CameraInfo: Color"): {"Not show side polygons": False},
     ("Color Transport Hint",): {"Color Image Topic": "/color"},

@@ -76,10 +76,11 @@ def test_an_unknown_class_is_kept_and_reported_in_rviz_words() -> None:
 
 def test_a_class_that_only_rviz_draws_is_kept_with_a_hint() -> None:
     bench = Bench()
-    (row,) = bench.session.add("rviz_default_plugins/Effort", "Effort", {}).rows()
+    (row,) = bench.session.add("rviz_default_plugins/InteractiveMarkers", "Controls", {}).rows()
     assert (row.level, row.text) == (
         "hint",
-        "RViz2 draws Effort (sensor_msgs/msg/JointState); this viewer does not, and keeps its settings.",
+        "RViz2 draws InteractiveMarkers (visualization_msgs/msg/InteractiveMarkerUpdate); "
+        "this viewer does not, and keeps its settings.",
     )
 
 

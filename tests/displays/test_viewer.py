@@ -207,5 +207,5 @@ def test_displays_are_added_to_groups(graph: Graph, tmp_path: Path) -> None:
 
 
 def test_a_class_that_only_rviz2_draws_is_named_with_what_it_shows(graph: Graph) -> None:
-    with pytest.raises(CourseError, match=r"RViz2 draws Effort \(sensor_msgs/msg/JointState\)"):
-        Viewer().add("Effort")
+    with pytest.raises(CourseError, match=r"RViz2 draws InteractiveMarkers \(visualization_msgs"):
+        Viewer().add("InteractiveMarkers")

@@ -92,6 +92,10 @@ TASKS = (
         Scenario("public", checks=(expect_value(my("n", times=2)),)),)),
 )
 """
+MISTAKES = """
+[half]
+"a value has the wrong sign" = "Half, not minus half."
+"""
 HIDDEN = """
 from course_lib.grading.task import Call, Scenario
 from course_lib.grading import expect_rate, expect_value
@@ -136,6 +140,7 @@ def write_course(top: Path, settings: str = COURSE, hidden: str = HIDDEN) -> Cou
     for name, text in {
         "exercises/course.toml": settings,
         "exercises/checks/week01.py": CHECKS,
+        "exercises/mistakes/week01.toml": MISTAKES,
         "solutions/checks/week01.py": hidden,
     }.items():
         (top / name).parent.mkdir(parents=True, exist_ok=True)

@@ -127,7 +127,7 @@ def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None
     catalog = load_catalog(exercises_dir())
     kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
     assert kinds
-    assert kinds <= set(hints_by_mistake())
+    assert {k for k in kinds if not any(fnmatchcase(k, known) for known in hints_by_mistake())} == set()
 
 
 def test_after_an_exception_there_is_no_hint_on_what_its_node_did_not_publish() -> None:

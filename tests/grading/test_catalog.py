@@ -28,6 +28,13 @@ def test_an_unknown_task_names_the_close_ones(course: Course) -> None:
         load_catalog(course.exercises).task("week01.red_cub")
 
 
+def test_a_task_has_the_hints_of_its_weeks_file_and_one_without_a_file_has_none(course: Course) -> None:
+    hints = {"a value has the wrong sign": "Half, not minus half."}
+    assert load_catalog(course.exercises).task("week01.half").mistakes == hints
+    (course.exercises / "mistakes/week01.toml").unlink()
+    assert load_catalog(course.exercises).task("week01.half").mistakes == {}
+
+
 def test_own_values_depend_on_the_student_only(course: Course) -> None:
     task = load_catalog(course.exercises).task("week01.answer")
     assert personal_values(task, "20231234") == personal_values(task, "20231234")
@@ -64,6 +71,11 @@ MALFORMED = {
         ),
         ('"value"', '"values"', "kind 'values'"),
         ("TASKS = (", "TASKS = ((", "SyntaxError"),
+    ],
+    "exercises/mistakes/week01.toml": [
+        ("[half]", "[hlaf]", "unknown task 'week01.hlaf'"),
+        ('"Half', '"Half"', "week01.toml: "),
+        ("=", "= 7 #", "week01.half: expected a table of kinds of mistakes"),
     ],
     "solutions/checks/week01.py": [
         ("week01.half", "week01.other", "unknown task 'week01.other'"),

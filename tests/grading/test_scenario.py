@@ -6,12 +6,15 @@ from typing import Any
 
 import pytest
 import rclpy
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.inputs import set_parameters
 from course_lib.grading.run.outcome import RAISED
+from course_lib.grading.run.scenario_graph import rejections
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
 
@@ -69,6 +72,26 @@ def test_an_input_may_ask_a_service() -> None:
         (1.0, 1.0),
         (2.0, 4.0),
     ]
+
+
+def test_the_reasons_of_rejected_parameters_are_in_the_output() -> None:
+    def strict() -> Node:
+        node = Node("strict")
+        node.declare_parameter("gain", 1.0)
+        refused = SetParametersResult(successful=False, reason="1.0 and nothing else")
+        node.add_on_set_parameters_callback(lambda _: refused)
+        return node
+
+    asked = (set_parameters("/strict", 1.0, gain=2.0), set_parameters("/strict", 2.0, gain=3.0))
+    assert run(strict, inputs=asked, seconds=3.0).output == (
+        "At 1.00 s: Setting parameter failed: 1.0 and nothing else\n"
+        "At 2.00 s: Setting parameter failed: 1.0 and nothing else\n"
+    )
+
+
+@pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"\0\1\0\0\xff\xff\xff\xff"])
+def test_a_reply_that_is_none_rejects_nothing(cdr: bytes) -> None:
+    assert rejections(cdr) == []
 
 
 def test_a_malformed_input_names_its_topic() -> None:

@@ -57,6 +57,22 @@ def test_a_check_that_takes_too_long_costs_that_check(monkeypatch: pytest.Monkey
     assert result.checks[0].broken == "TimeoutError: it takes more than 0.1 s"
 
 
+def test_a_check_of_huge_messages_that_takes_too_long_names_the_messages(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def loop(_: Evidence) -> Any:
+        while True:
+            pass
+
+    monkeypatch.setattr(judge, "CHECK_SECONDS", 0.1)
+    task = task_with(Check("endless", loop))
+    samples = (Sample(0, TOPIC, "visualization_msgs/msg/Marker", bytes(24_000_000), Qos(), 2),)
+    run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0, samples))
+    (check,) = judge_task(task, 10.0, False, [run]).checks
+    assert f"a message on {TOPIC} holds 24 MB" in check.message
+    assert check.broken == "TimeoutError: it takes more than 0.1 s"
+
+
 @pytest.mark.parametrize("word", ["x" * 10**6, 7])
 def test_a_policy_is_a_word(word: object) -> None:
     with pytest.raises(ChannelError, match="Not a QoS"):

@@ -79,6 +79,13 @@ def test_every_task_has_two_wrong_answers(week: str) -> None:
         assert len([1 for name, wrong in WRONG if f"{name[:6]}.{wrong}" == task.id]) >= 2
 
 
+@pytest.mark.parametrize("week", WEEKS)
+def test_the_public_checks_of_a_task_have_different_titles(week: str) -> None:
+    for task in catalog().of_week(week):
+        titles = [check.title for scenario in task.scenarios for check in scenario.checks]
+        assert sorted(titles) == sorted(set(titles)), task.id
+
+
 def rounds(week: str) -> list[Any]:
     """Notebooks in which every task is mutated in one place, until each task has had all its mutants."""
     cells, tasks = cells_of(solution(week)), judged(week)

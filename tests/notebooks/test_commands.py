@@ -51,10 +51,11 @@ NAMED = {  # commands of which a sentence gives the name only: their help is sho
     "ros2 topic echo",
     "ros2 topic hz",
 }
+WRITTEN = "my_files/ros2_ws/src/my_dashboard"
 FILLED = {  # command with something to fill in -> the same, filled in
     "%ros2 bag record -o folder --topics ...": "%ros2 bag record -o folder --topics /scan",
     "%ros2 launch file.launch.py": "%ros2 launch robot.launch.py",
-    "%ros2 launch ros2_ws/src/my_dashboard/launch/my_dashboard.launch.py": "%ros2 launch robot.launch.py",
+    f"%ros2 launch {WRITTEN}/launch/my_dashboard.launch.py": "%ros2 launch robot.launch.py",
     "%ros2 param set /node name value": "%ros2 param set /world rate 2.0",
     "ros2 launch patrol.launch.py": "ros2 launch robot.launch.py",
     "%rqt --perspective-file": "%rqt --perspective-file inspection.perspective",
@@ -66,7 +67,7 @@ RECORD = "course run my_node.py --seconds 5 --bag"
 FIRST = {  # what a document presupposes
     "week05_configurations.ipynb": [f"{RECORD} my_bag"],
     "week06_tooling.ipynb": [f"{RECORD} inspection", "%rqt save inspection.perspective"],
-    "week07_dashboard.ipynb": [f"{RECORD} dashboard_bag"],
+    "week07_dashboard.ipynb": [f"{RECORD} my_files/dashboard_bag"],
 }
 LAYOUT = "Panels: []\nVisualization Manager:\n  Displays: []\n  Global Options:\n    Fixed Frame: world\n"
 
@@ -82,9 +83,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         shutil.copy(HERE / "every_topic.py", folder / name)
     shutil.copy(HERE / "robot.launch.py", folder)
     shutil.copy(folder / "week07_dashboard.ipynb", folder / "my_lesson.ipynb")
-    for name in ("layout", "patrol", "dashboard"):
+    for name in ("layout", "patrol", "my_files/patrol", "my_files/dashboard"):
         (folder / f"{name}.rviz").write_text(LAYOUT)
-    (folder / "robot_params.yaml").write_text("/**:\n  ros__parameters:\n    world_frame: world\n")
+    params = "/**:\n  ros__parameters:\n    world_frame: world\n"
+    (folder / "my_files" / "robot_params.yaml").write_text(params)
     (folder / "ur10.urdf").write_text('<robot name="ur10"><link name="base_link"/></robot>')
     with zipfile.ZipFile(folder / "moodle.zip", "w") as archive:
         handed_in = (folder / "week01_exercise.ipynb").read_bytes()
@@ -93,7 +95,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", "ros2_ws/src")  # where week 7 says cd ~/ros2_ws
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "my_files/ros2_ws/src")  # where week 7 says cd ~/ros2_ws
     return folder
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from course_lib.course.exercise import notebook_text, read_notebook, source
-from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.installation import exercises_dir, lessons, lessons_dir, reviews, solutions_dir
 from course_lib.course.questions import load_predictions, load_quiz
 
-LESSONS = sorted(lessons_dir().glob("week*.ipynb"))
-REVIEWS = sorted(lessons_dir().glob("review_*.ipynb"))
+LESSONS = lessons()
+REVIEWS = reviews()
 ALL = [*LESSONS, *REVIEWS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
 MAX_CELL = 25  # lines
 AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30  # words
@@ -135,9 +135,23 @@ def test_a_lesson_asks_of_earlier_weeks_before_anything_new(path: Path) -> None:
 def test_a_lesson_ends_with_a_page_to_show_and_further_reading(path: Path) -> None:
     titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in headings(path)]
     assert titles.index("Show it") < titles.index("Recap") < titles.index("Further reading")
-    assert any(f'save_html("my_week{int(path.stem[4:6])}.html"' in cell for cell in code_cells(path))
+    assert any(f'save_html("my_files/my_week{int(path.stem[4:6])}.html"' in cell for cell in code_cells(path))
     reading = markdown(path).split("## Further reading")[1]
     assert len(re.findall(r"\]\(https://", reading)) >= 3
+
+
+@each([*LESSONS, *REVIEWS])
+def test_each_try_it_is_followed_by_an_answer_to_open(path: Path) -> None:
+    answer = r"<details><summary>Answer</summary>\n\n.{20,}?\n\n</details>"
+    for tried in re.split(r"^\*\*Try it", markdown(path), flags=re.MULTILINE)[1:]:
+        assert re.match(rf":\*\*[^\n]+\n\n{answer}(\n|$)", tried, re.DOTALL), tried[:80]
+
+
+@each(LESSONS)
+def test_what_a_lesson_writes_goes_into_one_folder(path: Path) -> None:
+    writing = r'(?:save_\w+\("|rqt save |record -o |^%ros2 .* > )([\w./]+)'
+    named = {name for cell in code_cells(path) for name in re.findall(writing, cell, re.MULTILINE)}
+    assert [name for name in named if not name.startswith("my_files/")] == []
 
 
 @each(WITH_EXERCISE)
@@ -173,7 +187,7 @@ def test_no_cell_up_to_the_comparison_shows_the_answer_of_a_prediction(path: Pat
 
 @each(REVIEWS)
 def test_a_review_has_questions_and_compares_its_predictions(path: Path) -> None:
-    code, name = "\n".join(code_cells(path)), path.stem.replace("_weeks", "")
+    code, name = "\n".join(code_cells(path)), path.stem.replace("_your", "")
     assert f'quiz("{name}")' in code
     asked = re.findall(r'predict\("([^"]+)"', code)
     assert (

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from course_lib.grading.advice import Advice
 from course_lib.grading.judge import TaskResult, judge_task
 from course_lib.grading.run.job import Run
 from tests.notebooks.graded import (
@@ -66,6 +67,7 @@ class Variant:
         says: What a message of a public check says of it, a regular expression.
         raises: What the code raises then.
         way: In what a right solution differs.
+        hint: The kind of mistake whose hint, one of the task's own, is shown first.
     """
 
     task: str
@@ -74,6 +76,7 @@ class Variant:
     says: str = ""
     raises: str = ""
     way: str = ""
+    hint: str = ""
 
 
 def variants(folder: str) -> Iterator[Any]:
@@ -132,6 +135,16 @@ def test_a_public_check_names_the_requirement_that_is_missed(miss: Variant) -> N
     result = result_of(miss, hidden=False)
     assert [error.split(":")[0] for error in result.errors] == [miss.raises] * bool(miss.raises)
     assert re.search(miss.says, said(result)), said(result) or "all public checks pass"
+    if miss.hint:
+        task = catalog().task(miss.task)
+        assert Advice().hint(task, result) == f"Hint: {task.mistakes[miss.hint]}"
+
+
+def test_every_own_hint_of_a_task_is_shown_for_a_near_miss() -> None:
+    shown = {(row.values[0].task, row.values[0].hint) for row in variants("near_misses")}
+    own = {(task.id, kind) for task in catalog().tasks.values() for kind in task.mistakes}
+    assert own - shown == set()
+    assert len({task for task, _ in own}) >= 20
 
 
 @pytest.mark.parametrize("way", list(variants("other_ways")))

@@ -9,15 +9,15 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
-from course_lib.course.installation import lessons_dir, solutions_dir
+from course_lib.course.installation import lessons, solutions_dir
 
 SOLUTIONS = sorted(solutions_dir().glob("week*_solution.ipynb"))
 OURS = re.compile(r"(rclpy|tf2_\w+|\w+_msgs|launch\w*|course_lib|ament_index_python|rcl_interfaces)(\.|$)")
 
 
 def text_of_lessons_up_to(week: str) -> str:
-    lessons = [path for path in sorted(lessons_dir().glob("week*.ipynb")) if path.stem[:6] <= week]
-    return "\n".join(source(cell) for path in lessons for cell in read_notebook(path)["cells"])
+    known = [path for path in lessons() if path.stem[:6] <= week]
+    return "\n".join(source(cell) for path in known for cell in read_notebook(path)["cells"])
 
 
 def code_of(path: Path) -> str:

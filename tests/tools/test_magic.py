@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
@@ -54,6 +55,16 @@ def test_timeout_ends_a_command_as_the_stop_button_does(
         assert 2.5 <= (graph.now_ns - START_NS) * 1e-9 < 3.0
     shown = capsys.readouterr().out
     assert shown.endswith("Stopped after 2.5 s of robot time.\nand on\n")
+
+
+def test_timeout_alone_ends_an_endless_command_where_nobody_can_press_stop(
+    shell: InteractiveShell, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    monkeypatch.chdir(tmp_path)
+    with use_graph(Graph(notebook=True)) as graph:
+        assert run(shell, "import rclpy\nrclpy.init()\n%timeout 10 ros2 bag record -a -o kept")
+        assert 10.0 <= (graph.now_ns - START_NS) * 1e-9 < 10.5
 
 
 @pytest.mark.parametrize("line", ["", "ros2 topic hz /a", "5 rqt", "1.2.3 ros2 topic list", "5 ros2"])

@@ -96,10 +96,10 @@ def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
             continue
         place = (memoryview(message.data), field.offset, (step,))
         channels[field.name] = np.ndarray(count, dtype, *place) if count else np.empty(0, dtype)
-    return _finite(channels), wrong
+    return finite(channels), wrong
 
 
-def _finite(channels: dict[str, AnyArray]) -> dict[str, AnyArray]:
+def finite(channels: dict[str, AnyArray]) -> dict[str, AnyArray]:
     """Drop the points that are nowhere."""
     known = [np.isfinite(channels[axis]) for axis in _XYZ if axis in channels]
     if not known or all(axis.all() for axis in known):

@@ -1,4 +1,4 @@
-"""RViz's PointCloud2 and LaserScan displays."""
+"""RViz's PointCloud2, PointCloud and LaserScan displays."""
 
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from course_lib.displays.clouds.cloud import (
     Cloud,
     best_transformer,
     channels_of,
+    finite,
     has_positions,
     size_problem,
 )
@@ -18,6 +19,7 @@ from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.marker.drawables import drawn_twice
 from course_lib.displays.properties import Property, flag, number, words
 from course_lib.displays.topic_display import FilteredDisplay, TopicDisplay
+from course_lib.errors import counted
 from course_lib.ros.tf2_transform import Transform, TransformException, interpolated
 from course_lib.viewer.drawables import Points, Spot
 
@@ -161,6 +163,28 @@ class PointCloud2Display(CloudDisplay):
             self.keep(Cloud(channels, transform, self.context.now_ns))
 
 
+class PointCloudDisplay(CloudDisplay, FilteredDisplay):
+    """Clouds of ROS 1's first type, with a list of numbers for each channel."""
+
+    class_name = "rviz_default_plugins/PointCloud"
+    type_name = "sensor_msgs/msg/PointCloud"
+    properties = (*FilteredDisplay.properties, *CLOUD_PROPERTIES)
+
+    def process(self, message: Any) -> None:
+        """Show a cloud; a channel that does not have a number for each point is left out."""
+        transform = self.transform_at(message.header)
+        if transform is None:
+            return
+        points = counted(len(message.points), "point")
+        wrong = [
+            f"channel {channel.name!r} has {counted(len(channel.values), 'value')} for {points}."
+            for channel in message.channels
+            if len(channel.values) != len(message.points)
+        ]
+        self.statuses.hint("Channels", *wrong)
+        self.keep(Cloud(finite(_lists(message)), transform, self.context.now_ns))
+
+
 class LaserScanDisplay(CloudDisplay, FilteredDisplay):
     """The ends of a scanner's beams, each from the scanner's pose at the time of that beam."""
 
@@ -213,6 +237,17 @@ class LaserScanDisplay(CloudDisplay, FilteredDisplay):
                 "Laser scan time, computed from time_increment * len(ranges), is rather large:  "
                 f"{seconds}s.\nThe display of any message will be delayed by this amount of time!",
             )
+
+
+def _lists(message: Any) -> dict[str, AnyArray]:
+    """Return the coordinates and channels of a sensor_msgs/msg/PointCloud by name, shape (N,) each."""
+    points = np.array([(p.x, p.y, p.z) for p in message.points], np.float32).reshape(-1, 3)
+    channels: dict[str, AnyArray] = {
+        channel.name: np.array(channel.values, np.float32)
+        for channel in message.channels
+        if len(channel.values) == len(points)
+    }
+    return {**channels, **dict(zip("xyz", points.T, strict=True))}
 
 
 def _duration_ns(scan: Any) -> int:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 from course_lib.displays.display import GROUP
-from course_lib.displays.panel.orders import OrderDesk, order_of
+from course_lib.displays.panel.orders import OrderDesk, layout_names, order_of
 from course_lib.displays.panel.protocol import (
     AddableTopic,
     AddableType,
@@ -124,7 +123,7 @@ class Desk:
             topics=self._topics(),
             undrawn=tuple(RVIZ_ONLY),
             frames=tuple(sorted({session.fixed_frame, *session.context.frames.buffer.frames()})),
-            layouts=Layouts(orders.file, tuple(sorted(path.name for path in Path.cwd().glob("*.rviz")))),
+            layouts=Layouts(orders.file, layout_names()),
             summary=session.summary(),
         )
 

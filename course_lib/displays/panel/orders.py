@@ -42,6 +42,7 @@ from course_lib.viewer.camera import Camera
 from course_lib.viewer.wire import MessageError, from_json
 
 _LONGEST = 16  # list or text of a selected message that is shown whole
+_FOLDERS = ("", "my_files")  # of layouts: the notebook's, and that of the files that lessons write
 
 
 def order_of(content: Mapping[str, Any]) -> Order:
@@ -57,6 +58,13 @@ def order_of(content: Mapping[str, Any]) -> Order:
             f"{content.get('act')!r} from the page is not an order, expected one of {[*ORDERS]}."
         )
     return from_json(kind, fields)
+
+
+def layout_names() -> tuple[str, ...]:
+    """Return the layouts that can be opened, as paths below the notebook's folder."""
+    here = Path.cwd()
+    found = (path for folder in _FOLDERS for path in sorted((here / folder).glob("*.rviz")))
+    return tuple(path.relative_to(here).as_posix() for path in found)
 
 
 class OrderDesk:
@@ -152,17 +160,18 @@ class OrderDesk:
     def _save(self, order: SaveLayout) -> None:
         path = self._path(order.name)
         save_rviz(self._session, path)
-        self.notice = Notice("ok", f"Saved {path.name}.")
+        self.notice = Notice("ok", f"Saved {self.file}.")
 
     def _load(self, order: LoadLayout) -> None:
         path = self._path(order.name)
         self._session.apply(read_layout(path))
-        self.notice = Notice("ok", f"Opened {path.name}.")
+        self.notice = Notice("ok", f"Opened {self.file}.")
 
     def _path(self, wanted: str) -> Path:
-        """Return the path of a layout in the notebook's folder."""
-        name = Path(wanted.strip()).name
-        if not name or name != wanted.strip():
+        """Return the path of a layout in one of the folders of layouts."""
+        name = wanted.strip()
+        folder, _, last = name.rpartition("/")
+        if not last or last != Path(last).name or folder not in _FOLDERS:
             raise CourseError(f"{wanted!r} is not the name of a file; write one like view.rviz.")
         self.file = name if name.endswith(".rviz") else f"{name}.rviz"
         return Path.cwd() / self.file

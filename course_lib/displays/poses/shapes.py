@@ -1,4 +1,4 @@
-"""TODO."""
+"""Poses as arrows or axes, and covariances as ellipsoids and cones."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple

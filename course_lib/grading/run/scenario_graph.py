@@ -13,13 +13,16 @@ from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.graph_server import PICTURES
-from course_lib.ros.messages import serialize
+from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 
 INPUT_NODE = "scenario"
 # Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
 NOT_EVIDENCE = ("/rosout", "/parameter_events")
+SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
+MOST_REJECTIONS = 10  # of a scenario
+LONGEST_REASON = 200  # characters
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class ScenarioGraph:
         self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
         self._ours = self.graph.add_node(INPUT_NODE, "/")
         self._samples: list[Sample] = []
+        self._rejections: list[str] = []
         self._room = ImageRoom()
         self.graph.tap(self._record)
         for message in scenario.inputs:
@@ -61,6 +65,9 @@ class ScenarioGraph:
             )
             due_ns = START_NS + round(message.at * 1e9)
             self.graph.call_at(due_ns, publish, node=self._ours, entity=endpoint)
+        asked = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
+        for service in sorted(asked):
+            self._hear_rejections(service)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
         self.part = Instructions(task.kind, scenario.seed, calls)
 
@@ -72,15 +79,37 @@ class ScenarioGraph:
             seconds=self._scenario.seconds,
             samples=tuple(self._samples),
             returns=tuple(outcome.returns),
-            output=output,
+            output="".join(self._rejections) + output,
             errors=tuple(outcome.errors),
             stopped=stopped,
             personal=self._personal,
         )
 
+    def _hear_rejections(self, service: str) -> None:
+        """Keep what `ros2 param set` would print of a parameter that is rejected."""
+
+        def hear(data: bytes, source_ns: int, _: int) -> None:
+            seconds, reasons = (source_ns - START_NS) * 1e-9, rejections(data[SERVICE_HEADER.size :])
+            told = [f"At {seconds:.2f} s: Setting parameter failed: {reason}\n" for reason in reasons]
+            self._rejections += told[: MOST_REJECTIONS - len(self._rejections)]
+
+        prefix, suffix = SERVICE_TOPICS[1]
+        topic = f"{prefix}{service}{suffix}"
+        self.graph.add_subscription(self._ours, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), hear)
+
     def _record(self, sample: Sample) -> None:
         if sample.node != self._ours and sample.topic not in NOT_EVIDENCE:
             self._samples.append(self._room.fitted(sample))
+
+
+def rejections(cdr: bytes) -> list[str]:
+    """Return the reasons of the rejected parameters in the reply of a student's node."""
+    try:
+        reply: Any = deserialize(cdr, message_class(f"{SET_PARAMETERS}_Response"))
+    except Exception:  # the bytes come from a student's process: they may be anything
+        return []
+    reasons = [result.reason or "(no reason)" for result in reply.results if not result.successful]
+    return [reason[:LONGEST_REASON] for reason in reasons[:MOST_REJECTIONS]]
 
 
 ROOM = 4 << 20  # bytes for each topic

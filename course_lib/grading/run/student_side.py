@@ -25,6 +25,7 @@ from course_lib.grading.task import Scenario, Task
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.program_thread import AtEnd, ShutDown, StoppedThread
 from course_lib.ros.seeding import seeded
 from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
 
@@ -42,11 +43,13 @@ def perform(part: Instructions, subject: Any, graph: Graph, outcome: Outcome) ->
     with baton.known(), use_graph(graph), seeded(part.seed):
         for action in _actions(part, subject, outcome):
             try:
-                action()
-            except KeyboardInterrupt:
-                if not graph.ended:
-                    raise
+                with baton.at_end(AtEnd.INTERRUPT):
+                    action()
             except BaseException as error:  # the student's code may raise anything, SystemExit too
+                if graph.ended and isinstance(error, (KeyboardInterrupt, ShutDown, StoppedThread)):
+                    continue
+                if isinstance(error, KeyboardInterrupt):
+                    raise
                 outcome.errors = [*outcome.errors, describe(error)][:MAX_ERRORS]
         baton.let_others_finish()
 

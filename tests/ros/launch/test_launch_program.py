@@ -153,7 +153,6 @@ def test_a_process_that_dies_is_named_and_the_others_go_on(
         ("ExecuteProcess(cmd=['ls', '-l'])", "`ls -l` would run outside robot time"),
         ("DeclareLaunchArgument('a')", 'Required launch argument "a" was not provided.'),
         ("IncludeLaunchDescription('other.launch.xml')", "not a Python file"),
-        ("LogInfo(msg=Command('xacro robot.urdf.xacro'))", "xacro is not available here"),
     ],
 )
 def test_what_is_wrong_is_one_line_that_says_what_would_be_right(

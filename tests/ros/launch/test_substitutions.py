@@ -56,11 +56,6 @@ def test_what_is_not_there_is_a_failure(
         substitution.perform(context)
 
 
-def test_xacro_of_a_plain_urdf_is_that_urdf(context: LaunchContext, tmp_path: Path) -> None:
-    (tmp_path / "r.urdf").write_text("<robot name='r'/>")
-    assert Command(["xacro ", str(tmp_path / "r.urdf")]).perform(context) == "<robot name='r'/>"
-
-
 def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchContext, tmp_path: Path) -> None:
     source = tmp_path / "layout.rviz"
     source.write_text("Topic: <robot_namespace>/scan")

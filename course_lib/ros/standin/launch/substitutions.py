@@ -9,11 +9,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from course_lib.ros.xacro_program import Finished, run_xacro
 from launch.entities import LaunchContext, Substitution, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.entities import SubstitutionFailure as SubstitutionFailure
 
-_PROVIDED = ("ros2", "rviz2", "xacro")  # by the kit, though not on the PATH; of xacro Command says more
+_PROVIDED = ("ros2", "rviz2", "xacro")  # by the kit, though not on the PATH
 
 
 class TextSubstitution(Substitution):
@@ -80,21 +81,19 @@ class FindExecutable(Substitution):
 
 
 class Command(Substitution):
-    """The output of a program; without xacro a URDF that does not need it is returned as it is."""
+    """The output of a program; xacro runs in this process, whose packages it then finds."""
 
     def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
         def make(context: LaunchContext) -> str:
             words = shlex.split(text_of(context, command))
-            if shutil.which(words[0]) is None:
-                return _without_xacro(words)
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-            if done.returncode or (done.stderr and text_of(context, on_stderr) == "fail"):
-                what = "failed" if done.returncode else "showed stderr output"
+            done = _finished(words)
+            if done.code or (done.errors and text_of(context, on_stderr) == "fail"):
+                what = "failed" if done.code else "showed stderr output"
                 raise SubstitutionFailure(
                     f"executed command {what}. Command: {shlex.join(words)}\n"
-                    f"Captured stderr output: {done.stderr}"
+                    f"Captured stderr output: {done.errors}"
                 )
-            return done.stdout
+            return done.output
 
         super().__init__(make)
 
@@ -113,15 +112,10 @@ class ThisLaunchFileDir(Substitution):
         super().__init__(lambda context: str(Path(context.file).parent))
 
 
-def _without_xacro(words: Sequence[str]) -> str:
-    """Return a plain URDF as xacro would; raises SubstitutionFailure for anything else."""
-    if words[0] != "xacro":
+def _finished(words: Sequence[str]) -> Finished:
+    if Path(words[0]).name == "xacro":
+        return run_xacro(words[1:])
+    if shutil.which(words[0]) is None:
         raise SubstitutionFailure(f"file not found: {words[0]}")
-    if len(words) == 2 and Path(words[1]).is_file():
-        text = Path(words[1]).read_text(encoding="utf-8")
-        if "xmlns:xacro" not in text:
-            return text
-    raise SubstitutionFailure(
-        f"xacro is not available here, so {shlex.join(words)} gives nothing. Expand the file where ROS is "
-        "(xacro robot.urdf.xacro > robot.urdf), and read robot.urdf in the launch file."
-    )
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    return Finished(done.stdout, done.stderr, done.returncode)

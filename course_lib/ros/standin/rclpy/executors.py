@@ -9,13 +9,17 @@ from dataclasses import dataclass
 from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
+from course_lib.ros.program_thread import AtEnd
 from rclpy.context import Context
+from rclpy.exceptions import ConditionReachedException as ConditionReachedException
+from rclpy.exceptions import ExternalShutdownException as ExternalShutdownException
+from rclpy.exceptions import ShutdownException as ShutdownException
+from rclpy.exceptions import TimeoutException as TimeoutException
 from rclpy.impl.executor import Executor as Executor
-from rclpy.impl.executor import ExternalShutdownException as ExternalShutdownException
 from rclpy.impl.executor import RunningNodes
-from rclpy.impl.executor import await_or_execute as await_or_execute
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.task import Task
+from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
 
@@ -61,7 +65,7 @@ class MultiThreadedExecutor(Executor):
         threading.Thread(target=self._work, args=(task,), name="callback", daemon=True).start()
 
     def _work(self, task: Task) -> None:
-        with baton.known():
+        with baton.known(), baton.at_end(AtEnd.STOP):
             try:
                 super()._execute(task)
             except Exception as error:  # the thread that spins raises it

@@ -168,7 +168,7 @@ class Rate:
         what = "a rate's next tick, for which another thread has to spin the node"
         with baton.known():
             baton.wait(wakes, until_ns=None, what=what)
-        if not self._context.is_valid:
+        if not self._context.is_valid or baton.is_shut_down():
             raise ROSInterruptException
 
     def destroy(self) -> None:

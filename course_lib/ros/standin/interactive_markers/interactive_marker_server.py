@@ -1,0 +1,246 @@
+"""The server of interactive markers: what clients like RViz show, move and send feedback on."""
+
+# ruff: noqa: N802 - the names are ROS's
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from threading import Lock
+from typing import Any
+
+from builtin_interfaces.msg import Time as TimeMessage
+from geometry_msgs.msg import Pose
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.time import Time
+from std_msgs.msg import Header
+from visualization_msgs.msg import (
+    InteractiveMarker,
+    InteractiveMarkerFeedback,
+    InteractiveMarkerPose,
+    InteractiveMarkerUpdate,
+)
+from visualization_msgs.srv import GetInteractiveMarkers
+
+Callback = Callable[[InteractiveMarkerFeedback], object]
+_UPDATES, _FEEDBACK = QoSProfile(depth=100), QoSProfile(depth=1)
+_OWNED = Duration(seconds=1.0)  # a client that has moved a marker keeps others from it for so long
+
+
+@dataclass
+class Callbacks:
+    """Functions that hear feedback on a marker: one for each type of event, and one for all others."""
+
+    default: Callback | None = None
+    by_type: dict[int, Callback] = field(default_factory=dict)
+
+    def put(self, callback: Callback | None, event_type: int) -> None:
+        """Set a function for a type of event, or remove it."""
+        if event_type == InteractiveMarkerServer.DEFAULT_FEEDBACK_CALLBACK:
+            self.default = callback
+        elif callback:
+            self.by_type[event_type] = callback
+        else:
+            self.by_type.pop(event_type, None)
+
+
+@dataclass
+class MarkerContext:
+    """A marker that clients show."""
+
+    int_marker: InteractiveMarker
+    callbacks: Callbacks
+    last_feedback: Time
+    last_client_id: str = ""
+
+
+@dataclass
+class UpdateContext:
+    """A change that waits for `applyChanges`: a marker, only its pose, or its end."""
+
+    FULL_UPDATE, POSE_UPDATE, ERASE = range(3)
+
+    update_type: int = FULL_UPDATE
+    int_marker: InteractiveMarker = field(default_factory=InteractiveMarker)
+    callbacks: Callbacks = field(default_factory=Callbacks)
+
+
+class InteractiveMarkerServer:
+    """The markers of one namespace; changes reach clients with `applyChanges`.
+
+    Args:
+        node: Which publishes, and hears feedback while it is spun.
+        namespace: Of the topics `update` and `feedback` and the service `get_interactive_markers`.
+        update_pub_qos: Of the updates.
+        feedback_sub_qos: Of the feedback.
+    """
+
+    DEFAULT_FEEDBACK_CALLBACK = 255
+
+    def __init__(
+        self,
+        node: Node,
+        namespace: str,
+        *,
+        update_pub_qos: QoSProfile = _UPDATES,
+        feedback_sub_qos: QoSProfile = _FEEDBACK,
+    ) -> None:
+        self.node, self.namespace = node, namespace
+        self.seq_num = 0
+        self.mutex = Lock()
+        self.marker_contexts: dict[str, MarkerContext] = {}
+        self.pending_updates: dict[str, UpdateContext] = {}
+        self.get_interactive_markers_srv: Any = node.create_service(
+            GetInteractiveMarkers, f"{namespace}/get_interactive_markers", self.getInteractiveMarkersCallback
+        )
+        self.update_pub: Any = node.create_publisher(
+            InteractiveMarkerUpdate, f"{namespace}/update", update_pub_qos
+        )
+        self.feedback_sub: Any = node.create_subscription(
+            InteractiveMarkerFeedback, f"{namespace}/feedback", self.processFeedback, feedback_sub_qos
+        )
+
+    def shutdown(self) -> None:
+        """Erase all markers and leave the topics; call it before the node is destroyed."""
+        if self.update_pub is None:
+            return
+        if self.node.context.ok():
+            self.clear()
+            self.applyChanges()
+        self.node.destroy_service(self.get_interactive_markers_srv)
+        self.node.destroy_publisher(self.update_pub)
+        self.node.destroy_subscription(self.feedback_sub)
+        self.get_interactive_markers_srv = self.update_pub = self.feedback_sub = None
+
+    def insert(
+        self,
+        marker: InteractiveMarker,
+        *,
+        feedback_callback: Callback | None = None,
+        feedback_type: int = DEFAULT_FEEDBACK_CALLBACK,
+    ) -> None:
+        """Add or replace a marker; its callback counts immediately."""
+        with self.mutex:
+            update = self.pending_updates.setdefault(marker.name, UpdateContext())
+            update.update_type, update.int_marker = UpdateContext.FULL_UPDATE, marker
+        if feedback_callback is not None:
+            self.setCallback(marker.name, feedback_callback, feedback_type)
+
+    def setPose(self, name: str, pose: Pose, header: Header | None = None) -> bool:
+        """Move a marker that clients know; a header without a frame keeps the old one."""
+        with self.mutex:
+            known, update = self.marker_contexts.get(name), self.pending_updates.get(name)
+            if known is None or (update and update.update_type == UpdateContext.FULL_UPDATE):
+                return False
+            keeps = header is None or not header.frame_id
+            self._set_pose(name, pose, known.int_marker.header if header is None or keeps else header)
+            return True
+
+    def erase(self, name: str) -> bool:
+        """Remove a marker; returns whether there is one of that name."""
+        with self.mutex:
+            if name not in self.pending_updates and name not in self.marker_contexts:
+                return False
+            self.pending_updates.setdefault(name, UpdateContext()).update_type = UpdateContext.ERASE
+            return True
+
+    def clear(self) -> None:
+        """Remove all markers."""
+        self.pending_updates = {}
+        for name in self.marker_contexts:
+            self.erase(name)
+
+    def setCallback(
+        self,
+        name: str,
+        feedback_callback: Callback | None,
+        feedback_type: int = DEFAULT_FEEDBACK_CALLBACK,
+    ) -> bool:
+        """Set the function for a type of feedback on a marker, or for all others; None removes it."""
+        with self.mutex:
+            contexts = (self.marker_contexts.get(name), self.pending_updates.get(name))
+            for context in (context for context in contexts if context is not None):
+                context.callbacks.put(feedback_callback, feedback_type)
+            return any(contexts)
+
+    def applyChanges(self) -> None:
+        """Carry out what has been changed, and publish it in one update."""
+        with self.mutex:
+            if not self.pending_updates:
+                return
+            message = InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE)
+            for name, update in self.pending_updates.items():
+                self._apply(message, name, update)
+            self.pending_updates = {}
+        self.seq_num += 1
+        self.publish(message)
+
+    def get(self, name: str) -> InteractiveMarker | None:
+        """Return a marker as it will be after `applyChanges`; None if there is none of that name."""
+        update, known = self.pending_updates.get(name), self.marker_contexts.get(name)
+        if update and update.update_type == UpdateContext.FULL_UPDATE:
+            return update.int_marker
+        if known is None or (update and update.update_type == UpdateContext.ERASE):
+            return None
+        if update:
+            known.int_marker.pose = update.int_marker.pose
+        return known.int_marker
+
+    def processFeedback(self, feedback: InteractiveMarkerFeedback) -> None:
+        """Move the marker as a client says, call back, and publish."""
+        with self.mutex:
+            known = self.marker_contexts.get(feedback.marker_name)
+            if known is None or self._is_owned(known, feedback.client_id):
+                return
+            known.last_feedback, known.last_client_id = self.node.get_clock().now(), feedback.client_id
+            if feedback.event_type == InteractiveMarkerFeedback.POSE_UPDATE:
+                own = known.int_marker.header
+                header = own if own.stamp == TimeMessage() else feedback.header
+                self._set_pose(feedback.marker_name, feedback.pose, header)
+        callback = known.callbacks.by_type.get(feedback.event_type, known.callbacks.default)
+        if callback is not None:
+            callback(feedback)
+        self.applyChanges()
+
+    def publish(self, update: InteractiveMarkerUpdate) -> None:
+        """Publish an update with its number."""
+        update.seq_num = self.seq_num
+        self.update_pub.publish(update)
+
+    def getInteractiveMarkersCallback(
+        self, request: GetInteractiveMarkers.Request, response: GetInteractiveMarkers.Response
+    ) -> GetInteractiveMarkers.Response:
+        """Answer with all markers, and the number of the last update."""
+        with self.mutex:
+            response.sequence_number = self.seq_num
+            response.markers = [context.int_marker for context in self.marker_contexts.values()]
+            return response
+
+    def _is_owned(self, known: MarkerContext, client_id: str) -> bool:
+        """Return whether another client has moved the marker a moment ago."""
+        is_new = self.node.get_clock().now() - known.last_feedback < _OWNED
+        return is_new and known.last_client_id != client_id
+
+    def _set_pose(self, name: str, pose: Pose, header: Header) -> None:
+        update = self.pending_updates.setdefault(name, UpdateContext(UpdateContext.POSE_UPDATE))
+        if update.update_type != UpdateContext.FULL_UPDATE:
+            update.update_type = UpdateContext.POSE_UPDATE
+        update.int_marker.pose, update.int_marker.header = pose, header
+
+    def _apply(self, message: InteractiveMarkerUpdate, name: str, update: UpdateContext) -> None:
+        """Carry out one change, and write it into the message."""
+        known = self.marker_contexts.get(name)
+        marker = update.int_marker
+        if update.update_type == UpdateContext.ERASE:
+            if self.marker_contexts.pop(name, None):
+                message.erases.append(name)
+        elif update.update_type == UpdateContext.FULL_UPDATE:
+            if known is None:
+                now = self.node.get_clock().now()
+                known = self.marker_contexts[name] = MarkerContext(marker, update.callbacks, now)
+            known.int_marker = marker
+            message.markers.append(marker)
+        elif known is not None:
+            known.int_marker.pose, known.int_marker.header = marker.pose, marker.header
+            pose = InteractiveMarkerPose(header=marker.header, pose=marker.pose, name=name)
+            message.poses.append(pose)

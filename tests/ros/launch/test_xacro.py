@@ -1,0 +1,118 @@
+"""xacro itself is tested by its project; here it meets the kit's packages, launch files and robots."""
+
+from pathlib import Path
+
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+from launch import LaunchContext
+from launch.substitutions import Command, FindExecutable, PathJoinSubstitution, SubstitutionFailure
+from launch_ros.substitutions import FindPackageShare
+
+from course_lib.errors import CourseError
+from course_lib.robots import load_robot
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.tools.notebook import register
+from tests.ros.launch.run import recorded
+
+XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'
+ARM = f"""{XACRO} name="two_links">
+  <xacro:arg name="tip" default="tip"/>
+  <xacro:include filename="$(find tiny_arm)/urdf/link.xacro"/>
+  <xacro:property name="length" value="${{0.25 * 2}}"/>
+  <xacro:bar name="base" size="${{length}}"/>
+  <xacro:bar name="$(arg tip)" size="${{length / 2}}"/>
+  <joint name="hinge" type="revolute">
+    <parent link="base"/><child link="$(arg tip)"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="${{radians(90)}}" effort="1" velocity="1"/>
+  </joint>
+</robot>
+"""
+LINK = f"""{XACRO}>
+  <xacro:macro name="bar" params="name size">
+    <link name="${{name}}"><visual><geometry><box size="${{size}} 0.1 0.1"/></geometry></visual></link>
+  </xacro:macro>
+</robot>
+"""
+LAUNCH = """
+from launch import LaunchDescription
+from launch.substitutions import Command, FindExecutable, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    file = PathJoinSubstitution([FindPackageShare("tiny_arm"), "urdf", "arm.urdf.xacro"])
+    text = Command([FindExecutable(name="xacro"), " ", file, " tip:=launched"])
+    description = {"robot_description": ParameterValue(text, value_type=str)}
+    publisher = "robot_state_publisher"
+    return LaunchDescription([Node(package=publisher, executable=publisher, parameters=[description])])
+"""
+
+
+@pytest.fixture
+def arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The xacro file of a package in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "tiny_arm" / "urdf"
+    folder.mkdir(parents=True)
+    (folder.parent / "package.xml").write_text("<package><name>tiny_arm</name></package>")
+    (folder / "link.xacro").write_text(LINK)
+    (folder / "arm.urdf.xacro").write_text(ARM)
+    return folder / "arm.urdf.xacro"
+
+
+@pytest.fixture
+def context() -> LaunchContext:
+    return LaunchContext()
+
+
+def test_find_names_the_package_that_launch_files_find(arm: Path, context: LaunchContext) -> None:
+    share = PathJoinSubstitution([FindPackageShare("tiny_arm"), "urdf", "arm.urdf.xacro"])
+    for program in ("xacro", FindExecutable(name="xacro")):
+        text = Command([program, " ", share, " tip:=given"]).perform(context)
+        assert '<link name="given">' in text
+        assert '<box size="0.25 0.1 0.1"/>' in text
+
+
+def test_a_launched_robot_state_publisher_gets_what_xacro_makes(arm: Path, tmp_path: Path) -> None:
+    file = tmp_path / "arm.launch.py"
+    file.write_text(LAUNCH)
+    recording, code = recorded(file)
+    (description,) = [s.message().data for s in recording.samples if s.topic == "/robot_description"]
+    assert code == 0
+    assert '<link name="launched">' in description
+
+
+def test_a_fault_in_the_file_is_a_failure_with_xacro_s_words(arm: Path, context: LaunchContext) -> None:
+    arm.write_text(ARM.replace("${length / 2}", "${width}"))
+    with pytest.raises(SubstitutionFailure, match="name 'width' is not defined"):
+        Command(["xacro ", str(arm)]).perform(context)
+
+
+def test_what_xacro_warns_of_fails_unless_that_is_allowed(arm: Path, context: LaunchContext) -> None:
+    arm.write_text(ARM.replace("radians(90)", "sorted([1, 2])[0]"))
+    with pytest.raises(SubstitutionFailure, match="showed stderr output"):
+        Command(["xacro ", str(arm)]).perform(context)
+    assert "<robot" in Command(["xacro ", str(arm)], on_stderr="ignore").perform(context)
+
+
+def test_ros2_run_prints_into_a_file(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shell = InteractiveShell.instance()
+    register(shell)
+    line = f"import rclpy\nrclpy.init()\n%ros2 run xacro xacro {arm} tip:=printed > made.urdf"
+    with use_graph(Graph(notebook=True)):
+        assert shell.run_cell(line).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    assert '<link name="printed">' in Path("made.urdf").read_text()
+
+
+def test_robots_are_loaded_from_xacro_files(arm: Path) -> None:
+    robot = load_robot(arm)
+    assert (robot.name, robot.model.nq) == ("two_links", 1)
+    assert [shape.geometry.halfSide[0] for shape in robot.visual_model.geometryObjects] == [0.25, 0.125]
+
+
+def test_a_xacro_file_that_is_wrong_is_one_error(arm: Path) -> None:
+    arm.write_text(ARM.replace("xacro:bar", "xacro:beam"))
+    with pytest.raises(CourseError, match=r"xacro cannot expand .*arm\.urdf\.xacro: .*xacro:beam"):
+        load_robot(arm)

@@ -1,0 +1,182 @@
+"""The end of a run is to a program as Ctrl+C."""
+
+from pathlib import Path
+
+import pytest
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.program import run_files
+
+CLIENT = """
+import rclpy
+from std_srvs.srv import Trigger
+rclpy.init()
+client = rclpy.create_node("client").create_client(Trigger, "start")
+while not client.wait_for_service(timeout_sec=1.0):
+    print("waiting")
+print("found")
+"""
+IN_MAIN = """
+import rclpy, time
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+rclpy.init()
+node = Node("talker")
+try:
+    {wait}
+    print("returned")
+except KeyboardInterrupt:
+    print("KeyboardInterrupt")
+print(rclpy.ok())
+try:
+    rclpy.spin_once(node)
+except ExternalShutdownException:
+    print("ExternalShutdownException")
+node.destroy_node()
+rclpy.shutdown()
+print("left")
+"""
+IN_A_THREAD = """
+import rclpy, threading, time
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+rclpy.init()
+node = Node("talker")
+
+def work():
+    {lines}
+
+thread = threading.Thread(target=work)
+thread.start()
+try:
+    time.sleep(60)
+except KeyboardInterrupt:
+    thread.join()
+    print("main")
+"""
+LATE_SERVER = """
+import rclpy, time
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+
+def execute(goal):
+    while True:
+        print("feedback", node.get_clock().now().nanoseconds // 10**9 % 100)
+        goal.publish_feedback(Fibonacci.Feedback())
+        time.sleep(1.0)
+
+rclpy.init()
+node = Node("server")
+server = ActionServer(node, Fibonacci, "count", execute)
+ActionClient(node, Fibonacci, "count").send_goal_async(Fibonacci.Goal(order=5))
+executor = MultiThreadedExecutor()
+executor.add_node(node)
+executor.spin()
+"""
+PUBLISHES_LATE = """
+import rclpy
+from std_msgs.msg import Empty
+rclpy.init()
+node = rclpy.create_node("talker")
+publisher = node.create_publisher(Empty, "beat", 10)
+node.create_timer(0.5, lambda: publisher.publish(Empty()))
+try:
+    rclpy.spin(node)
+finally:
+    publisher.publish(Empty())
+"""
+CLEANS_UP = """
+import time
+try:
+    time.sleep(60)
+except KeyboardInterrupt:
+    for _ in range(20):
+        time.sleep(0.1)
+    print("stopped the motors")
+"""
+STUBBORN = """
+import time
+while True:
+    try:
+        time.sleep(1.0)
+    except KeyboardInterrupt:
+        pass
+"""
+
+
+def run(folder: Path, *sources: str, seconds: int = 3) -> list[Sample]:
+    samples: list[Sample] = []
+    for number, source in enumerate(sources):
+        (folder / f"program{number}.py").write_text(source)
+    with use_graph(Graph(end_ns=START_NS + seconds * 10**9)) as graph:
+        graph.tap(samples.append)
+        assert run_files([folder / f"program{number}.py" for number in range(len(sources))], seed=1) == 0
+    return samples
+
+
+def test_a_client_without_its_server_ends_in_silence(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, CLIENT)
+    assert capfd.readouterr() == ("waiting\n" * 3, "")
+
+
+@pytest.mark.parametrize(
+    "wait",
+    [
+        "rclpy.spin(node)",
+        "time.sleep(60)",
+        "rclpy.spin_until_future_complete(node, rclpy.Future())",
+        "node.get_clock().sleep_for(rclpy.duration.Duration(seconds=60))",
+        "rclpy.executors.MultiThreadedExecutor().spin()",
+        "while rclpy.ok(): rclpy.spin_once(node, timeout_sec=0.7)",
+        "while True: time.time()",
+        "import threading; threading.Event().wait(60)",
+        "import asyncio; asyncio.run(asyncio.sleep(60))",
+    ],
+)
+@pytest.mark.parametrize("beside", [(), (STUBBORN,)])
+def test_a_blocked_call_of_the_main_thread_raises_keyboard_interrupt(
+    wait: str, beside: tuple[str, ...], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, IN_MAIN.format(wait=wait), *beside)
+    expected = ["KeyboardInterrupt", "False", "ExternalShutdownException", "left"]
+    assert capfd.readouterr().out.split() == expected
+
+
+@pytest.mark.parametrize(
+    ("lines", "shown"),
+    [
+        ("while rclpy.ok(): time.sleep(2.0)\n    print('over')", ["over"]),
+        ("while True:\n        time.sleep(2.0)\n        print('beat')", ["beat", "beat"]),
+        ("rclpy.spin(node)\n    print('returned')", []),
+        ("try: rclpy.spin(node)\n    except ExternalShutdownException: print('raised')", ["raised"]),
+        ("rate = node.create_rate(1.0)\n    while rclpy.ok(): rate.sleep()", []),
+    ],
+)
+def test_other_threads_come_to_their_ends_in_silence(
+    lines: str, shown: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, IN_A_THREAD.format(lines=lines))
+    out, err = capfd.readouterr()
+    assert (out.split(), err) == ([*shown, "main"], "")
+
+
+def test_a_callback_in_a_thread_of_its_own_ends_where_it_waits(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, LATE_SERVER)
+    assert capfd.readouterr() == ("feedback 0\nfeedback 1\nfeedback 2\n", "")
+
+
+def test_nothing_is_published_after_the_end(tmp_path: Path) -> None:
+    beats = [sample for sample in run(tmp_path, PUBLISHES_LATE) if sample.topic == "/beat"]
+    assert [(sample.stamp_ns - START_NS) / 1e9 for sample in beats] == [0.5, 1.0, 1.5, 2.0, 2.5, 3.0]
+
+
+def test_a_program_may_sleep_while_it_cleans_up(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    run(tmp_path, CLEANS_UP)
+    assert capfd.readouterr() == ("stopped the motors\n", "")

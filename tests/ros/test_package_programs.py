@@ -1,0 +1,98 @@
+"""Programs of a package in its sources, started by the package's folder, and files that lie in one."""
+
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.program import run_files
+from course_lib.tools.run import ros2_over
+
+SCRIPTS = '["talker = my_robot.talker:main", "fail = my_robot.talker:fail"]'
+SETUP = f'setup(entry_points={{"console_scripts": {SCRIPTS}}})'
+TALKER = """
+import sys
+from arm_msgs.msg import Angle
+from my_robot.helpers import name
+from other_robot.units import DEGREES
+
+def main():
+    print(name(), DEGREES, Angle(degrees=2.0).degrees, sys.argv[1:])
+
+def fail():
+    return 3
+"""
+SCRIPT = """
+from my_robot.helpers import name
+if __name__ == "__main__":
+    print("script of", name())
+"""
+CMAKE = (
+    "install(PROGRAMS\n  scripts/hello.py # python\n  scripts/missing.py\n  DESTINATION lib/${PROJECT_NAME})"
+)
+FILES = {
+    "my_robot/setup.py": SETUP,
+    "my_robot/CMakeLists.txt": CMAKE,
+    "my_robot/scripts/hello.py": SCRIPT,
+    "my_robot/my_robot/__init__.py": "",
+    "my_robot/my_robot/helpers.py": "def name():\n    return 'my robot'\n",
+    "my_robot/my_robot/talker.py": TALKER + "\nif __name__ == '__main__':\n    main()\n",
+    "other_robot/other_robot/__init__.py": "",
+    "other_robot/other_robot/units.py": "DEGREES = 57\n",
+    "arm_msgs/msg/Angle.msg": "float64 degrees\n",
+}
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """Sources as in a workspace: a package of Python, another one, and one with messages."""
+    for name, text in FILES.items():
+        file = tmp_path / "src" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    for folder in (tmp_path / "src").iterdir():
+        (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
+    return tmp_path / "src"
+
+
+def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str]:
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        code = run_files([program], seed=0, args=args)
+    captured = capsys.readouterr()
+    return code, captured.out + captured.err
+
+
+@pytest.mark.parametrize(
+    ("program", "code", "text"),
+    [
+        ("my_robot:talker", 0, "my robot 57 2.0 ['word']\n"),
+        ("my_robot:hello.py", 0, "script of my robot\n"),
+        ("my_robot:fail", 3, "[ros2run]: Process exited with failure 3\n"),
+        ("my_robot/my_robot/talker.py", 0, "my robot 57 2.0 ['word']\n"),
+        ("my_robot/scripts/hello.py", 0, "script of my robot\n"),
+    ],
+)
+def test_a_program_of_a_package_finds_the_workspace_that_it_lies_in(
+    program: str, code: int, text: str, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert shown(workspace / program, capsys, "word") == (code, text)
+
+
+def test_ros2_run_takes_a_package_s_folder(
+    workspace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(workspace / "my_robot")
+    for folder in (".", str(workspace / "my_robot")):
+        assert ros2_over(["run", folder, "talker"], files=[], bag=None, seconds=1.0) == 0
+        assert "my robot 57" in capsys.readouterr().out
+
+
+def test_an_executable_that_a_package_lacks_is_refused_with_those_it_has(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(
+        CourseError, match=r"executable 'talk' not found in package .*: talker, fail, hello.py"
+    ):
+        shown(workspace / "my_robot:talk", capsys)
