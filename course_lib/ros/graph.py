@@ -1,7 +1,7 @@
 """One run: its clock, its nodes and its topics."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -14,6 +14,7 @@ __all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_
 
 DELAY_NS = 1_000_000  # [ns] from publication to delivery
 PartT = TypeVar("PartT")
+Wanted = Callable[[], Collection[str]]  # the topics that a tap needs
 
 
 class Graph:
@@ -25,6 +26,8 @@ class Graph:
         delay_ns: From the publication of a message to its delivery.
         notebook: A kernel's own graph, with the forgiving rules of a notebook.
     """
+
+    keeps_wall_time = False  # True where robot time is the wall clock: no pause, no other speed
 
     def __init__(
         self,
@@ -48,7 +51,7 @@ class Graph:
         self._nodes: dict[int, NodeInfo] = {}
         self._resting: set[int] = set()
         self._last_id = 0
-        self._taps: list[Callable[[Sample], None]] = []
+        self._taps: list[tuple[Callable[[Sample], None], Wanted | None]] = []
         self._watchers: list[Callable[[int], None]] = []
 
     @property
@@ -163,13 +166,19 @@ class Graph:
         """List the publishers and subscriptions in the order of their making."""
         return [info for info in self._topics.endpoints() if info.node not in self._resting]
 
-    def tap(self, listener: Callable[[Sample], None]) -> Callable[[], None]:
+    def tap(self, listener: Callable[[Sample], None], wanted: Wanted | None = None) -> Callable[[], None]:
         """Call `listener` with every sample on a topic as it is published; returns what ends that.
 
-        As in `ros2 bag record`, requests and responses of services are not among them.
+        As in `ros2 bag record`, requests and responses of services are not among them. `wanted` names the
+        topics that a robot has to send for it; None means all.
         """
-        self._taps.append(listener)
-        return lambda: self._taps.remove(listener)
+        tap = (listener, wanted)
+        self._taps.append(tap)
+        return lambda: self._taps.remove(tap)
+
+    def about_link(self) -> list[tuple[str, object]]:
+        """Return the state of the link to a robot, as rows of `ros2 doctor`; none without a link."""
+        return []
 
     def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
         """Call `listener(now_ns)` whenever robot time moves; returns a function that ends that."""
@@ -182,7 +191,7 @@ class Graph:
         return sorted(kept, key=lambda sample: sample.stamp_ns)
 
     def _show(self, sample: Sample) -> None:
-        for listener in tuple(self._taps) if sample.topic.startswith("/") else ():
+        for listener, _ in tuple(self._taps) if sample.topic.startswith("/") else ():
             listener(sample)
 
     def _move_to(self, now_ns: int) -> None:
@@ -222,12 +231,18 @@ def current_graph() -> Graph:
     return _current
 
 
+def set_graph(graph: Graph) -> None:
+    """Replace the current graph."""
+    global _current
+    _current = graph
+
+
 @contextmanager
 def use_graph(graph: Graph) -> Iterator[Graph]:
     """Use another graph as the current one for the length of a `with` block."""
-    global _current
-    before, _current = _current, graph
+    before = _current
+    set_graph(graph)
     try:
         yield graph
     finally:
-        _current = before
+        set_graph(before)

@@ -70,6 +70,11 @@ class EndpointInfo:
         """True if a service answers here: it receives the requests."""
         return self.kind == "sub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
 
+    @property
+    def is_client(self) -> bool:
+        """True if a client calls a service from here: it sends the requests."""
+        return self.kind == "pub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
+
 
 @dataclass(slots=True)
 class Publisher:
@@ -122,6 +127,10 @@ class Topics:
         subscription = self.subscriptions.pop(endpoint, None)
         if subscription is not None:
             self._subscriptions_of[subscription.info.topic].remove(subscription)
+
+    def listening(self, topic: str, type_name: str) -> list[Subscription]:
+        """List the subscriptions of a topic and type, whatever their QoS."""
+        return [s for s in self._subscriptions_of.get(topic, ()) if s.info.type_name == type_name]
 
     def receivers(self, publisher: EndpointInfo) -> list[Subscription]:
         """List the subscriptions that a publisher's sample reaches."""

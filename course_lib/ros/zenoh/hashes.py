@@ -3,7 +3,6 @@
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
-from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import definition, typestore
 
 if TYPE_CHECKING:
@@ -27,12 +26,9 @@ def type_hash(type_name: str) -> str:
 
 
 def is_known(type_name: str) -> bool:
-    """Return whether a message's or a service's type is known here."""
-    try:
-        type_hash(type_name)
-    except CourseError:
-        return False
-    return True
+    """Return whether a message's or a service's type was read already."""
+    known = typestore().fielddefs
+    return type_name in known or f"{type_name}_Request" in known
 
 
 def _is_service(type_name: str) -> bool:

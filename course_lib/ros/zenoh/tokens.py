@@ -61,7 +61,7 @@ class Entity:
     @property
     def key(self) -> str:
         """The key on which its messages, requests and replies travel."""
-        return f"{self.domain}/{self.topic.strip('/')}/{dds_name(self.type_name)}/{self.type_hash}"
+        return key_of(self.domain, self.topic, self.type_name, self.type_hash)
 
     @property
     def gid(self) -> bytes:
@@ -69,6 +69,11 @@ class Entity:
         import xxhash  # of the extra `robot`
 
         return xxhash.xxh3_128(self.token.encode()).intdigest().to_bytes(GID_BYTES, "little")
+
+
+def key_of(domain: int, topic: str, type_name: str, type_hash: str) -> str:
+    """Return the key of a topic or a service."""
+    return f"{domain}/{topic.strip('/')}/{dds_name(type_name)}/{type_hash}"
 
 
 def read_token(key: str) -> Entity | None:

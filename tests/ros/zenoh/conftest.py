@@ -1,0 +1,82 @@
+"""A router on a free port, and graphs that are linked to it."""
+
+import json
+import socket
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import pytest
+import zenoh
+
+from course_lib.ros import wall
+from course_lib.ros.zenoh.link import RobotLink
+from course_lib.ros.zenoh.robot_graph import RobotGraph
+from course_lib.ros.zenoh.sending import Allowed
+
+PATIENCE = 20.0  # [s]
+
+
+def free_port() -> int:
+    """Return a port that nothing listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def open_router(port: int) -> zenoh.Session:
+    """Open a router as rmw_zenohd is configured, on loopback."""
+    settings = {
+        "mode": "router",
+        "listen/endpoints": [f"tcp/127.0.0.1:{port}"],
+        "scouting/multicast/enabled": False,
+        "routing/router/peers_failover_brokering": False,
+        "timestamping/enabled": True,
+    }
+    config = zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return zenoh.open(config)
+
+
+@dataclass
+class Kits:
+    """Linked graphs, driven together until something is the case."""
+
+    address: str
+    graphs: list[RobotGraph] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)  # that they told
+
+    def join(self, *, domain: int = 0, send: str = "", call: str = "") -> RobotGraph:
+        """RobotLink one more graph."""
+        allowed = Allowed.of(send.split(), call.split())
+        self.graphs.append(RobotGraph(RobotLink(self.address, domain), allowed, self.lines.append))
+        return self.graphs[-1]
+
+    def until(self, ready: Callable[[], object], what: str) -> None:
+        """Drive all graphs until `ready()`."""
+        deadline = wall.monotonic() + PATIENCE
+        while not ready():
+            assert wall.monotonic() < deadline, f"not seen: {what}; told: {self.lines}"
+            for graph in self.graphs:
+                graph.advance()
+
+    def leave(self, graph: RobotGraph) -> None:
+        """End the link of one."""
+        self.graphs.remove(graph)
+        graph.close()
+
+
+@pytest.fixture
+def router() -> Iterator[str]:
+    """Run a router; the value is its address."""
+    port = free_port()
+    with open_router(port):
+        yield f"tcp/127.0.0.1:{port}"
+
+
+@pytest.fixture
+def kits(router: str) -> Iterator[Kits]:
+    joined = Kits(router)
+    yield joined
+    for graph in tuple(joined.graphs):
+        joined.leave(graph)

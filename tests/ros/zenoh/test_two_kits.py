@@ -1,0 +1,274 @@
+from itertools import dropwhile
+from typing import Any
+
+import pytest
+import zenoh
+from geometry_msgs.msg import Twist, TwistStamped
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from course_lib.ros import wall
+from course_lib.ros.messages import deserialize, serialize, type_name
+from course_lib.ros.qos import Qos
+from course_lib.ros.topics import SERVICE_HEADER
+from course_lib.ros.zenoh.link import open_session
+from course_lib.ros.zenoh.robot_graph import RobotGraph
+from course_lib.ros.zenoh.sending import STALE
+from tests.ros.zenoh.conftest import Kits
+
+STRING = "std_msgs/msg/String"
+VOLATILE, LATCHED = Qos(), Qos(depth=1, durability="transient_local")
+BEST_EFFORT = Qos(reliability="best_effort")
+MOVING = Twist()
+MOVING.linear.x = 0.2
+
+
+def talker(graph: RobotGraph, topic: str, kind: str = STRING, qos: Qos = VOLATILE) -> int:
+    return graph.add_publisher(graph.add_node("talker", "/"), topic, kind, qos)
+
+
+def listener(graph: RobotGraph, topic: str, kind: str = STRING, qos: Qos = VOLATILE) -> list[bytes]:
+    heard: list[bytes] = []
+    node = graph.add_node("listener", "/")
+    graph.add_subscription(node, 0, topic, kind, qos, lambda cdr, *_: heard.append(cdr))
+    return heard
+
+
+def topics(graph: RobotGraph, kind: str) -> list[str]:
+    return [info.topic for info in graph.endpoints() if info.kind == kind]
+
+
+def texts(heard: list[bytes]) -> list[str]:
+    return [deserialize(cdr, String).data for cdr in heard]
+
+
+def say(graph: RobotGraph, endpoint: int, text: str) -> None:
+    graph.publish(endpoint, serialize(String(data=text)))
+
+
+def connect(kits: Kits, graph: RobotGraph, endpoint: int, heard: list[Any], message: Any) -> None:
+    """Publish until messages get through: Zenoh may lose those before its routes are made."""
+
+    def published() -> bool:
+        graph.publish(endpoint, serialize(message))
+        return bool(heard)
+
+    kits.until(published, "a first message")
+
+
+def test_a_message_reaches_the_other_kit_once_and_not_back(kits: Kits) -> None:
+    robot, student = kits.join(send="chatter"), kits.join()
+    out, here, there = talker(robot, "/chatter"), listener(robot, "/chatter"), listener(student, "/chatter")
+    connect(kits, robot, out, there, String())
+    for text in ("one", "two"):
+        say(robot, out, text)
+    kits.until(lambda: "two" in texts(there) and "two" in texts(here), "two messages")
+    assert list(filter(None, texts(there))) == list(filter(None, texts(here))) == ["one", "two"]
+
+
+def test_nodes_and_endpoints_of_others_are_listed_and_leave_again(kits: Kits) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    talker(robot, "/chatter", qos=BEST_EFFORT)
+    listener(robot, "/orders")
+    kits.until(lambda: {"/chatter", "/orders"} <= {e.topic for e in student.endpoints()}, "the robot")
+    assert {node.full_name for node in student.nodes()} == {"/talker", "/listener"}
+    assert next(e.qos for e in student.endpoints() if e.topic == "/chatter") == BEST_EFFORT
+    kits.leave(robot)
+    kits.until(lambda: not student.nodes() and not student.endpoints(), "its end")
+
+
+@pytest.mark.parametrize("late", [True, False])
+def test_latched_messages_reach_subscriptions_that_are_late_or_early(kits: Kits, late: bool) -> None:
+    robot, student = kits.join(send="/robot_description"), kits.join()
+    heard = [] if late else listener(student, "/robot_description", qos=LATCHED)
+    out = talker(robot, "/robot_description", qos=LATCHED)
+    for text in ("old", "new"):
+        say(robot, out, text)
+    if late:
+        kits.until(lambda: "/robot_description" in topics(student, "pub"), "the robot")
+        heard = listener(student, "/robot_description", qos=LATCHED)
+    kits.until(lambda: texts(heard)[-1:] == ["new"], "the latched message")
+    again = listener(student, "/robot_description", qos=LATCHED)  # the topic is listened to already
+    kits.until(lambda: texts(again)[-1:] == ["new"], "the latched message once more")
+
+
+def test_a_topic_is_subscribed_only_while_something_listens(kits: Kits) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    out = talker(robot, "/chatter")
+    samples: list[Any] = []
+    kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
+    say(robot, out, "to nobody")
+    wanted = set[str]()
+    end = student.tap(samples.append, lambda: wanted)
+    assert "/chatter" not in topics(robot, "sub")
+    wanted.add("/chatter")
+    kits.until(lambda: "/chatter" in topics(robot, "sub"), "the display's subscription")
+    connect(kits, robot, out, samples, String(data="to the display"))
+    assert texts([sample.cdr for sample in samples])[0] == "to the display"
+    end()
+    kits.until(lambda: "/chatter" not in topics(robot, "sub"), "its end")
+
+
+def test_what_is_not_allowed_stays_here_is_counted_and_told_once(kits: Kits) -> None:
+    robot, student = kits.join(), kits.join(send="/allowed")
+    heard = listener(robot, "/cmd_vel", type_name(Twist)), listener(robot, "/allowed")
+    held, allowed = talker(student, "/cmd_vel", type_name(Twist)), talker(student, "/allowed")
+    kits.until(lambda: "/allowed" in topics(robot, "pub"), "the allowed one")
+    for _ in range(3):
+        student.publish(held, serialize(MOVING))
+    connect(kits, student, allowed, heard[1], String())
+    assert heard[0] == []
+    assert "/cmd_vel" not in topics(robot, "pub")
+    assert student.held_back.counts == {"/cmd_vel": 3}
+    assert [line for line in kits.lines if "/cmd_vel" in line] == [
+        "Messages on /cmd_vel are held back: the link only listens. To let them out, connect with "
+        "--send /cmd_vel"
+    ]
+
+
+def speeds(heard: list[bytes], kind: Any) -> list[float]:
+    """Return the speeds ahead from the first one that moves."""
+    commands = [deserialize(cdr, kind) for cdr in heard]
+    return list(dropwhile(lambda x: x == 0.0, (getattr(one, "twist", one).linear.x for one in commands)))
+
+
+@pytest.mark.parametrize("kind", [Twist, TwistStamped])
+def test_a_robot_that_is_driven_stops_when_the_commands_do(kits: Kits, kind: Any) -> None:
+    robot, student = kits.join(), kits.join(send="/cmd_vel")
+    heard = listener(robot, "/cmd_vel", type_name(kind))
+    drive = talker(student, "/cmd_vel", type_name(kind))
+    connect(kits, student, drive, heard, kind())
+    student.publish(drive, serialize(MOVING if kind is Twist else TwistStamped(twist=MOVING)))
+    since = wall.monotonic()
+    kits.graphs.remove(student)  # its kernel is busy, and drives nothing any more
+    kits.until(lambda: speeds(heard, kind) == [0.2, 0.0], "the command and the stop")
+    assert wall.monotonic() - since >= STALE
+    kits.graphs.append(student)
+
+
+def test_a_robot_that_is_driven_stops_when_the_link_is_closed_or_interrupted(kits: Kits) -> None:
+    robot, student = kits.join(), kits.join(send="/cmd_vel")
+    heard = listener(robot, "/cmd_vel", type_name(Twist))
+    drive = talker(student, "/cmd_vel", type_name(Twist))
+    connect(kits, student, drive, heard, Twist())
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    student.publish(drive, serialize(MOVING))
+    student.call_at(student.now_ns, interrupt, node=0, entity=0)
+    with pytest.raises(KeyboardInterrupt):
+        kits.until(lambda: False, "the interrupt")
+    kits.until(lambda: speeds(heard, Twist) == [0.2, 0.0], "the stop at the interrupt")
+    student.publish(drive, serialize(MOVING))
+    kits.leave(student)
+    kits.until(lambda: speeds(heard, Twist) == [0.2, 0.0, 0.2, 0.0], "the stop at the end")
+
+
+def serve(graph: RobotGraph, name: str) -> list[bytes]:
+    """Offer a Trigger whose answer is "done"."""
+    node, asked = graph.add_node("server", "/"), list[bytes]()
+    request, response = type_name(Trigger.Request), type_name(Trigger.Response)
+    reply = graph.add_publisher(node, f"rr{name}Reply", response, VOLATILE)
+
+    def answer(data: bytes, *_: int) -> None:
+        asked.append(data[SERVICE_HEADER.size :])
+        header = data[: SERVICE_HEADER.size]
+        graph.publish(reply, header + serialize(Trigger.Response(success=True, message="done")))
+
+    graph.add_subscription(node, 0, f"rq{name}Request", request, VOLATILE, answer)
+    return asked
+
+
+def client(graph: RobotGraph, name: str) -> tuple[int, list[bytes]]:
+    """Return a client's endpoint, and what it hears."""
+    node, heard = graph.add_node("client", "/"), list[bytes]()
+    request, response = type_name(Trigger.Request), type_name(Trigger.Response)
+    ask = graph.add_publisher(node, f"rq{name}Request", request, VOLATILE)
+    graph.add_subscription(node, 0, f"rr{name}Reply", response, VOLATILE, lambda data, *_: heard.append(data))
+    return ask, heard
+
+
+def call(graph: RobotGraph, ask: int, number: int) -> None:
+    graph.publish(ask, SERVICE_HEADER.pack(ask, number) + serialize(Trigger.Request()))
+
+
+def test_a_service_is_called_over_the_link(kits: Kits) -> None:
+    robot, student = kits.join(call="/reset"), kits.join(call="reset")
+    serve(robot, "/reset")
+    ask, heard = client(student, "/reset")
+    kits.until(lambda: any(e.is_service for e in student.endpoints()), "the service")
+    call(student, ask, 7)
+    kits.until(lambda: heard, "the response")
+    assert SERVICE_HEADER.unpack_from(heard[0]) == (ask, 7)
+    assert deserialize(heard[0][SERVICE_HEADER.size :], Trigger.Response).message == "done"
+    kits.until(lambda: "rq/resetRequest" in topics(robot, "pub"), "the client in the robot's list")
+
+
+def test_calls_that_are_not_allowed_stay_here(kits: Kits) -> None:
+    robot, student = kits.join(call="/reset"), kits.join()
+    asked = serve(robot, "/reset")
+    ask, heard = client(student, "/reset")
+    kits.until(lambda: any(e.is_service for e in student.endpoints()), "the service")
+    call(student, ask, 1)
+    kits.until(lambda: kits.lines, "the line")
+    assert kits.lines == [
+        "Calls of /reset are held back: the link only listens. To let them out, connect with --call /reset"
+    ]
+    assert (asked, heard) == ([], [])
+
+
+def test_a_service_is_not_offered_unless_it_is_named(kits: Kits) -> None:
+    robot, student = kits.join(), kits.join(call="/other")
+    serve(student, "/reset")
+    serve(student, "/other")
+    kits.until(lambda: any(e.is_service for e in robot.endpoints()), "the service")
+    assert {e.service for e in robot.endpoints() if e.is_service} == {("/other", "std_srvs/srv/Trigger")}
+
+
+def test_qos_that_dds_would_refuse_is_heard_and_told(kits: Kits) -> None:
+    robot, student = kits.join(send="/scan"), kits.join()
+    out, heard = talker(robot, "/scan", qos=BEST_EFFORT), listener(student, "/scan")
+    connect(kits, robot, out, heard, String())
+    assert (
+        "/scan: publisher and subscription have incompatible QoS (RELIABILITY). Zenoh delivers all the same; "
+        "on a robot with DDS the topic would be silent." in kits.lines
+    )
+
+
+def test_another_domain_is_another_world_that_can_be_named(kits: Kits) -> None:
+    robot, student = kits.join(domain=42, send="/chatter"), kits.join()
+    talker(robot, "/chatter")
+    listener(student, "/chatter")
+    kits.until(lambda: student.link.domains() == [0, 42], "both domains")
+    assert topics(student, "pub") == []
+
+
+@pytest.mark.parametrize(
+    ("type_hash", "line"),
+    [
+        ("TypeHashNotSupported", "The robot runs ROS 2 Humble"),
+        (f"RIHS01_{'0' * 64}", "std_msgs/msg/String is another definition than the one here, so /chatter is"),
+    ],
+)
+def test_a_type_that_cannot_be_understood_is_named(kits: Kits, type_hash: str, line: str) -> None:
+    student = kits.join()
+    with open_session(kits.address) as robot:
+        token = (
+            f"@ros2_lv/0/{robot.zid()}/0/1/MP/%/%/talker/%chatter/std_msgs::msg::dds_::String_/{type_hash}"
+        )
+        with robot.liveliness().declare_token(f"{token}/::,10:,:,:,,"):
+            kits.until(lambda: kits.lines and student.endpoints(), "the line")
+    assert line in kits.lines[0]
+
+
+def test_an_attachment_of_an_older_rmw_zenoh_is_named(kits: Kits) -> None:
+    student = kits.join()
+    heard = listener(student, "/chatter")
+    key = "0/chatter/std_msgs::msg::dds_::String_/"
+    key += "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+    with open_session(kits.address) as robot:
+        out = robot.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
+        kits.until(lambda: out.put(b"x", attachment=bytes(49)) or kits.lines, "the line")
+    assert "an rmw_zenoh before 0.2.4" in kits.lines[0]
+    assert heard == []
