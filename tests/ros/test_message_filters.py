@@ -25,7 +25,7 @@ def at(seconds: float) -> Time:
 
 
 def send(source: SimpleFilter, seconds: float) -> None:
-    """Give a filter an image of a time, [s], whose frame is named by that."""
+    """Signal an image of a time, [s], whose frame is named by that."""
     source.signalMessage(Image(header=Header(stamp=at(seconds).to_msg(), frame_id=f"{seconds:g}")))
 
 

@@ -1,4 +1,4 @@
-"""Encodings of images: the names, and what the pixels are."""
+"""Encodings of images by name."""
 
 import re
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _YUV = ("yuv422", "yuv422_yuy2")
 
 @dataclass(frozen=True)
 class Encoding:
-    """What a pixel is: of a color, its order, like "bgra", "bayer_rggb" or "yuv422"; else any numbers.
+    """The meaning of a pixel: the order of its colors, like "bgra", "bayer_rggb" or "yuv422", or any numbers.
 
     Args:
         name: As in the message.

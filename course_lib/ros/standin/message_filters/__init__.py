@@ -140,7 +140,7 @@ class TimeSynchronizer(SimpleFilter):
             del queue[min(queue)]
 
     def _signal(self, stamps: Sequence[int]) -> None:
-        """Take a message from each queue, and pass them on."""
+        """Remove a message from each queue, and pass them on."""
         pairs = zip(self.queues, stamps, strict=True)
         self.signalMessage(*[queue.pop(stamp) for queue, stamp in pairs])
 
