@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,13 @@ CHECKS, PACKED = "checks", "packed_files"  # sections of the state
 DIGITS = 12  # of a cell's digest
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes, mode: int = 0o666) -> None:
     """Write a file aside, on the disk for certain, then rename it; its folder is made.
+
+    Args:
+        path: The file.
+        data: All of it.
+        mode: Its permissions, less those that the umask takes away.
 
     Raises:
         OSError: It can't be written; names the file itself.
@@ -27,7 +33,8 @@ def write_whole(path: Path, data: bytes) -> None:
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with draft.open("wb") as file:
+        draft.unlink(missing_ok=True)  # its permissions may be others
+        with open(draft, "wb", opener=partial(os.open, mode=mode)) as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())

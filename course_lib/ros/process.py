@@ -4,7 +4,8 @@ import ast
 import json
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -165,7 +166,8 @@ class Processes:
 
         def run() -> None:
             try:
-                process.run()
+                with _event_loop():
+                    process.run()
             finally:
                 _remove_nodes()
                 self.ended.append(number)
@@ -199,6 +201,19 @@ class Processes:
     def _join(self) -> None:
         for thread in self._threads:
             thread.join()
+
+
+@contextmanager
+def _event_loop() -> Iterator[None]:
+    """Set an event loop for the calling thread, as a process has one for `asyncio.get_event_loop()`."""
+    import asyncio  # programs that run alone do not need it
+
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    try:
+        yield
+    finally:
+        loop.close()
 
 
 def _remove_nodes() -> None:

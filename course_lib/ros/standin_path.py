@@ -2,7 +2,8 @@
 
 import sys
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
+from importlib import import_module
 from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from importlib.util import spec_from_loader
@@ -10,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from course_lib.errors import CourseError
+from course_lib.ros.homes import Homes
 
 STANDIN = Path(__file__).parent / "standin"
 KINDS = ("msg", "srv", "action")
@@ -28,7 +30,7 @@ def install() -> None:
     if sys.path[:1] != [ours]:
         sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
     if _Types not in sys.meta_path:
-        sys.meta_path.insert(0, _Types)
+        sys.meta_path[:0] = [_Types, Homes]
 
 
 class _Types(Loader):
@@ -59,11 +61,21 @@ class _Types(Loader):
         from course_lib.ros.messages.registry import import_types
 
         if "." not in module.__name__:
+            vars(module)["__getattr__"] = partial(_types_of_loaded, module.__name__)
             return
         folder = Path(str(module.__spec__ and module.__spec__.origin))
         if folder.parent != STANDIN:
             add_package(folder)
         vars(module).update(import_types(module.__name__))
+
+
+def _types_of_loaded(package: str, name: str) -> ModuleType:
+    """Return `std_msgs.msg` where a message of std_msgs was loaded before: then ROS has imported it, too."""
+    from course_lib.ros.messages.registry import loaded
+
+    if name not in KINDS or package not in loaded or not _has_types(package, name):
+        raise AttributeError(f"module '{package}' has no attribute '{name}'")
+    return import_module(f"{package}.{name}")
 
 
 def _package_of_types(name: str, loader: Loader) -> ModuleSpec | None:

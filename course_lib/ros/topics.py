@@ -70,6 +70,11 @@ class EndpointInfo:
         """True if a service answers here: it receives the requests."""
         return self.kind == "sub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
 
+    @property
+    def is_client(self) -> bool:
+        """True if a client calls a service from here: it sends the requests."""
+        return self.kind == "pub" and self.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")
+
 
 @dataclass(slots=True)
 class Publisher:

@@ -4,6 +4,7 @@ import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from functools import partial
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NoReturn
 
 from course_lib.errors import CourseError, did_you_mean
@@ -20,7 +21,8 @@ from course_lib.tools.pkg import pkg_verbs
 from course_lib.tools.robot_link import LINK_VERBS
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
-from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR
+from course_lib.tools.static_transform import STATIC_TRANSFORM_PUBLISHER
+from course_lib.tools.tf2 import TF2_ECHO, TF2_MONITOR
 from course_lib.tools.topic.list import TOPIC_LISTS
 from course_lib.tools.topic.pub import TOPIC_PUB
 from course_lib.tools.topic.subscribe import TOPIC_ECHO, TOPIC_MEASURES
@@ -30,7 +32,6 @@ from course_lib.tools.view_frames import VIEW_FRAMES
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import Executables
 
-_NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 
 
@@ -42,12 +43,10 @@ def _ros2_executable(*words: str) -> None:
 
 def _static_transform_publisher() -> None:
     words = own_words()
-    if len(words) == len(_NUMBERS) + 2 and "--frame-id" not in words:  # x y z yaw pitch roll frame child
-        flags = [word for pair in zip(_NUMBERS, words, strict=False) for word in pair]
-        words = [*flags, "--frame-id", words[-2], "--child-frame-id", words[-1]]
-    pairs = zip(words[::2], words[1::2], strict=True)
-    settings = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -0.5 for an option
-    command = ["run", "tf2_ros", "static_transform_publisher", *settings]
+    if words and words[0].startswith("--"):
+        pairs = zip_longest(words[::2], words[1::2], fillvalue="")
+        words = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -1e-3 for an option
+    command = ["run", "tf2_ros", "static_transform_publisher", *words]
     ros2(command, GraphSource(current_graph()), sys.stdout.write)
     spin()
 

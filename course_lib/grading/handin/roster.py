@@ -71,6 +71,27 @@ def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict
     return dict(rows), file.headings[id_place]
 
 
+def read_class(path: Path, id_column: str) -> list[str]:
+    """Return the IDs of a class in the roster's order.
+
+    Args:
+        path: The platform's CSV.
+        id_column: The heading of the IDs; "" to find the column.
+
+    Raises:
+        CourseError: The column can't be found, is empty, or has an ID twice.
+    """
+    file = LmsFile.read(path)
+    place = file.column(id_column) if id_column else _id_column(file, -1)
+    cells = [file.text(row, place) for row in range(1, len(file.rows))]
+    ids = [normalise(cell) for cell in cells if cell]
+    if twice := [one for one, count in Counter(ids).items() if count > 1]:
+        raise CourseError(f"{path.name} has {twice[0]!r} twice in {file.headings[place]!r}; delete a row")
+    if not ids:
+        raise CourseError(f"{path.name} has no student in {file.headings[place]!r}. {EXPORTS}")
+    return ids
+
+
 def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | None:
     """Read times of submission from a platform's CSV, or from the JSON of Canvas's API.
 

@@ -10,10 +10,13 @@ from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
 from course_lib.ros.messages.message import RosMessage, home_of, make_class
 
+loaded = set[str]()  # packages of which a class has been made
+
 
 @cache
 def message_class(type_name: str) -> type[RosMessage]:
     """Return the class of a type written ``std_msgs/msg/String``; a CourseError names the closest ones."""
+    loaded.add(type_name.partition("/")[0])
     return make_class(definition(type_name), message_class)
 
 

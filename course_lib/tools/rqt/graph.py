@@ -92,7 +92,7 @@ class GraphView(RqtView):
                 pairs = ((a, b) for a in ends for b in ends if (a.kind, b.kind) == ("pub", "sub"))
                 for a, b in pairs:
                     lines = edges.setdefault((names[a.node], names[b.node]), [])
-                    line = topic + _BAD * bool(incompatible(a.qos, b.qos))
+                    line = topic + _BAD * _mismatch(a, b)
                     lines += [line] if line not in lines else []
             else:
                 for end in ends:
@@ -103,7 +103,13 @@ class GraphView(RqtView):
     def _incompatible(self) -> set[str]:
         """Return the topics on which some publisher does not match some subscription."""
         ends = self._ends().items()
-        return {t for t, e in ends for a in e for b in e if a.kind < b.kind and incompatible(a.qos, b.qos)}
+        return {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
+
+
+def _mismatch(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+    """Return whether two ends meet on one topic, not only in one action, and their QoS do not fit."""
+    same = publisher.topic == subscription.topic
+    return same and bool(incompatible(publisher.qos, subscription.qos))
 
 
 def passes(name: str, rule: str) -> bool:

@@ -220,3 +220,19 @@ def test_a_file_that_only_defines_main_runs_it_as_its_console_script_would(
     file.write_text(source)
     with use_graph(Graph(end_ns=START_NS + 10**9)):
         assert run_files([file], seed=0) == code
+
+
+ASYNC = """
+import asyncio
+async def main():
+    await asyncio.sleep(0.5)
+    return "slept"
+print(asyncio.get_event_loop().run_until_complete(main()))
+"""
+
+
+def test_each_of_several_programs_has_an_event_loop_of_asyncio(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, ASYNC, ASYNC)
+    assert capsys.readouterr() == ("slept\nslept\n", "")

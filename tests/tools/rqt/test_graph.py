@@ -1,6 +1,8 @@
 import re
 
 import pytest
+from control_msgs.action import GripperCommand
+from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
@@ -63,6 +65,17 @@ def test_a_topic_whose_qos_does_not_fit_says_so_in_words(graph: Graph, planner: 
     assert "/label (QoS!)" in drawn(view)
     view.controls["Show"].value = NODES
     assert "/label (QoS!)" in drawn(view)
+
+
+def test_the_topics_of_an_action_do_not_mismatch_each_other(graph: Graph, planner: Node) -> None:
+    server = ActionServer(Node("hand"), GripperCommand, "grip", lambda _: GripperCommand.Result())
+    client = ActionClient(planner, GripperCommand, "grip")
+    view = GraphView(graph, [])
+    for view.controls["Show"].value in (ACTIVE, NODES):
+        assert "/grip/action_topics" in drawn(view)
+        assert "/grip/action_topics (QoS!)" not in drawn(view)
+    client.destroy()
+    server.destroy()
 
 
 def test_namespaces_are_groups(graph: Graph, arm: Node, planner: Node) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from course_lib.ros.clock import Alarm
 from rclpy.callback_groups import CallbackGroup
+from rclpy.exceptions import UnsupportedEventTypeError as UnsupportedEventTypeError
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
@@ -38,6 +39,7 @@ class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
 
 QoSOfferedDeadlineMissedInfo = QoSRequestedDeadlineMissedInfo
 QoSMessageLostInfo = QoSRequestedDeadlineMissedInfo
+QoSLivelinessLostInfo = QoSRequestedDeadlineMissedInfo
 IncompatibleTypeInfo = QoSRequestedDeadlineMissedInfo
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo

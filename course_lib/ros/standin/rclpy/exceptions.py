@@ -29,6 +29,34 @@ class UnknownROSArgsError(RuntimeError):
     """There are arguments behind `--ros-args` that ROS does not know."""
 
 
+class NodeNameNonExistentError(RCLError):
+    """A node of that name is not there."""
+
+
+class NoTypeSupportImportedException(Exception):
+    """A type was used that has no type support; here every type has it."""
+
+
+class TimeoutException(Exception):
+    """No callback became ready in time."""
+
+
+class ExternalShutdownException(ShutDown):
+    """The context was shut down while an executor waited."""
+
+
+class ShutdownException(Exception):
+    """An executor was shut down while it waited."""
+
+
+class ConditionReachedException(Exception):
+    """The awaited condition became true before a callback was ready."""
+
+
+class UnsupportedEventTypeError(RCLError):
+    """An event that this middleware does not have; here it has all of them."""
+
+
 class InvalidHandle(Exception):
     """Something was used that had been destroyed."""
 

@@ -11,12 +11,15 @@ from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.program_thread import AtEnd
 from rclpy.context import Context
+from rclpy.exceptions import ConditionReachedException as ConditionReachedException
+from rclpy.exceptions import ExternalShutdownException as ExternalShutdownException
+from rclpy.exceptions import ShutdownException as ShutdownException
+from rclpy.exceptions import TimeoutException as TimeoutException
 from rclpy.impl.executor import Executor as Executor
-from rclpy.impl.executor import ExternalShutdownException as ExternalShutdownException
 from rclpy.impl.executor import RunningNodes
-from rclpy.impl.executor import await_or_execute as await_or_execute
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.task import Task
+from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
 

@@ -16,6 +16,14 @@ def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bo
     RcutilsLogger(name).set_level(level)
 
 
+def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
+    """Return the severity of a name, in any letters; raises a RuntimeError for an unknown one."""
+    try:
+        return LoggingSeverity[log_severity.upper()]
+    except KeyError:
+        raise RuntimeError(f"failed to get severity from string: '{log_severity}'") from None
+
+
 def get_logger_effective_level(name: str) -> LoggingSeverity:
     """Return the level that a logger goes by, its own or the nearest above."""
     return RcutilsLogger(name).get_effective_level()

@@ -10,6 +10,7 @@ from course_lib.ros.notices import replacements
 from rclpy.clock import Clock
 from rclpy.context import Context, get_default_context
 from rclpy.duration import Duration
+from rclpy.exceptions import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
 from rclpy.impl import names, node_parameters

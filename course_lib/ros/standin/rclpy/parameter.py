@@ -91,7 +91,32 @@ class Parameter:
         return cls(param_msg.name, kind, value)
 
 
+PARAMETER_SEPARATOR_STRING = "."
 _ELEMENTS: dict[str, type] = {"BOOL": bool, "INTEGER": int, "DOUBLE": float, "STRING": str, "BYTE": bytes}
+
+
+def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
+    """Return what a message holds, None if it is not set; raises a RuntimeError for an unknown type."""
+    try:
+        kind = Parameter.Type(parameter_value.type)
+    except ValueError:
+        raise RuntimeError(f"unexpected parameter type {parameter_value.type}") from None
+    if kind is Parameter.Type.NOT_SET:
+        return None
+    value = getattr(parameter_value, f"{kind.name.lower()}_value")
+    return list(value) if kind.name.endswith("_ARRAY") else value
+
+
+def get_parameter_value(string_value: str) -> ParameterValue:
+    """Return the value that a text means in YAML, as on the command line; what is no parameter is a text."""
+    from course_lib.ros.parameter_yaml import read_value  # YAML is needed only here
+
+    try:
+        value = read_value(string_value)
+        Parameter.Type.from_parameter_value(value)
+    except (ValueError, TypeError):
+        value = None
+    return Parameter("", value=string_value if value is None else value).get_parameter_value()
 
 
 def parameter_dict_from_yaml_file(

@@ -12,42 +12,86 @@ from rclpy.duration import Duration
 class QoSPolicyKind(IntEnum):
     """Names the policy that keeps a publisher and a subscription apart."""
 
+    INVALID = 1
     DURABILITY = 2
     DEADLINE = 4
     LIVELINESS = 8
     RELIABILITY = 16
+    HISTORY = 32
+    LIFESPAN = 64
+    DEPTH = 128
+    LIVELINESS_LEASE_DURATION = 256
+    AVOID_ROS_NAMESPACE_CONVENTIONS = 512
 
 
-class HistoryPolicy(IntEnum):
+class _DeprecatedAlias:
+    """A policy's value under its name of rmw: `RMW_QOS_POLICY_RELIABILITY_RELIABLE`."""
+
+    def __init__(self, name: str, deprecated: str) -> None:
+        self._name, self._deprecated = name, deprecated
+
+    def __get__(self, instance: object, policy: "type[QoSPolicyEnum]") -> "QoSPolicyEnum":
+        old, new = (f"{policy.__name__}.{name}" for name in (self._deprecated, self._name))
+        warnings.warn(f"{old} is deprecated. Use {new} instead.", stacklevel=2)
+        return policy[self._name]
+
+
+class QoSPolicyEnum(IntEnum):
+    """The values of one policy."""
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """List the names in small letters."""
+        return [name.lower() for name in cls.__members__]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> int:
+        """Return a value by its name, in capital or small letters."""
+        return cls[name.upper()].value
+
+    @property
+    def short_key(self) -> str:
+        """The name in small letters."""
+        return self.name.lower()
+
+
+class HistoryPolicy(QoSPolicyEnum):
     """The samples that are kept: the last `depth`, or all."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
     KEEP_ALL = 2
+    UNKNOWN = 3
 
 
-class ReliabilityPolicy(IntEnum):
+class ReliabilityPolicy(QoSPolicyEnum):
     """Lost samples are sent again, or not."""
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
     BEST_EFFORT = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
 
 
-class DurabilityPolicy(IntEnum):
+class DurabilityPolicy(QoSPolicyEnum):
     """A subscription that comes late gets the last samples, or not."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
 
 
-class LivelinessPolicy(IntEnum):
+class LivelinessPolicy(QoSPolicyEnum):
     """The source of a publisher's signs of life."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1
     MANUAL_BY_TOPIC = 3
+    UNKNOWN = 4
+    BEST_AVAILABLE = 5
 
 
 class InvalidQoSProfileException(Exception):
@@ -63,14 +107,20 @@ QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
 
 UNSPECIFIED = Duration()
+DeadlineBestAvailable = Duration(nanoseconds=2**63 - 2)
+LivelinessLeaseDurationeBestAvailable = DeadlineBestAvailable  # rclpy spells it so
 
-
-POLICIES: dict[str, type[IntEnum]] = {
+POLICIES: dict[str, type[QoSPolicyEnum]] = {
     "history": HistoryPolicy,
     "reliability": ReliabilityPolicy,
     "durability": DurabilityPolicy,
     "liveliness": LivelinessPolicy,
 }
+for _word, _policy in POLICIES.items():
+    for _name in _policy.__members__:
+        _deprecated = f"RMW_QOS_POLICY_{_word.upper()}_{_name}"
+        if _name != "BEST_AVAILABLE":
+            setattr(_policy, _deprecated, _DeprecatedAlias(_name, _deprecated))
 _DEFAULTS: dict[str, Any] = {
     "history": HistoryPolicy.KEEP_LAST,
     "depth": 10,
@@ -147,6 +197,21 @@ qos_profile_services_default = QoSProfile(depth=10)
 qos_profile_parameters = QoSProfile(depth=1000)
 qos_profile_parameter_events = QoSProfile(depth=1000)
 qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+qos_profile_unknown = QoSProfile(
+    history=HistoryPolicy.UNKNOWN,
+    depth=0,
+    reliability=ReliabilityPolicy.UNKNOWN,
+    durability=DurabilityPolicy.UNKNOWN,
+    liveliness=LivelinessPolicy.UNKNOWN,
+)
+qos_profile_best_available = QoSProfile(
+    depth=10,
+    reliability=ReliabilityPolicy.BEST_AVAILABLE,
+    durability=DurabilityPolicy.BEST_AVAILABLE,
+    deadline=DeadlineBestAvailable,
+    liveliness=LivelinessPolicy.BEST_AVAILABLE,
+    liveliness_lease_duration=LivelinessLeaseDurationeBestAvailable,
+)
 
 
 class QoSPresetProfiles(Enum):
@@ -159,3 +224,20 @@ class QoSPresetProfiles(Enum):
     PARAMETERS = qos_profile_parameters
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
+    UNKNOWN = qos_profile_unknown
+    BEST_AVAILABLE = qos_profile_best_available
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """List the names in small letters."""
+        return [name.lower() for name in cls.__members__]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> QoSProfile:
+        """Return a profile by its name, in capital or small letters."""
+        return cls[name.upper()].value
+
+
+def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
+    """Return the name of a policy, as it stands in QoSProfile."""
+    return QoSPolicyKind(policy_kind).name

@@ -12,10 +12,10 @@ from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import Endpoint
-from rclpy.impl.executor import await_or_execute
 from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.qos import QoSProfile
+from rclpy.task import await_or_execute
 
 
 class ServiceEnd(Entity):

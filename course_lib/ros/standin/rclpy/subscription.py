@@ -50,6 +50,10 @@ class Subscription(Entity, TopicEnd[MsgT]):
         )
         TopicEnd.__init__(self, Endpoint(node, added, full_topic), msg_type, topic, qos_profile)
 
+    def is_ready(self) -> bool:
+        """Return whether a message has come that its callback has not got yet."""
+        return bool(self._queue)
+
     def take(self) -> Callable[[], object] | None:
         """Remove the oldest message; returns the call with a copy of its own, made from the bytes."""
         if not self._queue:

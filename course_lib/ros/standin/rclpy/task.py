@@ -10,6 +10,12 @@ from typing import Any, Generic, Protocol, TypeVar
 T = TypeVar("T")
 
 
+async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
+    """Call a callback, and await it if it is a coroutine."""
+    result = callback(*args)
+    return await result if inspect.iscoroutine(result) else result
+
+
 class TaskRunner(Protocol):
     """An executor, as a future knows it."""
 

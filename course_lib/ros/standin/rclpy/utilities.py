@@ -7,10 +7,22 @@ from rclpy.constants import S_TO_NS
 from rclpy.context import Context
 from rclpy.context import get_default_context as get_default_context
 
+RMW = "rmw_course_lib"
+
 
 def ok(*, context: Context | None = None) -> bool:
     """Return whether the context is initialised and not shut down, and the run goes on."""
     return (context or get_default_context()).ok()
+
+
+def get_rmw_implementation_identifier() -> str:
+    """Return the name of the middleware: the kit's own."""
+    return RMW
+
+
+def get_available_rmw_implementations() -> set[str]:
+    """Return the names of the middlewares that are there."""
+    return {RMW}
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:

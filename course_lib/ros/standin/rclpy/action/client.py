@@ -15,10 +15,9 @@ from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client, wait_for_partner
 from rclpy.impl.endpoint import require_type
-from rclpy.impl.executor import await_or_execute
 from rclpy.impl.graph_queries import NamesAndTypes, actions
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
-from rclpy.task import Future
+from rclpy.task import Future, await_or_execute
 
 if TYPE_CHECKING:
     from rclpy.node import Node

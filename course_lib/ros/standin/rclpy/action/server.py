@@ -14,10 +14,9 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.constants import S_TO_NS
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import require_type
-from rclpy.impl.executor import await_or_execute
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from rclpy.service import LateService
-from rclpy.task import Future
+from rclpy.task import Future, await_or_execute
 from rclpy.time import Time
 
 if TYPE_CHECKING:

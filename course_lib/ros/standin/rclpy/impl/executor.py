@@ -1,6 +1,5 @@
 """The base of executors: the order of callbacks, waiting, and spinning, also in a notebook's cell."""
 
-import inspect
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -14,24 +13,19 @@ from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted, watch
 from course_lib.ros.mistakes import mark
 from course_lib.ros.notices import say
-from course_lib.ros.program_thread import ShutDown
 from rclpy.context import Context, get_default_context
-from rclpy.exceptions import NotInitializedException
+from rclpy.exceptions import (
+    ConditionReachedException,
+    ExternalShutdownException,
+    NotInitializedException,
+    ShutdownException,
+    TimeoutException,
+)
 from rclpy.impl.node_handle import Entity, HandledNode, Turn
-from rclpy.task import Future, Task
+from rclpy.task import Future, Task, await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
 FOR_EVER_NS = 2**62  # [ns]
-
-
-class ExternalShutdownException(ShutDown):
-    """The context was shut down while an executor waited."""
-
-
-async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
-    """Call a callback, and await it if it is a coroutine."""
-    result = callback(*args)
-    return await result if inspect.iscoroutine(result) else result
 
 
 @dataclass
@@ -201,6 +195,27 @@ class Executor(AbstractContextManager["Executor"]):
         if over and not self._is_shutdown:
             raise ExternalShutdownException
         return None
+
+    def wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Sequence[HandledNode] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> "tuple[Task, Entity | None, HandledNode | None]":
+        """Wait for a callback, at most so long [s]; return (task, its entity, its node); the caller runs it.
+
+        As in rclpy raises TimeoutException, ShutdownException, ConditionReachedException or
+        ExternalShutdownException if none came; the task is forgotten if the caller does not call it.
+        """
+        with baton.known():
+            task = self._wait_for_task(timeout_sec_to_nsec(timeout_sec), condition)
+        if task is None and condition():
+            raise ConditionReachedException
+        if task is None:
+            raise ShutdownException if self._is_shutdown else TimeoutException
+        entity = task.entity if isinstance(task, _Callback) else None
+        owners = [node for node in self._nodes if entity is not None and node.handle is entity.node_handle]
+        return task, entity, owners[0] if owners else None
 
     def can_work(self) -> bool:
         """Return whether a callback is ready to be run."""

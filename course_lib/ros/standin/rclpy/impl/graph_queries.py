@@ -8,9 +8,14 @@ from typing import Any, Literal
 from course_lib.ros.graph import EndpointInfo, NodeInfo
 from course_lib.ros.qos import Qos
 from rclpy.duration import Duration, Infinite
-from rclpy.qos import POLICIES, QoSProfile
+from rclpy.qos import POLICIES, DeadlineBestAvailable, QoSProfile
 
 NamesAndTypes = list[tuple[str, list[str]]]
+_FITTING = {  # of BEST_AVAILABLE: offered, requested
+    "reliability": ("reliable", "best_effort"),
+    "durability": ("transient_local", "volatile"),
+    "liveliness": ("automatic", "automatic"),
+}
 _TOPIC, _TYPE = "/_action/feedback", "_FeedbackMessage"  # each action has such a topic
 
 
@@ -73,7 +78,11 @@ def actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
 def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     """Convert a profile; for values that it leaves to the system, DDS's defaults of such an endpoint hold."""
     chosen = {name: getattr(profile, name) for name in POLICIES}
-    policies: dict[str, Any] = {name: one.name.lower() for name, one in chosen.items() if one}
+    policies: dict[str, Any] = {
+        name: _best_available(name, kind) if one.name == "BEST_AVAILABLE" else one.name.lower()
+        for name, one in chosen.items()
+        if one and one.name != "UNKNOWN"
+    }
     if kind == "sub":
         policies.setdefault("reliability", "best_effort")
     return Qos(
@@ -83,6 +92,12 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
         lease_ns=_limit(profile.liveliness_lease_duration),
         **policies,
     )
+
+
+def _best_available(policy: str, kind: Literal["pub", "sub"]) -> str:
+    """Return the value that fits most partners: what a publisher offers fits all that it is asked for."""
+    offered, requested = _FITTING[policy]
+    return offered if kind == "pub" else requested
 
 
 def to_profile(qos: Qos) -> QoSProfile:
@@ -99,7 +114,7 @@ def to_profile(qos: Qos) -> QoSProfile:
 
 def _limit(duration: Duration) -> int | None:
     """Return a limit in [ns]; unspecified (zero) and infinite are none."""
-    return duration.nanoseconds if 0 < duration.nanoseconds < Infinite.nanoseconds else None
+    return duration.nanoseconds if 0 < duration.nanoseconds < DeadlineBestAvailable.nanoseconds else None
 
 
 def _duration(limit_ns: int | None) -> Duration:

@@ -61,29 +61,43 @@ NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245)
 FULL_TOPIC = _absolute("topic name", "", "topic length", 247)
 
 
-def validate_node_name(name: str) -> None:
-    """Raise InvalidNodeNameException unless `name` may be a node's name."""
+def validate_node_name(name: str) -> bool:
+    """Raise InvalidNodeNameException unless `name` may be a node's name; else return True, as rclpy does."""
     _refuse(name, NODE_NAME, InvalidNodeNameException)
+    return True
 
 
-def validate_namespace(namespace: str) -> None:
-    """Raise InvalidNamespaceException unless `namespace` is a valid absolute namespace."""
+def validate_namespace(namespace: str) -> bool:
+    """Raise InvalidNamespaceException unless `namespace` is a valid absolute namespace; else return True."""
     if namespace != "/":
         _refuse(namespace, NAMESPACE, InvalidNamespaceException)
+    return True
 
 
-def validate_topic_name(name: str, kind: Kind = "topic") -> None:
-    """Raise Invalid(Topic or Service)NameException unless `name` may be written for one."""
-    error = _ERRORS[kind]
+def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """Raise Invalid(Topic or Service)NameException unless `name` is valid and absolute; else return True."""
+    _refuse(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])
+    return True
+
+
+def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """Raise Invalid(Topic or Service)NameException unless `name` may be written for one; else return True."""
+    error = _ERRORS["service" if is_service else "topic"]
     _refuse(name, TOPIC_NAME, error)
     sound = re.match(_SOUND, name)
     _refuse(name, _AFTER_SOUND, error, sound.end() if sound else 0)
     _refuse(name, TOPIC_TOKENS, error)
+    return True
+
+
+def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
+    """Return the full name of a topic of a node, as `rclpy.expand_topic_name` does."""
+    return expand_name(topic_name, node_name, node_namespace)
 
 
 def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic") -> str:
     """Expand a name: `x` is in the namespace, `~/x` under the node; `{node}` and `{ns}` are replaced."""
-    validate_topic_name(topic, kind)
+    validate_topic_name(topic, is_service=kind == "service")
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic
     known = {"node": node_name, "ns": namespace, "namespace": namespace}

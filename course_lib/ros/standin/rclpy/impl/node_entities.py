@@ -1,10 +1,9 @@
-"""The part of Node that creates publishers, subscriptions, timers and so on, and queries the graph."""
+"""The part of Node that creates publishers, subscriptions, timers and so on."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
-from course_lib.ros.graph import EndpointInfo
 from course_lib.ros.messages import RosMessage, type_name
 from course_lib.ros.mistakes import Mistake, mark
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
@@ -12,16 +11,9 @@ from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
 from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.impl import names
+from rclpy.impl import node_graph
 from rclpy.impl.endpoint import Endpoint, TopicEnd, require_type
-from rclpy.impl.graph_queries import (
-    NamesAndTypes,
-    TopicEndpointInfo,
-    describe,
-    services,
-    sorted_types,
-    to_qos,
-)
+from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import GuardCondition, NodeHandle
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
@@ -33,20 +25,15 @@ MsgT = TypeVar("MsgT", bound=RosMessage)
 OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
 
 
-class Node:
+class Node(node_graph.Node):
     """The part of Node that creates entities; it has the name Node for the sake of Python's errors."""
 
     def __init__(self, handle: NodeHandle) -> None:
-        self.__handle = handle
+        super().__init__(handle)
         self._clock = ROSClock()
         self._created: list[Any] = []
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
-
-    @property
-    def handle(self) -> NodeHandle:
-        """The node as the graph knows it."""
-        return self.__handle
 
     @property
     def default_callback_group(self) -> CallbackGroup:
@@ -198,60 +185,6 @@ class Node:
         """Destroy a rate; the thread that sleeps in it wakes up."""
         rate.destroy()
         return self.destroy_timer(rate.timer)
-
-    def get_node_names(self) -> list[str]:
-        """List the names of all nodes."""
-        return [name for name, _ in self.get_node_names_and_namespaces()]
-
-    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """List (name, namespace) of all nodes."""
-        return [(node.name, node.namespace) for node in self.handle.graph.nodes()]
-
-    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
-        """List all topics with their types."""
-        infos = self.handle.graph.endpoints()
-        return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
-
-    def get_service_names_and_types(self) -> NamesAndTypes:
-        """List all services with their types; as in ROS also those that have only clients."""
-        return services(self.handle.graph.endpoints())
-
-    def count_publishers(self, topic_name: str) -> int:
-        """Count the publishers on a topic."""
-        return len(self._on_topic(topic_name, "pub"))
-
-    def count_subscribers(self, topic_name: str) -> int:
-        """Count the subscriptions on a topic."""
-        return len(self._on_topic(topic_name, "sub"))
-
-    def get_publishers_info_by_topic(
-        self, topic_name: str, no_mangle: bool = False
-    ) -> list[TopicEndpointInfo]:
-        """List the publishers on a topic, with their quality of service."""
-        return [describe(info, self.handle.graph.nodes()) for info in self._on_topic(topic_name, "pub")]
-
-    def get_subscriptions_info_by_topic(
-        self, topic_name: str, no_mangle: bool = False
-    ) -> list[TopicEndpointInfo]:
-        """List the subscriptions on a topic, with their quality of service."""
-        return [describe(info, self.handle.graph.nodes()) for info in self._on_topic(topic_name, "sub")]
-
-    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return the full name that a topic has for this node."""
-        return self._resolve(topic, "topic", only_expand)
-
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Return the full name that a service has for this node."""
-        return self._resolve(service, "service", only_expand)
-
-    def _resolve(self, name: str, kind: names.Kind, only_expand: bool) -> str:
-        node = self.handle
-        full = names.expand_name(name, node.name, node.namespace, kind)
-        return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
-
-    def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
-        topic = self.resolve_topic_name(topic_name)
-        return [info for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind]
 
     def _keep(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
         self._created.append(end)

@@ -1,0 +1,129 @@
+import json
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+from zenoh.handlers import Callback
+
+from course_lib.gateway.access import ROBOT
+from course_lib.gateway.gateway import TURN, Gateway, Settings
+from course_lib.gateway.students import PASSWORDS, Access, class_of
+
+Opened = Callable[..., zenoh.Session]
+PATIENCE = 20.0  # [s] for states that are waited for
+ROSTER = "Full name,ID number\nAnn Lee,1234\nBob Ray,b.1\n"
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+def wait_for(state: Callable[[], object], what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not state():
+        assert time.monotonic() < end, what
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def opened() -> Iterator[Opened]:
+    """Open sessions of raw Zenoh, closed after the test."""
+    sessions: list[zenoh.Session] = []
+
+    def open_one(
+        place: str = "", user: Access | None = None, mode: str = "client", **more: Any
+    ) -> zenoh.Session:
+        settings = {
+            "mode": mode,
+            "connect/endpoints": [place] if place else [],
+            "connect/timeout_ms": 3000,
+            "listen/endpoints": [],
+            "scouting/multicast/enabled": False,
+            "timestamping/enabled": True,
+        }
+        if user is not None:
+            settings["transport/auth/usrpwd"] = {"user": user.name, "password": user.token}
+        config = zenoh.Config()
+        for key, value in (settings | more).items():
+            config.insert_json5(key, json.dumps(value))
+        sessions.append(zenoh.open(config))
+        return sessions[-1]
+
+    yield open_one
+    for session in sessions:
+        session.close()  # type: ignore[no-untyped-call]  # untyped there
+
+
+class Classroom:
+    """A robot with its router, a gateway that is looked after, and its users."""
+
+    def __init__(self, folder: Path, opened: Opened, **settings: Any) -> None:
+        self._opened = opened
+        robot, own = f"tcp/127.0.0.1:{free_port()}", f"tcp/127.0.0.1:{free_port()}"
+        self.robot_place, self.place = robot, own
+        self.robots_router = opened(mode="router", **{"listen/endpoints": [robot]})
+        self.robot = opened(robot, mode="peer", **{"listen/endpoints": ["tcp/127.0.0.1:0"]})
+        (folder / "roster.csv").write_text(ROSTER)
+        self.users = class_of(folder, folder / "roster.csv", "", own)
+        _, self.ann, self.bob = self.users
+        sends, calls = settings.pop("sends", ["cmd_vel"]), settings.pop("calls", ["reset"])
+        self.gateway = Gateway(Settings(own, robot, sends, calls, **settings), self.users, folder / PASSWORDS)
+        wait_for(self.gateway.linked, "the gateway reaches the robot's router")
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._look_after)
+        self._thread.start()
+
+    def _look_after(self) -> None:
+        while not self._ended.wait(TURN):
+            self.gateway.turn()
+
+    def student(self, user: Access, mode: str = "client") -> zenoh.Session:
+        session = self._opened(self.place, user, mode)
+        wait_for(lambda: [*session.info.routers_zid()], f"{user.name} reaches the gateway")
+        return session
+
+    def close(self) -> None:
+        self._ended.set()
+        self._thread.join()
+        self.gateway.close()
+
+
+@pytest.fixture
+def classroom(tmp_path: Path, opened: Opened) -> Iterator[Classroom]:
+    room = Classroom(tmp_path, opened)
+    yield room
+    room.close()
+
+
+def hears(session: zenoh.Session, *keys: str) -> list[tuple[str, bytes]]:
+    """Return a list that fills with the samples on these keys."""
+    heard: list[tuple[str, bytes]] = []
+
+    def put(sample: zenoh.Sample) -> None:
+        heard.append((str(sample.key_expr), bytes(sample.payload)))
+
+    for key in keys:
+        session.declare_subscriber(key, Callback(put, indirect=False))
+    return heard
+
+
+def sees_tokens(session: zenoh.Session) -> list[str]:
+    """Return a list that fills with the keys of all tokens."""
+    seen: list[str] = []
+
+    def add(sample: zenoh.Sample) -> None:
+        seen.append(str(sample.key_expr))
+
+    for key in ("**", "@ros2_lv/**", "**/@adv/**", "@course/**"):
+        session.liveliness().declare_subscriber(key, Callback(add, indirect=False), history=True)
+    return seen
+
+
+__all__ = ["ROBOT", "Classroom", "hears", "sees_tokens", "wait_for"]

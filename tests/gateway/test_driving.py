@@ -1,0 +1,102 @@
+import struct
+import time
+from typing import Any
+
+from course_lib.gateway.gateway import MOST_KEYS, still
+from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.zenoh.hashes import type_hash
+from tests.gateway.conftest import Classroom, hears, wait_for
+
+TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+KEY = f"cmd_vel/geometry_msgs::msg::dds_::Twist_/{type_hash(TWIST)}"
+AHEAD = b"\0\1\0\0" + struct.pack("<6d", 0.2, 0, 0, 0, 0, 0)
+STAND = b"\0\1\0\0" + bytes(48)
+
+
+def commands(room: Classroom) -> list[tuple[str, bytes]]:
+    return hears(room.robot, "0/cmd_vel/**")
+
+
+def test_only_the_driver_moves_the_robot_and_what_others_send_is_counted(classroom: Classroom) -> None:
+    ann, bob, heard = classroom.student(classroom.ann), classroom.student(classroom.bob), commands(classroom)
+    classroom.gateway.drive(classroom.bob)
+
+    def drive() -> bool:
+        ann.put(f"0/students/s1234/{KEY}", AHEAD + b"ann")
+        bob.put(f"0/students/b_1/{KEY}", AHEAD)
+        time.sleep(0.05)
+        return len(heard) > 5 and classroom.gateway.held["s1234"] > 5
+
+    wait_for(drive, "Bob drives")
+    assert {payload for _, payload in heard} <= {AHEAD, STAND}
+    assert {key for key, _ in heard} == {f"0/{KEY}"}
+    assert classroom.gateway.held["b_1"] == classroom.gateway.passed["s1234"] == 0
+
+
+def test_the_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
+    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    classroom.gateway.drive(classroom.ann)
+
+    def drive() -> bool:
+        ann.put(f"0/students/s1234/{KEY}", AHEAD)
+        time.sleep(0.05)
+        return len(heard) > 0
+
+    wait_for(drive, "Ann drives")
+    classroom.gateway.drive(classroom.bob)
+    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    passed = classroom.gateway.passed["s1234"]
+    held = classroom.gateway.held["s1234"]
+    ann.put(f"0/students/s1234/{KEY}", AHEAD)
+    wait_for(lambda: classroom.gateway.held["s1234"] > held, "Ann is held back")
+    assert classroom.gateway.passed["s1234"] == passed
+    assert heard[-1][1] == STAND
+
+
+def test_silence_of_the_driver_stops_the_robot_once(classroom: Classroom) -> None:
+    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    classroom.gateway.drive(classroom.ann)
+
+    def drive() -> bool:
+        ann.put(f"0/students/s1234/{KEY}", AHEAD)
+        time.sleep(0.05)
+        return len(heard) > 0
+
+    wait_for(drive, "Ann drives")
+    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    time.sleep(1.0)
+    assert [payload for _, payload in heard].count(STAND) == 1
+
+
+def test_motion_behind_the_end_of_a_command_counts_as_motion(classroom: Classroom) -> None:
+    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    classroom.gateway.drive(classroom.ann)
+    longer = AHEAD + bytes(48)  # its last 48 bytes stand still
+
+    def drive() -> bool:
+        ann.put(f"0/students/s1234/{KEY}", longer)
+        time.sleep(0.05)
+        return len(heard) > 0
+
+    wait_for(drive, "Ann drives")
+    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+
+
+def test_a_driver_who_invents_types_fills_no_memory_and_wildcards_pass_nothing(classroom: Classroom) -> None:
+    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    classroom.gateway.drive(classroom.ann)
+    for number in range(40):
+        ann.put(f"0/students/s1234/cmd_vel/a::msg::dds_::T{number}_/RIHS01_{'0' * 64}", b"1")
+    for key in ("**", "cmd_vel/**", "cmd_vel/*/*", "cmd_vel/odd/key"):
+        ann.put(f"0/students/s1234/{key}", b"1")
+    wait_for(lambda: classroom.gateway.held["s1234"] == 40 - MOST_KEYS, "the rest is held back")
+    assert len({key for key, _ in heard}) == MOST_KEYS
+
+
+def test_the_stop_of_a_stamped_twist_is_one() -> None:
+    zero = still(STAMPED, 1_700_000_000_250_000_000)
+    assert zero is not None
+    message: Any = deserialize(zero, message_class(STAMPED))
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (1_700_000_000, 250_000_000)
+    assert message.twist.linear.x == message.twist.angular.z == 0.0
+    assert still("std_msgs/msg/String", 0) is None

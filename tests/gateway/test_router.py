@@ -1,0 +1,192 @@
+"""`course router` in its own process, with raw Zenoh on both sides."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+
+from course_lib.gateway.students import Access, class_of
+from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
+from tests.gateway.test_driving import AHEAD, KEY, STAND
+
+Started = Callable[..., Path]
+DRIVING = """
+import sys, time, zenoh
+config = zenoh.Config()
+for line in sys.argv[3:]:
+    config.insert_json5(*line.split("=", 1))
+session = zenoh.open(config)
+while True:
+    session.put(sys.argv[1], bytes.fromhex(sys.argv[2]))
+    time.sleep(0.05)
+"""
+
+
+@pytest.fixture
+def started(tmp_path: Path) -> Iterator[Started]:
+    processes: list[subprocess.Popen[bytes]] = []
+
+    def start(*words: str) -> Path:
+        log = tmp_path / f"log{len(processes)}.txt"
+        with log.open("wb") as out:
+            command = [sys.executable, "-m", "course_lib", *words]
+            processes.append(subprocess.Popen(command, cwd=tmp_path, stdout=out, stderr=out))
+        return log
+
+    yield start
+    for process in processes:
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+
+
+def says(log: Path, text: str) -> None:
+    wait_for(lambda: text in log.read_text(), f"{text!r} in {log.read_text()!r}")
+
+
+def course(folder: Path, *words: str) -> str:
+    command = [sys.executable, "-m", "course_lib", *words]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    return done.stdout + done.stderr
+
+
+def users_in(folder: Path) -> list[Access]:
+    return class_of(folder / "course_router", None, "", "tcp/anywhere:1")
+
+
+@pytest.fixture
+def routed(tmp_path: Path, started: Started, opened: Opened) -> tuple[str, zenoh.Session, Path]:
+    """Start a robot and `course router`; return the students' address, the robot's session and the log."""
+    (tmp_path / "roster.csv").write_text(ROSTER)
+    place, there = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))
+    robot = opened(mode="router", **{"listen/endpoints": [there]})
+    words = ("--listen", place, "--send", "/cmd_vel", "--students", "roster.csv", "--robot", there)
+    log = started("router", *words)
+    says(log, "router is linked")
+    return place, robot, log
+
+
+Routed = tuple[str, zenoh.Session, Path]
+
+
+def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
+    tmp_path: Path, routed: Routed, opened: Opened
+) -> None:
+    place, _, log = routed
+    assert "nobody drives" in log.read_text()
+    assert "1234 drives" in course(tmp_path, "router", "--driver", "1234")
+    says(log, "1234 drives")
+    course(tmp_path, "router", "--driver", "zed")
+    says(log, "zed: no such student")
+    ann = opened(place, users_in(tmp_path)[1])
+    alive = ann.liveliness().declare_token(f"@course/s1234/{ann.zid()}")
+    address = (tmp_path / "course_router" / "page.txt").read_text()
+
+    def page() -> str:
+        with urllib.request.urlopen(address) as answer:
+            return str(answer.read().decode())
+
+    wait_for(lambda: "yes, 1 kit" in page(), "the page has Ann's kit")
+    assert "<h1>Gateway: 1234 drives</h1>" in page()
+    with pytest.raises(urllib.error.HTTPError):
+        urllib.request.urlopen(address.rsplit("/", 2)[0] + "/")
+    del alive  # until here it is there
+
+
+def test_the_robot_stops_when_the_drivers_process_is_killed(tmp_path: Path, routed: Routed) -> None:
+    place, robot, log = routed
+    heard = hears(robot, "0/cmd_vel/**")
+    course(tmp_path, "router", "--driver", "b.1")
+    bob = users_in(tmp_path)[2]
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [place],
+        "scouting/multicast/enabled": False,
+        "transport/auth/usrpwd": {"user": bob.name, "password": bob.token},
+    }
+    lines = [f"{key}={json.dumps(value)}" for key, value in settings.items()]
+    command = [sys.executable, "-c", DRIVING, f"0/students/{bob.name}/{KEY}", AHEAD.hex(), *lines]
+    process = subprocess.Popen(command)
+    wait_for(lambda: len(heard) > 5, "Bob drives")
+    process.kill()
+    process.wait()
+    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    assert "Traceback" not in log.read_text()
+
+
+def test_the_gateway_finds_a_robots_router_that_died_and_came_back(
+    tmp_path: Path, started: Started, opened: Opened
+) -> None:
+    place, there = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))
+    log = started("router", "--listen", place, "--robot", there)
+    says(log, "guest drives")
+    student = opened(place, users_in(tmp_path)[1])
+    heard = hears(student, "0/**")
+    for times in range(1, 4):
+        robot = opened(mode="router", **{"listen/endpoints": [there]})
+        wait_for(lambda n=times: log.read_text().count("is linked") == n, "the link")  # type: ignore[misc]
+        heard.clear()
+
+        def scanned(robot: zenoh.Session = robot) -> bool:
+            robot.put("0/scan/t/h", b"scan")
+            return len(heard) > 0
+
+        wait_for(scanned, "a scan arrives")
+        robot.close()  # type: ignore[no-untyped-call]  # untyped there
+        wait_for(lambda n=times: log.read_text().count("is lost") == n, "its loss")  # type: ignore[misc]
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl on this machine")
+def test_with_a_certificate_students_connect_by_tls_only(
+    tmp_path: Path, started: Started, opened: Opened
+) -> None:
+    subject = (
+        "-subj",
+        "/CN=localhost",
+        "-addext",
+        "subjectAltName=DNS:localhost",
+        "-addext",
+        "basicConstraints=critical,CA:FALSE",
+    )
+    made = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", *subject)
+    files = ("-keyout", "key.pem", "-out", "cert.pem")
+    subprocess.run([*made, *files], cwd=tmp_path, check=True, capture_output=True)
+    port = free_port()
+    log = started(
+        "router", "--listen", f"tls/127.0.0.1:{port}", "--certificate", "cert.pem", "--key", "key.pem",
+        "--robot", f"tcp/127.0.0.1:{free_port()}",
+    )  # fmt: skip
+    says(log, "guest drives")
+    guest = users_in(tmp_path)[1]
+    trusted: dict[str, Any] = {"transport/link/tls": {"root_ca_certificate": str(tmp_path / "cert.pem")}}
+    student = opened(f"tls/localhost:{port}", guest, **trusted)
+    wait_for(lambda: [*student.info.routers_zid()], "the guest is in")
+    with pytest.raises(zenoh.ZError):
+        opened(f"tcp/127.0.0.1:{port}", guest)
+    with pytest.raises(zenoh.ZError):
+        opened(f"tls/localhost:{port}", guest)  # the certificate is not trusted
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--send", "cmd_vel"), "--send cmd_vel: expected a full ROS name"),
+        (("--listen", "tls/127.0.0.1:1"), "a certificate goes with tls"),
+        (("--certificate", "cert.pem"), "TLS needs two files"),
+        (("--driver", "zed"), "zed: no such student"),
+        (("--listen", "tcp/203.0.113.1:7448"), "can't listen at tcp/203.0.113.1:7448"),
+        (("--students", "missing.csv"), "missing.csv can't be read"),
+    ],
+)
+def test_wrong_options_are_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+    output = course(tmp_path, "router", *words)
+    assert said in output
+    assert output.count("\n") == 1

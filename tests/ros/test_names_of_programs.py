@@ -1,0 +1,167 @@
+"""Names that programs from public repositories import."""
+
+import subprocess
+import sys
+import warnings
+
+import pytest
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.executors import ConditionReachedException, SingleThreadedExecutor, TimeoutException
+from rclpy.node import Node
+from rclpy.parameter import Parameter, get_parameter_value, parameter_value_to_python
+from rclpy.qos import (
+    HistoryPolicy,
+    QoSPresetProfiles,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_best_available,
+    qos_profile_sensor_data,
+)
+from std_msgs.msg import String
+from std_srvs.srv import Empty
+
+from course_lib.ros.clock import START_NS
+from course_lib.ros.graph import Graph
+from tests.ros.rclpy.conftest import begun as begun
+from tests.ros.rclpy.conftest import graph as graph
+from tests.ros.rclpy.conftest import node as node
+
+IMPORTS = (
+    "from launch.actions.declare_launch_argument import DeclareLaunchArgument",
+    "from launch.actions.shutdown_action import Shutdown",
+    "from launch.conditions.if_condition import IfCondition",
+    "from launch.event_handlers.on_process_exit import OnProcessExit",
+    "from launch.launch_context import LaunchContext",
+    "from launch.launch_description import LaunchDescription",
+    "from launch.launch_description_entity import LaunchDescriptionEntity",
+    "from launch.some_substitutions_type import SomeSubstitutionsType",
+    "from launch.substitutions.launch_configuration import LaunchConfiguration",
+    "from launch.substitutions.path_join_substitution import PathJoinSubstitution",
+    "from launch_ros.actions.node import Node",
+    "from launch_ros.substitutions.find_package import FindPackageShare",
+    "from rclpy._rclpy_pybind11 import InvalidHandle, RCLError",
+    "from rclpy.event_handler import UnsupportedEventTypeError",
+    "from rclpy.expand_topic_name import expand_topic_name",
+    "from rclpy.guard_condition import GuardCondition",
+    "from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy; _rclpy.RCLError",
+    "from rclpy.node import NodeNameNonExistentError",
+    "from rclpy.qos_event import PublisherEventCallbacks",
+    "from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum",
+    "from rclpy.validate_topic_name import validate_topic_name; assert validate_topic_name('x')",
+    "import rclpy; rclpy.get_rmw_implementation_identifier()",
+    "import std_msgs; from std_msgs.msg import Header; std_msgs.msg.String",
+)
+
+
+def test_programs_import_these_names() -> None:
+    first = "from course_lib.ros import standin_path; standin_path.install()\n"
+    code = first + "\n".join(IMPORTS)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_types_of_a_package_are_there_once_one_of_them_was_loaded() -> None:
+    code = (
+        "from course_lib.ros import standin_path; standin_path.install(); import std_msgs, std_srvs\n"
+        "from geometry_msgs.msg import PoseStamped; print(std_msgs.msg.Header.__name__)\n"
+        "std_srvs.srv"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout == "Header\n"
+    assert done.stderr.endswith("AttributeError: module 'std_srvs' has no attribute 'srv'\n")
+
+
+@pytest.mark.parametrize("name", ["launch.actions.nonsense", "rclpy.nonsense", "launch_ros.nonsense"])
+def test_other_modules_are_not_there(name: str) -> None:
+    with pytest.raises(ModuleNotFoundError, match=rf"^No module named '{name}'$"):
+        __import__(name)
+
+
+def test_policies_have_their_names_of_rmw_with_a_warning() -> None:
+    with pytest.warns(
+        UserWarning, match=r"^ReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_RELIABLE is deprecated"
+    ):
+        found = ReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_RELIABLE  # type: ignore[attr-defined]
+    assert found is ReliabilityPolicy.RELIABLE
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert HistoryPolicy.get_from_short_key("keep_all") == HistoryPolicy.KEEP_ALL
+    assert QoSPresetProfiles.get_from_short_key("sensor_data") == qos_profile_sensor_data
+    assert HistoryPolicy.KEEP_LAST.short_key == "keep_last"
+
+
+@pytest.mark.parametrize("publisher", [qos_profile_sensor_data, QoSProfile(depth=10)])
+def test_the_best_available_profile_fits_every_publisher(node: Node, publisher: QoSProfile) -> None:
+    heard: list[String] = []
+    node.create_subscription(String, "chatter", heard.append, qos_profile_best_available)
+    node.create_publisher(String, "chatter", publisher).publish(String(data="hi"))
+    rclpy.spin_once(node)
+    assert [message.data for message in heard] == ["hi"]
+
+
+@pytest.mark.parametrize(
+    "value", [True, 3, 2.5, "text", [True, False], [1, 2], [0.5], ["a", "b"], None, [b"a", b"b"]]
+)
+def test_a_parameter_s_message_becomes_its_value_again(value: object) -> None:
+    assert parameter_value_to_python(Parameter("x", value=value).get_parameter_value()) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("3", 3), ("2.5", 2.5), ("true", True), ("[1, 2]", [1, 2]), ("hello", "hello"), ("[a, 1]", "[a, 1]")],
+)
+def test_a_text_becomes_the_value_that_it_means_in_yaml(text: str, value: object) -> None:
+    assert parameter_value_to_python(get_parameter_value(text)) == value
+
+
+def test_a_custom_executor_takes_ready_callbacks(node: Node) -> None:
+    class Custom(SingleThreadedExecutor):
+        def spin_once(self, timeout_sec: float | None = None) -> None:
+            handler, group, owner = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
+            taken.append((type(group).__name__, owner))
+            handler()
+
+    taken: list[tuple[str, object]] = []
+    node.create_timer(1.0, lambda: None)
+    executor = Custom()
+    executor.add_node(node)
+    executor.spin_once()
+    assert taken == [("Timer", node)]
+    with pytest.raises(TimeoutException):
+        executor.spin_once(timeout_sec=0.5)
+    with pytest.raises(ConditionReachedException):
+        executor.wait_for_ready_callbacks(condition=lambda: True)
+
+
+def test_one_message_is_waited_for_without_a_spin(node: Node) -> None:
+    from rclpy.wait_for_message import wait_for_message
+
+    publisher = node.create_publisher(Twist, "cmd_vel", 10)
+    publisher.publish(Twist())  # before anybody waits
+    node.handle.graph.call_at(START_NS + 2 * 10**9, lambda: publisher.publish(Twist()), node=0, entity=0)
+    assert wait_for_message(Twist, node, "cmd_vel", time_to_wait=1.0) == (False, None)
+    assert wait_for_message(Twist, node, "cmd_vel", time_to_wait=5.0) == (True, Twist())
+    assert (node.handle.graph.now_ns - START_NS) * 1e-9 == pytest.approx(2.001)
+
+
+def test_a_node_tells_what_the_others_have(node: Node, begun: Graph) -> None:
+    other = Node("other", namespace="/arm", start_parameter_services=False)
+    other.create_publisher(String, "chatter", 10)
+    other.create_subscription(Twist, "cmd_vel", print, 10)
+    other.create_service(Empty, "reset", lambda _, response: response)
+    node.create_client(Empty, "/arm/reset")
+    assert node.get_fully_qualified_node_names() == ["/talker", "/arm/other"]
+    published = dict(node.get_publisher_names_and_types_by_node("other", "/arm"))
+    assert published["/arm/chatter"] == ["std_msgs/msg/String"]
+    assert node.get_subscriber_names_and_types_by_node("other", "/arm") == [
+        ("/arm/cmd_vel", ["geometry_msgs/msg/Twist"])
+    ]
+    reset = ("/arm/reset", ["std_srvs/srv/Empty"])
+    assert node.get_service_names_and_types_by_node("other", "/arm") == [reset]
+    assert node.get_client_names_and_types_by_node("talker", "/") == [reset]
+    assert (node.count_services("/arm/reset"), node.count_clients("/arm/reset")) == (1, 1)
+    assert node.wait_for_node("arm/other", 1.0)
+    assert not node.wait_for_node("/nobody", 0.5)
+    with pytest.raises(rclpy.node.NodeNameNonExistentError, match="nonexistent node: /nobody"):
+        node.get_client_names_and_types_by_node("nobody", "/")
