@@ -18,6 +18,7 @@ from course_lib.tools.launch import launch_verbs
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
+from course_lib.tools.robot_link import LINK_VERBS
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
 from course_lib.tools.static_transform import STATIC_TRANSFORM_PUBLISHER
@@ -74,11 +75,14 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
+    *LINK_VERBS,
     *pkg_verbs(EXECUTABLES),
     *launch_verbs(EXECUTABLES),  # after the executables that are verbs
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
+    "connect": "Link this notebook to a robot",
+    "disconnect": "End the link to the robot",
     "bag": "Various rosbag related sub-commands",
     "doctor": "Check ROS setup and other potential issues",
     "launch": "Run a launch file",
