@@ -96,6 +96,10 @@ COMMANDS = {  # what ros2cli says of them
     "wtf": "Use `wtf` as alias to `doctor`",
 }
 HELP = {"-h", "--help"}
+_BUFFERING = (
+    "Do not force line buffering in stdout and instead use the python default buffering, which might be "
+    "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not"
+)
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
@@ -157,6 +161,8 @@ def _explain(words: list[str], write: Write) -> None:
     about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
     parser = _Parser(prog=prog, description=about, formatter_class=RawDescriptionHelpFormatter)
     parser.write = write
+    if not path:
+        parser.add_argument("--use-python-default-buffering", action="store_true", help=_BUFFERING)
     width = max(map(len, names))
     parser.add_subparsers(
         title="Commands",
@@ -165,6 +171,8 @@ def _explain(words: list[str], write: Write) -> None:
     )
     if not rest or HELP & set(rest):
         write(parser.format_help())
+    elif rest[0].startswith("-"):
+        parser.error(f"unrecognized arguments: {rest[0]}")
     else:
         metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
         choices = ", ".join(map(repr, sorted(names)))
