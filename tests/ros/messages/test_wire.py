@@ -1,6 +1,9 @@
 import math
+import os
 import random
 import string
+import subprocess
+import sys
 from array import array
 from functools import cache
 from typing import Any
@@ -117,8 +120,29 @@ def test_what_slipped_past_the_setters_is_refused_when_sent() -> None:
     with pytest.raises(AssertionError, match=r"The 'points' field .* each value of type 'Point'"):
         serialize(marker)
     unchecked = Marker(check_fields=False, ns=3)  # type: ignore[arg-type]
-    with pytest.raises(AssertionError, match="The 'ns' field must be of type 'str'"):
+    with pytest.raises(AssertionError, match="The 'ns' field must be of type 'str'") as raised:
         serialize(unchecked)
+    assert raised.value.__suppress_context__  # the traceback is of the program alone
+
+
+UNCHECKED = """
+from course_lib.ros import standin_path; standin_path.install()
+from course_lib.ros.messages import deserialize, serialize
+from std_msgs.msg import Int32
+message = Int32(data="three")
+again = deserialize(serialize(Int32(data=3)), Int32)
+again.data = "four"
+print(message.data, again.data)
+serialize(message)
+"""
+
+
+def test_the_kit_s_early_check_can_be_left_to_publishing_as_in_jazzy() -> None:
+    environment = os.environ | {"ROS_PYTHON_CHECK_FIELDS": "0"}
+    command = [sys.executable, "-c", UNCHECKED]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout == "three four\n"
+    assert done.stderr.endswith("AssertionError: The 'data' field must be of type 'int'\n")
 
 
 def test_a_strided_array_is_sent() -> None:
