@@ -201,6 +201,11 @@ class RvizSession:
             self.context.scene.delete(display.path)
         self._tell()
 
+    def topics(self) -> set[str]:
+        """Return the topics that displays that are switched on listen to, and those of tf."""
+        shown = (display.interests for display in self.displays if display.enabled)
+        return {interest.topic for interest in chain(self.transforms, *shown)}
+
     def receive(self, sample: Sample) -> None:
         """Deliver a published message, after the frames that were due before it."""
         if sample.stamp_ns < self._last_ns:

@@ -49,12 +49,16 @@ class Viewer:
     def __init__(self, fixed_frame: str = "map") -> None:
         self._graph = graph = current_graph()
         self.scene = Scene()
-        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns)
+        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
         self.session.latched = graph.latched
         self.session.context.node = node = RvizNode(graph)
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
         self._cell = ViewerCell(self.session, graph)
-        stops = (graph.tap(self.session.receive), graph.watch_time(self.session.tick), node.close)
+        stops = (
+            graph.tap(self.session.receive, self.session.topics),
+            graph.watch_time(self.session.tick),
+            node.close,
+        )
         self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
         self.session.catch_up(self.session.transforms)

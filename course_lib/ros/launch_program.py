@@ -26,6 +26,7 @@ from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
 from course_lib.ros.packages import Package, find_package, python_path, source, why_not_found
+from course_lib.ros.prefixed import Prefixes
 from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
 
 Executables = Mapping[tuple[str, str], Callable[[], object]]  # by package and name
@@ -62,6 +63,7 @@ class LaunchProgram(Process):
                 self._for_nodes.append(word)
         self._context = LaunchContext(self, file=str(file.absolute()))
         self._processes = Processes()
+        self._prefixes = Prefixes()
         self._started: list[tuple[Action, Process]] = []
         self._told = 0  # how many ends were told of
         self._due: list[Callable[[], None]] = []  # events to handle, and what timers do
@@ -71,6 +73,11 @@ class LaunchProgram(Process):
     def work(self) -> None:
         """Start what the file describes, then do what it says when things happen, until all have ended."""
         forget_imported()
+        self.log("INFO", "launch", "Default logging verbosity is set to INFO")
+        with self._prefixes.shown():
+            self._launch()
+
+    def _launch(self) -> None:
         try:
             description = self.describe()
             self._context.launch_configurations |= self._settings
@@ -99,7 +106,8 @@ class LaunchProgram(Process):
         function = find_executable(package, executable, self._own)
         pid = len(self._started) + 1
         name = f"{executable}-{pid}"
-        process = Function(name, function, [*words, "--", *self._for_nodes])
+        for_all = ["--", *self._for_nodes] if self._for_nodes else []
+        process = _Launched(name, function, [*words, *for_all], self._prefixes)
         self._started.append((action, process))
         self._processes.start(process)
         self.log("INFO", name, f"process started with pid [{pid}]")
@@ -183,6 +191,21 @@ class LaunchProgram(Process):
             self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
         self.exit_code = self.exit_code or code
         self.emit(ProcessExited(action, name, code))
+
+
+class _Launched(Function):
+    """A process of a launch, whose output stands behind its name."""
+
+    def __init__(
+        self, name: str, function: Callable[[], object], args: Sequence[str], prefixes: Prefixes
+    ) -> None:
+        super().__init__(name, function, args)
+        self._prefixes = prefixes
+
+    def run(self) -> None:
+        """Run it to its end."""
+        with self._prefixes.behind(self.file.name):
+            super().run()
 
 
 class RunProgram(Function):

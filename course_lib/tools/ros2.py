@@ -4,6 +4,7 @@ import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from functools import partial
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NoReturn
 
 from course_lib.errors import CourseError, did_you_mean
@@ -17,9 +18,11 @@ from course_lib.tools.launch import launch_verbs
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
+from course_lib.tools.robot_link import LINK_VERBS
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
-from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR
+from course_lib.tools.static_transform import STATIC_TRANSFORM_PUBLISHER
+from course_lib.tools.tf2 import TF2_ECHO, TF2_MONITOR
 from course_lib.tools.topic.list import TOPIC_LISTS
 from course_lib.tools.topic.pub import TOPIC_PUB
 from course_lib.tools.topic.subscribe import TOPIC_ECHO, TOPIC_MEASURES
@@ -29,7 +32,6 @@ from course_lib.tools.view_frames import VIEW_FRAMES
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import Executables
 
-_NUMBERS = ("--x", "--y", "--z", "--yaw", "--pitch", "--roll")
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 
 
@@ -41,12 +43,10 @@ def _ros2_executable(*words: str) -> None:
 
 def _static_transform_publisher() -> None:
     words = own_words()
-    if len(words) == len(_NUMBERS) + 2 and "--frame-id" not in words:  # x y z yaw pitch roll frame child
-        flags = [word for pair in zip(_NUMBERS, words, strict=False) for word in pair]
-        words = [*flags, "--frame-id", words[-2], "--child-frame-id", words[-1]]
-    pairs = zip(words[::2], words[1::2], strict=True)
-    settings = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -0.5 for an option
-    command = ["run", "tf2_ros", "static_transform_publisher", *settings]
+    if words and words[0].startswith("--"):
+        pairs = zip_longest(words[::2], words[1::2], fillvalue="")
+        words = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -1e-3 for an option
+    command = ["run", "tf2_ros", "static_transform_publisher", *words]
     ros2(command, GraphSource(current_graph()), sys.stdout.write)
     spin()
 
@@ -75,11 +75,14 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
+    *LINK_VERBS,
     *pkg_verbs(EXECUTABLES),
     *launch_verbs(EXECUTABLES),  # after the executables that are verbs
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
+    "connect": "Link this notebook to a robot",
+    "disconnect": "End the link to the robot",
     "bag": "Various rosbag related sub-commands",
     "doctor": "Check ROS setup and other potential issues",
     "launch": "Run a launch file",
@@ -93,6 +96,10 @@ COMMANDS = {  # what ros2cli says of them
     "wtf": "Use `wtf` as alias to `doctor`",
 }
 HELP = {"-h", "--help"}
+_BUFFERING = (
+    "Do not force line buffering in stdout and instead use the python default buffering, which might be "
+    "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not"
+)
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
@@ -154,6 +161,8 @@ def _explain(words: list[str], write: Write) -> None:
     about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
     parser = _Parser(prog=prog, description=about, formatter_class=RawDescriptionHelpFormatter)
     parser.write = write
+    if not path:
+        parser.add_argument("--use-python-default-buffering", action="store_true", help=_BUFFERING)
     width = max(map(len, names))
     parser.add_subparsers(
         title="Commands",
@@ -162,6 +171,8 @@ def _explain(words: list[str], write: Write) -> None:
     )
     if not rest or HELP & set(rest):
         write(parser.format_help())
+    elif rest[0].startswith("-"):
+        parser.error(f"unrecognized arguments: {rest[0]}")
     else:
         metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
         choices = ", ".join(map(repr, sorted(names)))

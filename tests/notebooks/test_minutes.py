@@ -11,7 +11,7 @@ hints. Students differ by a factor of two, so the time of an exercise may differ
 
 import re
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -71,12 +71,18 @@ def parts(path: Path) -> tuple[Content, Content]:
     return content(cells[:begin] + cells[end:]), content(cells[begin:end])
 
 
-def content(cells: list[dict[str, object]]) -> Content:
+def is_skimmed(cell: dict[str, Any]) -> bool:
+    """Return whether the lesson says that a cell is run, and not read yet."""
+    return "skim" in cell["metadata"].get("tags", [])
+
+
+def content(cells: list[dict[str, Any]]) -> Content:
     prose = [source(cell) for cell in cells if cell["cell_type"] == "markdown"]
     code = [source(cell) for cell in cells if cell["cell_type"] == "code"]
+    read = [source(cell) for cell in cells if cell["cell_type"] == "code" and not is_skimmed(cell)]
     tries = sum(text.count("**Try it") for text in prose)
     predictions = sum("predict(" in cell for cell in code)
-    return Content(words_of(prose), lines_of(code), len(code), tries, predictions)
+    return Content(words_of(prose), lines_of(read), len(code), tries, predictions)
 
 
 def lines_of_answers(solution: Path) -> int:

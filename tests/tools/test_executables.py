@@ -36,6 +36,7 @@ def test_a_robot_s_publishers_work_together(launch_file: Write) -> None:
     "words",
     [
         ["1", "0", "0", "0", "0", "-1.5", "world", "base"],
+        ["1", "0", "0", "-0.681639", "0", "0", "0.731689", "world", "base"],
         ["--x", "1", "--roll", "-1.5", "--frame-id", "world", "--child-frame-id", "base"],
     ],
 )

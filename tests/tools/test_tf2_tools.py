@@ -162,9 +162,22 @@ def test_a_static_transform_is_published_with_the_text_of_ros(graph: Graph) -> N
 
 
 @pytest.mark.parametrize(
+    "words", ["1 0 -0.5 1.5707963 0 0 base arm", "1 0 -.5 0 0 0.707107 0.707107 base arm"]
+)
+def test_old_style_arguments_are_taken_with_a_warning(graph: Graph, words: str) -> None:
+    text = output(f"tf2_ros static_transform_publisher {words}", GraphSource(graph))
+    warning = "Old-style arguments are deprecated; see --help for new-style arguments"
+    assert text.startswith(f"[WARN] [1700000000.000000000] []: {warning}\n[INFO]")
+    assert "rotation: ('0.000000', '0.000000', '0.707107', '0.707107')\nfrom 'base' to 'arm'" in text
+
+
+@pytest.mark.parametrize(
     ("words", "text"),
     [
-        ("--child-frame-id a", "required: --frame-id"),
+        ("--child-frame-id a", "^error parsing command line arguments: Frame id must not be empty$"),
+        ("0 0 0 0 0 0 a", "Extra unparsed arguments on command-line"),
+        ("0 0 0 0 0 0 a b --x 1", "Cannot specify both new-style"),
+        ("0 0 far 0 0 0 a b", "Failed to parse z argument as float"),
         ("--frame-id a --child-frame-id a", "cannot publish static transform from 'a' to 'a', exiting"),
         ("--frame-id a --child-frame-id b --qx 1 --yaw 1", "Cannot specify both quaternion and Euler"),
         ("--frame-id a --child-frame-id b --x far", "argument --x: invalid float value: 'far'"),

@@ -1,3 +1,4 @@
+import sys
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -137,7 +138,7 @@ def test_a_process_that_dies_is_named_and_the_others_go_on(
     shown = capsys.readouterr()
     assert code == 1
     assert heard(recording) == {"/chatter 'hi' --ros-args": 1}
-    assert "ValueError: no laser" in shown.err
+    assert "[fail-1] ValueError: no laser\n" in shown.err
     assert "[ERROR] [fail-1]: process has died [pid 1, exit code 1, cmd 'fail-1 " in shown.out
 
 
@@ -159,8 +160,9 @@ def test_what_is_wrong_is_one_line_that_says_what_would_be_right(
     launch_file: Write, capsys: pytest.CaptureFixture[str], action: str, said: str
 ) -> None:
     _, code = recorded(launch_file(action))
-    lines = capsys.readouterr().out.splitlines()
+    opening, *lines = capsys.readouterr().out.splitlines()
     assert code == 1
+    assert opening == "[INFO] [launch]: Default logging verbosity is set to INFO"
     assert len(lines) == 1
     assert said in lines[0]
 
@@ -205,3 +207,41 @@ def test_a_file_with_the_name_of_a_launch_file_is_one_even_if_it_describes_nothi
     file = tmp_path / "empty.launch.py"
     file.write_text("import launch\n")
     assert Program(file, []).is_launch_file
+
+
+WORDY = """
+import sys, time
+def main():
+    for word in ("one", "two"):
+        print(word, end=" ")
+        time.sleep(0.1)
+        print("three\\nfour")
+    print("no line end", end="")
+    print("to stderr", file=sys.stderr)
+"""
+
+
+def test_each_line_of_a_process_stands_behind_its_name(
+    launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (robot / "my_robot" / "talker.py").write_text(WORDY)
+    node = "Node(package='my_robot', executable='talker')"
+    before = sys.stdout
+    assert recorded(launch_file(node, node))[1] == 0
+    assert sys.stdout is before
+    shown = capsys.readouterr()
+    lines = [line for line in shown.out.splitlines() if line.startswith("[talker-1]")]
+    assert [line.removeprefix("[talker-1] ") for line in lines] == [
+        *("one three", "four", "two three", "four", "no line end")
+    ]
+    assert shown.err == "[talker-1] to stderr\n[talker-2] to stderr\n"
+    others = {line.split("]")[0] for line in shown.out.splitlines()}
+    assert others == {"[INFO", "[talker-1", "[talker-2"}
+
+
+def test_a_launched_process_gets_the_words_of_its_node_and_no_more(
+    launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (robot / "my_robot" / "talker.py").write_text("import sys\ndef main():\n    print(sys.argv[1:])\n")
+    assert recorded(launch_file("Node(package='my_robot', executable='talker', arguments=['fast'])"))[1] == 0
+    assert "[talker-1] ['fast', '--ros-args']\n" in capsys.readouterr().out
