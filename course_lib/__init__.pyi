@@ -9,6 +9,8 @@ from .grading.check import check as check
 from .grading.personal import my_values as my_values
 from .robots.robot import load_robot as load_robot
 from .ros.clock import START_NS as START_NS
+from .ros.connecting import connect as connect
+from .ros.connecting import disconnect as disconnect
 from .ros.driving import spin_for as spin_for
 from .ros.live import run_live as run_live
 from .ros.live import stop_all as stop_all

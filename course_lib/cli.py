@@ -8,6 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 from typer.exceptions import TyperException
 
+from course_lib.cli_robot import Call, Domain, Robot, Send, address
 from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
 
@@ -27,6 +28,7 @@ bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
 app.add_typer(staff)
 
+ShowArgs = Annotated[bool, typer.Option("--show-args", help="Only list a launch file's arguments.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -76,26 +78,33 @@ def run(
         Path | None, typer.Option(exists=True, dir_okay=False, help="Parameters of the nodes, YAML.")
     ] = None,
     real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
-    show_args: Annotated[
-        bool, typer.Option("--show-args", help="Only list a launch file's arguments.")
-    ] = False,
+    show_args: ShowArgs = False,
+    robot: Robot = None,
+    domain: Domain = None,
+    send: Send = None,
+    call: Call = None,
 ) -> None:
-    """Run programs on robot time. What follows `--` is passed on to them."""
+    """Run programs on robot time, or on a robot. What follows `--` is passed on to them."""
     from course_lib.tools.run import run as run_programs
     from course_lib.tools.run import show_arguments, with_fixed_hashes
 
     with_fixed_hashes()
-    settings = [str(word) for word in files if ":=" in str(word)]
+    args = _arguments(files, params_file) + context.obj
     files = [file for file in files if ":=" not in str(file)]
     if show_args:
         typer.echo(show_arguments(files))
         return
-    if seconds is None and not real_time and all(file.suffix != ".ipynb" for file in files):
+    if seconds is None and not (real_time or robot) and all(file.suffix != ".ipynb" for file in files):
         seconds = RUN_SECONDS
-    for_ros = ["--ros-args", "--params-file", str(params_file), "--"] if params_file else []
-    args = [*for_ros, *settings, *context.obj]
-    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=args, real_time=real_time)
+    to = address(robot, domain, send, call)
+    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=args, real_time=real_time, robot=to)
     raise typer.Exit(code)
+
+
+def _arguments(words: list[Path], params_file: Path | None) -> list[str]:
+    """Return the arguments of programs: a file of parameters, and the settings among the words."""
+    for_ros = ["--ros-args", "--params-file", str(params_file), "--"] if params_file else []
+    return for_ros + [str(word) for word in words if ":=" in str(word)]
 
 
 @app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
@@ -103,14 +112,23 @@ def ros2(
     words: Annotated[list[str] | None, typer.Argument(help="What follows `ros2`: topic list -t")] = None,
     run: Annotated[list[Path] | None, typer.Option(help="A program to run; may be given again.")] = None,
     bag: Annotated[Path | None, typer.Option(help="A recording to look into instead.")] = None,
-    seconds: Annotated[float, typer.Option(min=0, help="Robot time to run.")] = RUN_SECONDS,
+    seconds: Annotated[
+        float | None, typer.Option(min=0, help="Robot time to run; default 5, robots: to its end.")
+    ] = None,
+    robot: Robot = None,
+    domain: Domain = None,
+    send: Send = None,
+    call: Call = None,
 ) -> None:
-    """Do what `ros2` does, over programs or a recording; options for `course` come first."""
+    """Do what `ros2` does, over programs, a recording or a robot; options for `course` come first."""
     from course_lib.tools.run import ros2_over, with_fixed_hashes
 
     if run:
         with_fixed_hashes()
-    raise typer.Exit(ros2_over(words or [], files=run or [], bag=bag, seconds=seconds))
+    if seconds is None and robot is None:
+        seconds = RUN_SECONDS
+    to = address(robot, domain, send, call)
+    raise typer.Exit(ros2_over(words or [], files=run or [], bag=bag, seconds=seconds, robot=to))
 
 
 @app.command()
@@ -147,11 +165,21 @@ def view(
     port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any that is free.")] = 0,
     token: Annotated[str | None, typer.Option(help="The address's secret part; default: by chance.")] = None,
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    robot: Robot = None,
+    domain: Domain = None,
+    send: Send = None,
 ) -> None:
-    """Show a layout, or play a recording through it, in a browser's tab."""
+    """Show a layout, play a recording or see a robot through it, in a browser's tab."""
     from course_lib.displays.render import view as show
+    from course_lib.displays.robot_view import view_robot
 
-    show(bag, rviz, port=port, token=token, browser=browser)
+    to = address(robot, domain, send, None)
+    if to is None:
+        show(bag, rviz, port=port, token=token, browser=browser)
+    elif bag is not None:
+        raise CourseError("Say what to show: --bag folder, or --robot tcp/HOST:7447.")
+    else:
+        view_robot(to, rviz, port=port, token=token, browser=browser)
 
 
 @bag.command()

@@ -37,14 +37,17 @@ ARROWS = {
     "gateway": {"ros", "course", "grading"},  # grading: the rosters of learning platforms
     "grading": ROOMS,
     "demo": ALL | {"demo"},
-    "cli": ALL | {"demo", "cli_staff"},
+    "cli": ALL | {"demo", "cli_robot", "cli_staff"},
+    "cli_robot": {"ros"},
     "cli_staff": ALL,
     "extension": ALL,
     "__main__": {"cli"},
     "__init__": ALL | {"extension"},
 }
 # The modules of ros above the stand-in, which run nodes, programs and launch files; the others are below it.
-ABOVE_THE_STANDIN = {f"course_lib.ros.{name}" for name in ("driving", "live", "launch_program", "program")}
+ABOVE_THE_STANDIN = {
+    f"course_lib.ros.{name}" for name in ("connecting", "driving", "live", "launch_program", "program")
+}
 
 
 def module_name(path: Path) -> str:

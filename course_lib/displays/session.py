@@ -119,6 +119,8 @@ class RvizSession:
         """Set the view from a camera that was turned by hand in a page."""
         self._view.take(camera)
         self.context.scene.remember_camera(self._view.camera(self.context.frames))
+        for display in self.displays:
+            display.look_from(self.context.scene.camera)
 
     def add(
         self,
@@ -198,6 +200,11 @@ class RvizSession:
             display.reset()
             self.context.scene.delete(display.path)
         self._tell()
+
+    def topics(self) -> set[str]:
+        """Return the topics that displays that are switched on listen to, and those of tf."""
+        shown = (display.interests for display in self.displays if display.enabled)
+        return {interest.topic for interest in chain(self.transforms, *shown)}
 
     def receive(self, sample: Sample) -> None:
         """Deliver a published message, after the frames that were due before it."""

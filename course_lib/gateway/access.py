@@ -5,12 +5,10 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.ros.zenoh.login import PRESENCE, ROBOT, STUDENTS
 from course_lib.ros.zenoh.tokens import ADMIN
 
-ROBOT = "robot"  # the user of a robot that dials in
 INNER = "unixsock-stream"  # the protocol of the link between both sides; no student can listen or dial there
-STUDENTS = "students"  # the namespace of the students' own topics: /students/ann/cmd_vel
-PRESENCE = "@course"  # @course/ann/<zid> is the liveliness token of a connected kit
 ROS_NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)
 LOOK = ["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]
 MESSAGES = [*LOOK, "put", "delete", "declare_queryable", "query", "reply", "liveliness_token"]

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.errors import CourseError
-from course_lib.gateway.access import INNER, PRESENCE, ROBOT, STUDENTS, access_control
+from course_lib.gateway.access import INNER, access_control
 from course_lib.gateway.students import Access
+from course_lib.gateway.zenoh_router import open_router
+from course_lib.ros.zenoh.login import PRESENCE, ROBOT, STUDENTS
 from course_lib.ros.zenoh.tokens import Entity, attachment, ros_name
 
 if TYPE_CHECKING:
@@ -89,8 +90,8 @@ class Gateway:
         inner = f"{INNER}/{self._folder.name}/robot.sock"
         here = [] if settings.robot else [settings.robot_listen]
         there = [settings.robot] if settings.robot else []
-        self.robot_side = _opened({"listen/endpoints": [inner, *here], "connect/endpoints": there})
-        self.class_side = _opened(
+        self.robot_side = open_router({"listen/endpoints": [inner, *here], "connect/endpoints": there})
+        self.class_side = open_router(
             {
                 "listen/endpoints": [settings.listen],
                 "connect/endpoints": [inner],
@@ -156,7 +157,9 @@ class Gateway:
         from zenoh import handlers
 
         key = f"{self.settings.domain}/{STUDENTS}/*/{topic}/*/*"
-        return self.class_side.declare_subscriber(key, handlers.Callback(self._heard, indirect=False))
+        return self.class_side.declare_subscriber(
+            key, handlers.Callback(self._heard, _nothing, indirect=False)
+        )
 
     def _heard(self, sample: "zenoh.Sample") -> None:
         """Pass a driver's command on, hold back all others; called by Zenoh's threads."""
@@ -210,34 +213,8 @@ def still(type_name: str, now_ns: int) -> bytes | None:
     return None
 
 
-def _opened(settings: dict[str, Any]) -> "zenoh.Session":
-    """Open a router that keeps trying to connect.
-
-    Raises:
-        CourseError: Zenoh is missing, or refuses an address or a file.
-    """
-    try:
-        import zenoh
-    except ImportError as error:
-        raise CourseError("The gateway needs Zenoh. Type: pip install 'course-lib[robot]'") from error
-    config = zenoh.Config()
-    common = {
-        "mode": "router",
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
-        "timestamping/enabled": True,
-        "queries_default_timeout": 600_000,
-        "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},  # for _links
-    }
-    for name, value in (common | settings).items():
-        config.insert_json5(name, json.dumps(value))
-    try:
-        return zenoh.open(config)
-    except zenoh.ZError as error:
-        places = " and ".join(settings["listen/endpoints"])
-        said = str(error).split(" at /")[0]  # the rest names Zenoh's own source
-        raise CourseError(f"Zenoh can't listen at {places}: {said}. Is the port taken?") from error
+def _nothing() -> None:
+    """Do nothing: Zenoh 1.5 wants to tell that a callback will not come any more."""
 
 
 def _tls(settings: Settings) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
 
 from course_lib.errors import counted
-from course_lib.gateway.access import ROBOT, STUDENTS
 from course_lib.gateway.gateway import Gateway
+from course_lib.ros.zenoh.login import ROBOT, STUDENTS
 
 REFRESH = 2  # [s]
 HOST = "127.0.0.1"

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.gateway.access import STUDENTS
 from course_lib.gateway.gateway import TURN, Gateway, Settings
 from course_lib.gateway.page import StatusPage, page_text
 from course_lib.gateway.students import DRIVER, GUEST, PASSWORDS, PRIVATE, TOKENS, Access, class_of, named
+from course_lib.ros.zenoh.login import STUDENTS
 
 NOBODY = "nobody"
 PAGE_ADDRESS = "page.txt"  # in the folder, while a gateway runs

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.gateway.access import ROBOT
 from course_lib.grading.handin.roster import read_class
+from course_lib.ros.zenoh.login import ROBOT
 
 TOKENS, PASSWORDS, DRIVER = "tokens.csv", "passwords.txt", "driver.txt"  # the files of the folder
 PRIVATE = 0o600

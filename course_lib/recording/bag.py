@@ -13,6 +13,7 @@ from course_lib.recording.salvage import data_files, salvage
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.qos import Qos
+from course_lib.ros.zenoh.hashes import type_hash
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -117,7 +118,7 @@ def _add(writer: "Writer", topic: TopicSummary) -> "Connection":
         typestore=typestore(),
         # As rosbag2 does: a part of an action has no file that could be quoted.
         msgdef="" if "/action/" in topic.type_name else None,
-        rihs01=typestore().hash_rihs01(topic.type_name),
+        rihs01=type_hash(topic.type_name),
         offered_qos_profiles=[bag_qos.to_bag(qos) for qos in topic.offered],
     )
 

@@ -180,6 +180,9 @@ class Graph:
         """Return the state of the link to a robot, as rows of `ros2 doctor`; none without a link."""
         return []
 
+    def close(self) -> None:
+        """End the link to a robot, if there is one."""
+
     def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
         """Call `listener(now_ns)` whenever robot time moves; returns a function that ends that."""
         self._watchers.append(listener)

@@ -163,8 +163,20 @@ def stop_all() -> None:
         run.stop()
 
 
+def drive_link(graph: Graph) -> None:
+    """Drive a graph that is linked to a robot between the cells, also without live runs."""
+    live = graph.part(_LiveRuns)
+    try:
+        live.task = asyncio.get_running_loop().create_task(_Loop(graph).run())
+    except RuntimeError:  # no kernel, `course run` of a notebook: the cells drive it
+        return
+
+
 class _Loop:
-    """The task that drives a graph's live runs along with the wall clock, as long as there are any."""
+    """The task that drives a graph's live runs along with the wall clock, as long as there are any.
+
+    Where the graph is linked to a robot, it goes on until the kernel has another graph.
+    """
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -174,21 +186,34 @@ class _Loop:
     async def run(self) -> None:
         """Go on step by step; a callback's exception, or ■, stops all that runs."""
         try:
-            while self._live.runs:
+            while self._live.runs or self._is_linked():
                 await asyncio.sleep(STEP)
                 self._live.stop_those_over()
-                if self._live.runs:
+                if self._live.runs or self._is_linked():
                     self._step()
                 for run in tuple(self._live.runs):
                     run.show_state()
         finally:
             live_interrupts.give_back()
 
+    def _is_linked(self) -> bool:
+        return self._graph.keeps_wall_time and current_graph() is self._graph
+
+    def _until_ns(self) -> int:
+        """Return the robot time until which a step lasts, [ns]."""
+        if self._graph.keeps_wall_time:
+            return self._graph.now_ns + round(STEP * 1e9)
+        return self._paced.come_to(CATCH_UP)
+
     def _step(self) -> None:
         runs = tuple(self._live.runs)
         try:
-            with live_interrupts.heard(), self._kept(), executor_with(()) as executor:
-                executor.spin_until(self._paced.come_to(CATCH_UP))
+            with live_interrupts.heard(), self._kept(), baton.known():
+                if runs:
+                    with executor_with(()) as executor:
+                        executor.spin_until(self._until_ns())
+                else:
+                    baton.sleep_until(self._until_ns(), "the robot")
         except KeyboardInterrupt as interrupt:
             self._interrupted(runs, line_of_traceback(interrupt.__traceback__))
         except Exception:

@@ -52,7 +52,7 @@ def speed_of(graph: Graph) -> Speed:
 @contextmanager
 def kept(graph: Graph) -> Iterator[None]:
     """Keep the wanted pace in a call that waits; first give the page time to show its viewer."""
-    if not graph.notebook or wanted() == "fast" or graph.pace is not None:
+    if not graph.notebook or wanted() == "fast" or graph.pace is not None or graph.keeps_wall_time:
         yield
         return
     if speed_of(graph).paused:

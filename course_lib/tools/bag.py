@@ -10,6 +10,7 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
+from course_lib.ros import pace
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class, serialize
@@ -56,12 +57,16 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
         )
     recording = read_bag(arguments.bag_path)
     start_ns = recording.start_ns + round(arguments.start_offset * 1e9)
-    samples = list(_chosen(recording, start_ns, arguments))
+    seconds = arguments.playback_duration
+    until_ns = None if seconds < 0 else start_ns + round(seconds * 1e9)
+    samples = list(_chosen(recording, start_ns, until_ns, arguments))
     if not samples:
         raise CourseError(
             f"Nothing of {arguments.bag_path} is left to play: see `ros2 bag info` for its topics."
         )
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
+    if arguments.start_paused:
+        _pause(source.graph)
     for text in (f"Set rate to {arguments.rate:g}", "Playback until timestamp: -1"):
         write(log_line(PLAYER, source.graph.now_ns, text))
     graph = source.graph
@@ -78,6 +83,13 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
             _play(source, arguments, write, _Player(graph, node, events, arguments.rate))
     finally:
         graph.remove_node(node)
+
+
+def _pause(graph: Graph) -> None:
+    """Pause robot time, for `--start-paused`; raises a CourseError where nobody could let it go on."""
+    if not graph.notebook or pace.wanted() == "fast":
+        raise CourseError("--start-paused: nobody can start it here; in JupyterLab the Time panel's ▶ does.")
+    pace.speed_of(graph).paused = True
 
 
 class _Player:
@@ -123,11 +135,15 @@ def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -
             return
 
 
-def _chosen(recording: Recording, start_ns: int, arguments: Namespace) -> Iterator[Sample]:
+def _chosen(
+    recording: Recording, start_ns: int, until_ns: int | None, arguments: Namespace
+) -> Iterator[Sample]:
     """Yield the selected samples under their new names, with ticks of /clock between them."""
     names = dict(arguments.remap)
     tick_ns = start_ns
     for sample in recording.samples:
+        if until_ns is not None and sample.stamp_ns > until_ns:
+            return
         if sample.stamp_ns < start_ns or not _is_played(arguments, sample.topic):
             continue
         while arguments.clock and tick_ns <= sample.stamp_ns:
@@ -179,6 +195,8 @@ _PLAY = (
         help="Sleep before play (each loop), in seconds",
     ),
     value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
+    value("--playback-duration", type=float, default=-1.0, help="Stop after so many seconds of the bag"),
+    flag("-p", "--start-paused", help="Wait until the viewer's Time panel lets time go on"),
 )
 BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, _play_bag)
 

@@ -26,6 +26,8 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.report:
         write("".join(_table(title, rows) for title, (_, rows) in reports.items()))
         return
+    link = source.graph.about_link()
+    write(_table("ROBOT LINK", link) if link else "")
     lonely, apart = list(_lonely(source)), list(_apart(source))
     write("".join(f"ros2doctor/api/{place}: UserWarning: {text}\n" for place, text in (*lonely, *apart)))
     failed = ["topic"] * bool(lonely and arguments.include_warnings) + ["middleware"] * bool(apart)
@@ -77,6 +79,7 @@ def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
     """Return the category and the rows of each report, by its title."""
     from importlib import metadata  # slow to import, and `course run` imports all verbs
 
+    link = source.graph.about_link()
     system: Rows = [
         ("system", platform.system()),
         ("platform info", platform.platform()),
@@ -87,8 +90,14 @@ def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
     return {
         "PLATFORM INFORMATION": ("platform", system),
         "ROS 2 INFORMATION": ("platform", [("distribution name", "jazzy"), ("distribution type", "ros2")]),
-        "NETWORK CONFIGURATION": ("network", [("inet", "none is used: all nodes run in one process")]),
-        "RMW MIDDLEWARE": ("middleware", [("middleware name", "course_lib")]),
+        "NETWORK CONFIGURATION": (
+            "network",
+            link or [("inet", "none is used: all nodes run in one process")],
+        ),
+        "RMW MIDDLEWARE": (
+            "middleware",
+            [("middleware name", "rmw_zenoh (course_lib)" if link else "course_lib")],
+        ),
         "TOPIC LIST": ("topic", _topics(source)),
         "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),
         "PACKAGE VERSIONS": ("package", versions),

@@ -18,6 +18,7 @@ from course_lib.tools.launch import launch_verbs
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
+from course_lib.tools.robot_link import LINK_VERBS
 from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
 from course_lib.tools.static_transform import STATIC_TRANSFORM_PUBLISHER
@@ -74,11 +75,14 @@ VERBS = (
     *NODE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
+    *LINK_VERBS,
     *pkg_verbs(EXECUTABLES),
     *launch_verbs(EXECUTABLES),  # after the executables that are verbs
 )
 COMMANDS = {  # what ros2cli says of them
     "action": "Various action related sub-commands",
+    "connect": "Link this notebook to a robot",
+    "disconnect": "End the link to the robot",
     "bag": "Various rosbag related sub-commands",
     "doctor": "Check ROS setup and other potential issues",
     "launch": "Run a launch file",
@@ -92,6 +96,10 @@ COMMANDS = {  # what ros2cli says of them
     "wtf": "Use `wtf` as alias to `doctor`",
 }
 HELP = {"-h", "--help"}
+_BUFFERING = (
+    "Do not force line buffering in stdout and instead use the python default buffering, which might be "
+    "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not"
+)
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
@@ -153,6 +161,8 @@ def _explain(words: list[str], write: Write) -> None:
     about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
     parser = _Parser(prog=prog, description=about, formatter_class=RawDescriptionHelpFormatter)
     parser.write = write
+    if not path:
+        parser.add_argument("--use-python-default-buffering", action="store_true", help=_BUFFERING)
     width = max(map(len, names))
     parser.add_subparsers(
         title="Commands",
@@ -161,6 +171,8 @@ def _explain(words: list[str], write: Write) -> None:
     )
     if not rest or HELP & set(rest):
         write(parser.format_help())
+    elif rest[0].startswith("-"):
+        parser.error(f"unrecognized arguments: {rest[0]}")
     else:
         metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
         choices = ", ".join(map(repr, sorted(names)))

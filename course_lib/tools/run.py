@@ -15,10 +15,12 @@ from course_lib.ros.pace import WallPace
 from course_lib.ros.process import Function
 from course_lib.ros.program import run_files
 from course_lib.ros.program_thread import AtEnd
+from course_lib.ros.zenoh.connect import RobotAddress, link_to
 from course_lib.tools.ros2 import EXECUTABLES, HELP, find_verb, ros2
 from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource
 
 HASH_SEED = "0"
+_WHERE = ("--run program.py", "--bag folder", "--robot tcp/HOST:7447")
 
 
 def run(
@@ -29,6 +31,7 @@ def run(
     bag: Path | None,
     args: Sequence[str],
     real_time: bool,
+    robot: RobotAddress | None = None,
 ) -> int:
     """Run programs that share one graph, in their start order; return their exit code.
 
@@ -39,19 +42,22 @@ def run(
         bag: Folder of the recording, which must not exist.
         args: `sys.argv` of each program, behind its name.
         real_time: Keep the wall clock's pace instead of running at full speed.
+        robot: The robot that they are linked to; robot time is the wall clock then.
 
     Raises:
-        CourseError: If a file cannot be run or the recording cannot be written.
+        CourseError: If a file cannot be run, the recording cannot be written or the robot not be reached.
     """
     if bag is not None and bag.exists():
         raise CourseError(f"{bag} is there already. Give the recording another folder, or remove that one.")
-    graph = Graph()
+    graph = Graph() if robot is None else link_to(robot)
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
         graph.pace = WallPace(graph)
-    with use_graph(graph), record(graph) as recorder:
+    recorder = None if bag is None else record(graph)
+    with use_graph(graph):
         code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
-    if bag is not None:
+    graph.close()
+    if bag is not None and recorder is not None:
         write_bag(recorder.recording(), bag)
     return code
 
@@ -64,35 +70,52 @@ def show_arguments(files: Sequence[Path]) -> str:
     return "\n".join(arguments_of(file) for file in files)
 
 
-def ros2_over(words: Sequence[str], *, files: Sequence[Path], bag: Path | None, seconds: float) -> int:
-    """Run `ros2 <words>` beside programs, or over a recording; return the exit code of the programs.
+def ros2_over(
+    words: Sequence[str],
+    *,
+    files: Sequence[Path],
+    bag: Path | None,
+    seconds: float | None,
+    robot: RobotAddress | None = None,
+) -> int:
+    """Run `ros2 <words>` beside programs, over a recording or a robot; return the exit code of the programs.
 
     Raises:
-        CourseError: Neither programs nor a recording, or both; otherwise as `ros2`.
+        CourseError: None or several of the three; otherwise as `ros2`.
     """
     standin_path.install()  # verbs import rclpy
     verb = find_verb(words)
     needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
     starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
-    if bool(files) + (bag is not None) != 1 and not (needs_nothing or starts):
-        ways = (f"course ros2 {where} {words[0]} …" for where in ("--run program.py", "--bag folder"))
+    if bool(files) + (bag is not None) + (robot is not None) != 1 and not (needs_nothing or starts):
+        ways = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
         raise CourseError(f"Say where to look: {', or '.join(ways)}")
-    if (files or starts) and not needs_nothing:
+    if (files or starts or robot) and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
-        return run_beside(files, lambda graph: tool(GraphSource(graph, discovery=DISCOVERY)), seconds=seconds)
+        graph = Graph() if robot is None else link_to(robot)
+        source = GraphSource(graph, discovery=DISCOVERY)
+        return run_beside(files, lambda _: tool(source), seconds=seconds, graph=graph)
     ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
     return 0
 
 
-def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float) -> int:
+def run_beside(
+    files: Sequence[Path],
+    tool: Callable[[Graph], None],
+    *,
+    seconds: float | None,
+    graph: Graph | None = None,
+) -> int:
     """Run programs, and a tool as soon as each of them waits; return their exit code. They end with the tool.
+
+    None for `seconds` lets the tool run to its end; a graph that is passed is closed.
 
     Raises:
         CourseError: If a file cannot be run, or the tool raises it.
         BrokenPipeError: The reader of the tool's output is gone.
     """
-    graph, wrong = Graph(), list[Exception]()
-    graph.end_ns = graph.now_ns + round(seconds * 1e9)
+    graph, wrong = graph or Graph(), list[Exception]()
+    graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
 
     def beside() -> None:
         import rclpy
@@ -109,6 +132,7 @@ def run_beside(files: Sequence[Path], tool: Callable[[Graph], None], *, seconds:
     with use_graph(graph):
         tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)  # a verb says what it lacked
         code = run_files(files, seed=0, beside=[tools], own=EXECUTABLES)
+    graph.close()
     if wrong:
         raise wrong[0]
     return code

@@ -10,7 +10,6 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
-from course_lib.gateway.access import ROBOT
 from course_lib.gateway.gateway import TURN, Gateway, Settings
 from course_lib.gateway.students import PASSWORDS, Access, class_of
 
@@ -124,6 +123,3 @@ def sees_tokens(session: zenoh.Session) -> list[str]:
     for key in ("**", "@ros2_lv/**", "**/@adv/**", "@course/**"):
         session.liveliness().declare_subscriber(key, Callback(add, indirect=False), history=True)
     return seen
-
-
-__all__ = ["ROBOT", "Classroom", "hears", "sees_tokens", "wait_for"]

@@ -57,6 +57,8 @@ def test_every_verb_has_help(verb: object) -> None:
         ("topic lst", r"^ros2 topic: error: argument Call `ros2 topic <command> -h` for more detailed usage."
          r": invalid choice: 'lst' \(choose from 'bw', .*\)\. Did you mean list\?$"),
         ("topc list", r"^ros2: error: .*invalid choice: 'topc' .*Did you mean topic\?$"),
+        ("--version", r"^ros2: error: unrecognized arguments: --version$"),
+        ("topic --version", r"^ros2 topic: error: unrecognized arguments: --version$"),
         ("xyz", r"invalid choice: 'xyz' \(choose from .*\)$"),
     ],
 )  # fmt: skip

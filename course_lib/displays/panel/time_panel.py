@@ -64,7 +64,9 @@ class LiveTime:
         )
 
     def act(self, change: TimeChange) -> None:
-        """Step, pause or change the rate."""
+        """Step, pause or change the rate; raises a MessageError where time is a robot's."""
+        if self._graph.keeps_wall_time and change != TimeChange():
+            raise MessageError("The time of a robot goes on: it cannot be paused, nor made faster or slower.")
         if change.step == 1:
             self._speed.paused = True
             self._speed.step_ns += _STEP_NS

@@ -1,11 +1,14 @@
 """Functions compiled for one message class, for messages that come by the million: points, colours."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from keyword import iskeyword
 from typing import Any
 
 from course_lib.ros.messages.kinds import Kind
 
+# To check each assignment is the kit's default, as it was Humble's; Jazzy leaves it to publishing.
+CHECKED = os.environ.get("ROS_PYTHON_CHECK_FIELDS", "1") != "0"
 _UNSET = object()  # stands for a field that was not given
 
 
@@ -35,14 +38,14 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
         if kind.exact is not None:
             body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
         body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]
-    named = ("check_fields=True", *(f"{name}=_unset" for name in kinds))
+    named = (f"check_fields={CHECKED}", *(f"{name}=_unset" for name in kinds))
     return _compiled("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
 
 
 def maker(cls: type, kinds: Mapping[str, Kind]) -> Callable[..., Any]:
     """Return a function that makes a message from the values of its fields as they were sent."""
     scope: dict[str, Any] = {"_new": cls.__new__, "_cls": cls}
-    body = ["_self = _new(_cls)", "_self._check_fields = True"]
+    body = ["_self = _new(_cls)", f"_self._check_fields = {CHECKED}"]
     for name, kind in kinds.items():
         scope[f"_{name}_of"] = kind.from_wire
         body += [f"_self._{name} = {f'v_{name}' if kind.from_wire is None else f'_{name}_of(v_{name})'}"]

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from course_lib.ros.messages.compiled import constructor
+from course_lib.ros.messages.compiled import CHECKED, constructor
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, MessageDefinition
 from course_lib.ros.messages.interface_files import PLACEHOLDER
 from course_lib.ros.messages.kinds import Kind, kind_of
@@ -18,9 +18,9 @@ from course_lib.ros.mistakes import Mistake, marked
 class RosMessage:
     """A ROS message; its class knows the kind of each field, its slots hold the values.
 
-    Without `check_fields` assignments are not checked: Jazzy's own default, which aborts on publishing. A
-    value without a name is a TypeError as in Python; an unknown field, or a value that does not fit, is an
-    AssertionError with ROS's text.
+    Without `check_fields` assignments are not checked: Jazzy's own default, which aborts on publishing, and
+    the kit's where ROS_PYTHON_CHECK_FIELDS is 0. A value without a name is a TypeError as in Python; an
+    unknown field, or a value that does not fit, is an AssertionError with ROS's text.
     """
 
     __slots__ = ()
@@ -29,7 +29,7 @@ class RosMessage:
     _fields_and_field_types: ClassVar[Mapping[str, str]]
     _check_fields: bool
 
-    def __init__(self, *positional: Any, check_fields: bool = True, **values: Any) -> None:
+    def __init__(self, *positional: Any, check_fields: bool = CHECKED, **values: Any) -> None:
         if positional:
             given = f"takes 1 positional argument but {1 + len(positional)} were given"
             error = TypeError(f"{type(self).__name__}.__init__() {given}")

@@ -29,7 +29,10 @@ def serialize(message: RosMessage) -> bytes:
     try:
         return bytes(store.serialize_cdr(message, message._TYPE_NAME, little_endian=True))
     except (AttributeError, TypeError, ValueError, StructError):
-        _check(message)
+        try:
+            _check(message)
+        except AssertionError as complaint:
+            raise complaint from None
         raise
 
 

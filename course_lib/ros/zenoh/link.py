@@ -19,6 +19,7 @@ from course_lib.ros import wall
 from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import Actions, Inbox, Packet
+from course_lib.ros.zenoh.login import NO_LOGIN, Login, parted
 from course_lib.ros.zenoh.tokens import ADMIN, Entity, Kind, attachment, key_of, read_attachment, read_token
 
 OPEN_SECONDS = 3.0  # [s] until a router must have answered
@@ -64,7 +65,7 @@ class RobotLink:
     """The session, and the entities of the kit in it.
 
     Args:
-        address: Of the router, like `tcp/192.168.1.5:7447`.
+        address: Of the router, like `tcp/192.168.1.5:7447`; of a gateway with a login.
         domain: ROS_DOMAIN_ID.
 
     Raises:
@@ -72,11 +73,14 @@ class RobotLink:
     """
 
     def __init__(self, address: str, domain: int = 0) -> None:
-        self.address, self.domain = address, domain
+        self.address, self.login = parted(address)  # what is printed has no token
+        self.domain = domain
         self.arrived: Actions = SimpleQueue()
         self.old_attachments = 0  # messages of an rmw_zenoh before 0.2.4
-        self._session = open_session(address)
+        self._session = open_session(self.address, self.login)
         self._zid = str(self._session.zid())
+        presence = self.login.presence(self._zid)
+        self._presence = self._session.liveliness().declare_token(presence) if presence else None
         self._ids = itertools.count()
 
     @property
@@ -250,7 +254,7 @@ class Asker(Declared):
         self._querier.get(Callback(replied, over, indirect=False), payload=cdr, attachment=extra)
 
 
-def open_session(address: str) -> zenoh.Session:
+def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     """Open a session as a client: a robot's router does not pass on messages between peers.
 
     Raises:
@@ -266,6 +270,7 @@ def open_session(address: str) -> zenoh.Session:
         "timestamping/enabled": True,  # the caches of latched topics need it
         "queries_default_timeout": round(CALL_SECONDS * 1000),
         "transport/shared_memory/enabled": False,
+        **login.settings(address),
     }
     config = zenoh.Config()
     try:
@@ -278,5 +283,6 @@ def open_session(address: str) -> zenoh.Session:
     except zenoh.ZError as error:
         raise CourseError(
             f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the "
-            "robot, is its port open, is this the right network?"
+            "robot, is its port open, is this the right network"
+            f"{', is the token right' if login.name else ''}?"
         ) from error

@@ -103,7 +103,8 @@ class RobotGraph(Graph):
         entity = self._own[node][0]
         if info.service is None:
             if self._allowed.topic(topic):
-                outlet = self.link.publisher(self.link.endpoint(entity, "MP", topic, type_name, qos))
+                outward = self.link.login.outward(topic)
+                outlet = self.link.publisher(self.link.endpoint(entity, "MP", outward, type_name, qos))
                 self._sending.add(endpoint, type_name, outlet)
                 self._compare(topic)
         elif _asks(info) and self._allowed.service(info.service[0]):

@@ -5,8 +5,8 @@ from typing import Literal
 
 from course_lib.errors import CourseError, counted, did_you_mean
 from course_lib.ros.graph import EndpointInfo, NodeInfo
-from course_lib.ros.messages.definitions import typestore
 from course_lib.ros.qos import Qos
+from course_lib.ros.zenoh.hashes import is_known, type_hash
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import (
     NODE_OPTIONS,
@@ -62,7 +62,7 @@ def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
     gid = ".".join(f"{byte:02x}" for byte in endpoint.id.to_bytes(16, "big"))
     return (
         f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
-        f"Topic type hash: {typestore().hash_rihs01(endpoint.type_name)}\n"
+        f"Topic type hash: {type_hash(endpoint.type_name) if is_known(endpoint.type_name) else 'INVALID'}\n"
         f"Endpoint type: {kind}\nGID: {gid}\nQoS profile:\n{_profile(endpoint.qos)}"
     )
 

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from statistics import pstdev
 from typing import Any
@@ -40,13 +40,14 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     listening = Listening(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for _, arrival in source.stream({topic: qos}, kind, listening):
+        for heard_ns, arrival in source.stream({topic: qos}, kind, listening):
             came = True
             assert arrival is not None  # no ticks were asked for
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):
                 continue
-            write(_text(selected, arguments))
+            info = _info(arrival.stamp_ns, heard_ns) if arguments.include_message_info else {}
+            write(_text(selected, arguments, info))
             if arguments.once:
                 return
         if not came:
@@ -56,8 +57,14 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
             write(f"{why}: ros2 topic echo stopped after {limit or SILENCE_LIMIT:g} s of robot time.\n")
 
 
-def _text(selected: Any, arguments: Namespace) -> str:
-    """Return the printed form of a message or of one field."""
+def _info(source_ns: int, received_ns: int) -> dict[str, int | None]:
+    """Return the fields of a message's info in ROS's order; messages are not numbered here."""
+    numbers = {"publication_sequence_number": None, "reception_sequence_number": None}
+    return {"source_timestamp": source_ns, "received_timestamp": received_ns, **numbers}
+
+
+def _text(selected: Any, arguments: Namespace, info: Mapping[str, int | None]) -> str:
+    """Return the printed form of a message or of one field, behind its info if that is wanted."""
     style = Style(
         truncate=None if arguments.full_length else arguments.truncate_length,
         no_arrays=arguments.no_arr,
@@ -65,8 +72,12 @@ def _text(selected: Any, arguments: Namespace) -> str:
         flow=arguments.flow_style,
     )
     if not isinstance(selected, RosMessage):
-        return f"{selected}\n---\n"
-    return f"{to_csv(selected, style)}\n" if arguments.csv else f"{to_yaml(selected, style)}---\n"
+        title = f"---Got new message, message info:---\n{info}\n---Message data:---\n" if info else ""
+        return f"{title}{selected}\n---\n"
+    if arguments.csv:
+        return f"{','.join([*map(str, info.values()), to_csv(selected, style)])}\n"
+    lines = [f"{name}: {'null' if number is None else number}\n" for name, number in sorted(info.items())]
+    return "".join([*lines, *(["---\n"] if info else []), to_yaml(selected, style), "---\n"])
 
 
 def _field(message: RosMessage, path: str | None) -> Any:
@@ -95,6 +106,7 @@ _ECHO = (
     flag("--no-arr", help="Don't print array fields of messages"),
     flag("--no-str", help="Don't print string fields of messages"),
     flag("--no-lost-messages", help="Don't report when a message is lost"),
+    flag("-i", "--include-message-info", help="Shows the associated message info."),
     flag("--raw", help="Echo the raw binary representation"),
     value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
     *qos_options("subscribe", "sensor_data"),

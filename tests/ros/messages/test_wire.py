@@ -1,19 +1,33 @@
 import math
+import os
 import random
 import string
+import subprocess
+import sys
 from array import array
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovariance, Vector3
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float64MultiArray, String
 from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import RosMessage, deserialize, message_class, serialize
-from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition, type_names, typestore
+from course_lib.ros.messages.definitions import (
+    FOLDERS,
+    PRIMITIVES,
+    FieldDefinition,
+    definition,
+    type_names,
+    typestore,
+)
+from course_lib.ros.messages.interface_files import read_interface
 
 
 def random_value(field: FieldDefinition, rng: random.Random) -> Any:
@@ -55,10 +69,19 @@ def test_every_type_survives_the_wire(type_name: str) -> None:
         assert repr(received) == repr(message)
 
 
+@cache
+def rosbags_own() -> Typestore:
+    """Return a store with rosbags' own classes, also of the kit's files."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for path in FOLDERS[0].glob("*/*/*.*"):
+        store.register(read_interface(path))
+    return store
+
+
 @pytest.mark.parametrize("type_name", type_names())
 def test_bytes_equal_those_of_rosbags_own_classes(type_name: str) -> None:
     cdr = serialize(random_message(type_name, random.Random(type_name)))
-    store = typestore()
+    store = rosbags_own()
     assert bytes(store.serialize_cdr(store.deserialize_cdr(cdr, type_name), type_name)) == cdr
 
 
@@ -97,8 +120,29 @@ def test_what_slipped_past_the_setters_is_refused_when_sent() -> None:
     with pytest.raises(AssertionError, match=r"The 'points' field .* each value of type 'Point'"):
         serialize(marker)
     unchecked = Marker(check_fields=False, ns=3)  # type: ignore[arg-type]
-    with pytest.raises(AssertionError, match="The 'ns' field must be of type 'str'"):
+    with pytest.raises(AssertionError, match="The 'ns' field must be of type 'str'") as raised:
         serialize(unchecked)
+    assert raised.value.__suppress_context__  # the traceback is of the program alone
+
+
+UNCHECKED = """
+from course_lib.ros import standin_path; standin_path.install()
+from course_lib.ros.messages import deserialize, serialize
+from std_msgs.msg import Int32
+message = Int32(data="three")
+again = deserialize(serialize(Int32(data=3)), Int32)
+again.data = "four"
+print(message.data, again.data)
+serialize(message)
+"""
+
+
+def test_the_kit_s_early_check_can_be_left_to_publishing_as_in_jazzy() -> None:
+    environment = os.environ | {"ROS_PYTHON_CHECK_FIELDS": "0"}
+    command = [sys.executable, "-c", UNCHECKED]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout == "three four\n"
+    assert done.stderr.endswith("AssertionError: The 'data' field must be of type 'int'\n")
 
 
 def test_a_strided_array_is_sent() -> None:

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from itertools import dropwhile
 from typing import Any
 
@@ -46,12 +47,19 @@ def say(graph: RobotGraph, endpoint: int, text: str) -> None:
     graph.publish(endpoint, serialize(String(data=text)))
 
 
-def connect(kits: Kits, graph: RobotGraph, endpoint: int, heard: list[Any], message: Any) -> None:
+def connect(
+    kits: Kits,
+    graph: RobotGraph,
+    endpoint: int,
+    heard: list[Any],
+    message: Any,
+    ready: Callable[[], bool] = lambda: False,
+) -> None:
     """Publish until messages get through: Zenoh may lose those before its routes are made."""
 
     def published() -> bool:
         graph.publish(endpoint, serialize(message))
-        return bool(heard)
+        return bool(heard) or ready()
 
     kits.until(published, "a first message")
 

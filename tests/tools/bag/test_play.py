@@ -10,6 +10,7 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
+from course_lib.ros import pace, wall
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes
 from course_lib.ros.graph import Graph
@@ -58,6 +59,9 @@ def test_a_bag_is_played_in_its_order_and_at_its_pace(bag: Path, run: Run, heard
         ("--rate 2", "012345", 0.0),
         ("-d 3", "012345", 3.0),
         ("--start-offset 2.5", "345", 0.5),
+        ("--playback-duration 2", "012", 0.0),
+        ("--start-offset 1 --playback-duration 2.5", "123", 0.0),
+        ("--playback-duration -1", "012345", 0.0),
         ("--topics /b", "135", 1.0),
         ("-e /[ax]", "024", 0.0),
         ("-x .*b", "024", 0.0),
@@ -149,3 +153,25 @@ def test_the_end_of_the_run_is_the_end_of_the_play(
     )
     assert ros2_over(["bag", "play", str(bag)], files=[tmp_path / "ear.py"], bag=None, seconds=3.0) == 0
     assert capfd.readouterr().out.splitlines()[2:] == ["heard 0", "heard 2"]
+
+
+def test_a_start_in_pause_is_refused_where_nobody_could_end_it(bag: Path, run: Run) -> None:
+    with pytest.raises(CourseError, match=r"^--start-paused: nobody can start it here"):
+        run("play five --start-paused")
+
+
+def test_a_start_in_pause_waits_for_the_time_panel(
+    bag: Path, run: Run, heard: Heard, graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "real")
+    speed = pace.speed_of(graph)
+    speed.rate = 1000.0
+
+    def press(seconds: float) -> None:
+        assert heard == []
+        speed.paused = False
+
+    with monkeypatch.context() as waits:
+        waits.setattr(wall, "sleep", press)
+        run("play five -p --playback-duration 0")
+    assert texts(heard) == "0"

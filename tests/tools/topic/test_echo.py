@@ -100,3 +100,21 @@ def test_a_preset_of_qos_is_taken_and_changed(run: Run, talker: Node) -> None:
     assert run("topic echo /chatter --once --qos-profile parameters --qos-depth 1") == "data: hello 1\n---\n"
     with pytest.raises(CourseError, match="argument --qos-profile: invalid choice: 'sensor'"):
         run("topic echo /chatter --qos-profile sensor")
+
+
+def test_a_message_s_info_stands_before_it(run: Run, talker: Node) -> None:
+    lines = run("topic echo /chatter --once -i").splitlines()
+    source, received = (int(lines[number].rsplit(" ", 1)[1]) for number in (3, 1))
+    assert received - source == 1_000_000  # [ns] under way
+    assert lines == [
+        "publication_sequence_number: null",
+        f"received_timestamp: {received}",
+        "reception_sequence_number: null",
+        f"source_timestamp: {source}",
+        *("---", "data: hello 1", "---"),
+    ]
+    numbers = run("topic echo /chatter --once -i --csv").split(",")
+    assert (int(numbers[1]) - int(numbers[0]), numbers[2:]) == (1_000_000, ["None", "None", "hello 2\n"])
+    raw = run("topic echo /chatter --once --include-message-info --field data").splitlines()
+    assert raw[0] == "---Got new message, message info:---"
+    assert raw[2:] == ["---Message data:---", "hello 3", "---"]

@@ -1,0 +1,39 @@
+import pytest
+from visualization_msgs.msg import Marker
+
+from course_lib import Viewer
+from course_lib.displays.panel.time_panel import LiveTime, TimeChange
+from course_lib.ros.graph import use_graph
+from course_lib.viewer.wire import MessageError
+from tests.ros.zenoh.conftest import Kits
+from tests.ros.zenoh.test_two_kits import BEST_EFFORT, connect, talker, topics
+
+
+def test_a_viewer_shows_a_robots_marker_whatever_its_qos(kits: Kits) -> None:
+    robot, student = kits.join(send="/marker /other"), kits.join()
+    out = talker(robot, "/marker", "visualization_msgs/msg/Marker", BEST_EFFORT)
+    talker(robot, "/other", "visualization_msgs/msg/Marker", BEST_EFFORT)
+    with use_graph(student):
+        viewer = Viewer("map")
+    viewer.add("Marker", "/marker")
+    marker = Marker(type=Marker.CUBE)
+    marker.header.frame_id, marker.color.a = "map", 1.0
+    marker.scale.x = marker.scale.y = marker.scale.z = 1.0
+    drawn: list[str] = []
+
+    def shown() -> bool:
+        drawn[:] = [name for name in viewer.scene.objects() if "Marker" in name]
+        return bool(drawn)
+
+    connect(kits, robot, out, drawn, marker, shown)
+    assert "/other" not in topics(robot, "sub")
+    viewer.close()
+    kits.until(lambda: "/marker" not in topics(robot, "sub"), "the end of the subscription")
+
+
+def test_the_time_of_a_robot_takes_no_orders(kits: Kits) -> None:
+    time = LiveTime(kits.join())
+    time.act(TimeChange())
+    with pytest.raises(MessageError, match="cannot be paused"):
+        time.act(TimeChange(paused=True))
+    assert not time.time().paused
