@@ -2,8 +2,11 @@
 
 import json
 import socket
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -13,6 +16,15 @@ from course_lib.ros.zenoh.link import RobotLink
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import Allowed
 
+ROOT = Path(__file__).parents[3]
+ROUTER = """
+import sys
+from tests.ros.zenoh.conftest import open_router
+
+session = open_router(int(sys.argv[1]))
+print("up", flush=True)
+sys.stdin.read()
+"""
 PATIENCE = 20.0  # [s]
 
 
@@ -38,6 +50,25 @@ def open_router(port: int) -> zenoh.Session:
     return zenoh.open(config)
 
 
+class Routers:
+    """A router in its own process, which can be killed and started again."""
+
+    def __init__(self) -> None:
+        self.port = free_port()
+        self.start()
+
+    def start(self) -> None:
+        command = [sys.executable, "-c", ROUTER, str(self.port)]
+        pipe = subprocess.PIPE
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, cwd=ROOT)
+        assert self._process.stdout is not None
+        assert self._process.stdout.readline() == "up\n"
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.communicate()
+
+
 @dataclass
 class Kits:
     """Linked graphs, driven together until something is the case."""
@@ -47,7 +78,7 @@ class Kits:
     lines: list[str] = field(default_factory=list)  # that they told
 
     def join(self, *, domain: int = 0, send: str = "", call: str = "") -> RobotGraph:
-        """RobotLink one more graph."""
+        """Link one more graph."""
         allowed = Allowed.of(send.split(), call.split())
         self.graphs.append(RobotGraph(RobotLink(self.address, domain), allowed, self.lines.append))
         return self.graphs[-1]

@@ -1,0 +1,152 @@
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import partial
+
+import pytest
+from std_msgs.msg import String
+
+from course_lib.ros import wall
+from course_lib.ros.messages import serialize
+from course_lib.ros.zenoh.ears import Ear
+from course_lib.ros.zenoh.explain import about_clock
+from course_lib.ros.zenoh.hashes import type_hash
+from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
+from course_lib.ros.zenoh.link import Declared, open_session
+from course_lib.ros.zenoh.tokens import attachment, key_of
+from tests.ros.zenoh.conftest import Kits, Routers
+from tests.ros.zenoh.test_two_kits import LATCHED, STRING, connect, listener, say, talker, texts
+
+RESTARTS = 3
+
+
+@pytest.fixture
+def routers() -> Iterator[Routers]:
+    routers = Routers()
+    yield routers
+    routers.kill()
+
+
+def ends_with_the_map(heard: list[bytes]) -> bool:
+    return texts(heard)[-1:] == ["the map"]
+
+
+def test_a_link_comes_back_with_the_router_again_and_again(routers: Routers) -> None:
+    kits = Kits(f"tcp/127.0.0.1:{routers.port}")
+    robot, student = kits.join(send="/chatter /map"), kits.join()
+    out, heard = talker(robot, "/chatter"), listener(student, "/chatter")
+    held = talker(robot, "/map", qos=LATCHED)
+    say(robot, held, "the map")
+    early = listener(student, "/map", qos=LATCHED)
+    connect(kits, robot, out, heard, String())
+    kits.until(lambda: early, "the latched message")
+    for _ in range(RESTARTS):
+        routers.kill()
+        kits.until(lambda: sum("is lost" in line for line in kits.lines) == 2, "both lines on the loss")
+        kits.until(lambda: not student.about_link()[2][1], "the end of the robot's nodes")
+        routers.start()
+        kits.until(
+            lambda: sum("is back after" in line for line in kits.lines) == 2, "both lines on the return"
+        )
+        heard.clear()
+        connect(kits, robot, out, heard, String())
+        late = listener(student, "/map", qos=LATCHED)
+        kits.until(partial(ends_with_the_map, late), "the latched message once more")
+        kits.lines.clear()
+    for graph in tuple(kits.graphs):
+        kits.leave(graph)
+
+
+LINKED = """
+import sys
+from course_lib.ros.qos import Qos
+from course_lib.ros.zenoh.connect import RobotAddress, link_to
+
+graph = link_to(RobotAddress(sys.argv[1], send=["/cmd_vel"]))
+node = graph.add_node("x", "/")
+graph.add_subscription(node, 0, "/a", "std_msgs/msg/String", Qos(), lambda *_: None)
+graph.add_publisher(node, "/cmd_vel", "geometry_msgs/msg/Twist", Qos())
+print("up", flush=True)
+sys.stdin.readline()
+sys.exit(3)
+"""
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_the_interpreter_exits_though_the_link_was_not_closed(routers: Routers, killed: bool) -> None:
+    command = [sys.executable, "-c", LINKED, f"127.0.0.1:{routers.port}"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as linked:
+        assert linked.stdout is not None
+        assert linked.stdout.readline() == "up\n"
+        if killed:
+            routers.kill()
+        linked.communicate("\n", timeout=60)
+    assert linked.returncode == 3
+
+
+def packet(sequence: int, size: int = 10, late_ns: int = 0, gid: bytes = b"") -> Packet:
+    now_ns = wall.time_ns()
+    return Packet(bytes(size), sequence, now_ns - late_ns, gid, now_ns)
+
+
+def test_a_busy_kernel_keeps_the_newest_messages_of_a_topic_only(kits: Kits) -> None:
+    student, taken = kits.join(), list[Packet]()
+    inbox = Inbox(student.link.arrived, taken.append)
+    for sequence in range(1, 10 * MAX_MESSAGES + 1):
+        inbox.put(packet(sequence))
+    kits.until(lambda: len(taken) == MAX_MESSAGES, "the newest")
+    assert taken[-1].sequence == 10 * MAX_MESSAGES
+    assert inbox.dropped == 9 * MAX_MESSAGES
+    for sequence in range(10):
+        inbox.put(packet(sequence, MAX_BYTES // 4))
+    taken.clear()
+    kits.until(lambda: len(taken) == 4, "the newest of the large ones")
+    assert student.link.arrived.empty()
+
+
+def test_messages_that_were_lost_are_counted_by_the_gaps_in_their_numbers() -> None:
+    traffic = Traffic()
+    for sequence in (3, 4, 7, 8):
+        traffic.note(packet(sequence, gid=b"a"))
+    traffic.note(packet(100, gid=b"b"))
+    traffic.forget_sequences()
+    traffic.note(packet(50, gid=b"a"))
+    assert (traffic.heard, traffic.lost) == (6, 2)
+
+
+def test_a_link_that_is_too_slow_is_named_with_its_rate(kits: Kits) -> None:
+    student = kits.join()
+    ear = Ear("/image", Inbox(student.link.arrived, lambda _: None), Declared(student.link), 0)
+    for sequence in range(0, 120, 2):
+        ear.inbox.put(packet(sequence, 1000))
+    assert ear.complaint().startswith("/image: 50% of the messages are lost on the way, ")
+    assert "lost on the way" in str(ear.row()[1])
+
+
+@pytest.mark.parametrize(("late_ns", "skew"), [(2 * 10**9, -2.0), (-3 * 10**9, 3.0)])
+def test_a_clock_that_differs_is_measured_and_told(kits: Kits, late_ns: int, skew: float) -> None:
+    student = kits.join()
+    listener(student, "/chatter")
+    with open_session(kits.address) as robot:
+        out = robot.declare_publisher(key_of(0, "/chatter", STRING, type_hash(STRING)))
+
+        def told() -> bool:
+            extra = attachment(1, bytes(16), wall.time_ns() - late_ns)
+            out.put(serialize(String()), attachment=extra)
+            return any("clock" in line for line in kits.lines)
+
+        kits.until(told, "the line")
+    assert about_clock(skew) in kits.lines
+    assert str(dict(student.about_link())["robot's clock"]).startswith(f"{skew:+.1f}"[:3])
+
+
+def test_a_flood_leaves_timers_in_time(kits: Kits) -> None:
+    robot, student = kits.join(send="/flood"), kits.join()
+    out, heard = talker(robot, "/flood"), listener(student, "/flood")
+    connect(kits, robot, out, heard, String())
+    fired: list[int] = []
+    student.call_at(student.now_ns, lambda: fired.append(student.now_ns), node=0, entity=0)
+    for _ in range(1000):
+        robot.publish(out, serialize(String(data="x" * 1000)))
+    kits.until(lambda: fired, "the timer")
