@@ -27,6 +27,13 @@ MOST_KEYS = 8  # that one driver's commands may use, so that nobody fills the me
 TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 CDR = b"\0\1\0\0"  # little endian
 STILL = bytes(48)  # the numbers of a Twist
+STUCK_US = 500_000  # [µs] after which a student's link that takes no more answers is closed
+NOBODY_WAITS = {  # a link that is full loses messages; otherwise one stuck student would hold up all
+    "messages": ["put", "delete"],
+    "key_exprs": ["**", "**/@adv/**"],
+    "flows": ["ingress"],
+    "overwrite": {"congestion_control": "drop"},
+}
 COMMAND = re.compile(  # the key of a student's command
     rf"\d+/{STUDENTS}/(?P<name>\w+)/(?P<topic>\w+(/\w+)*)/(?P<dds>\w+::msg::dds_::\w+_)/(?P<hash>RIHS01_[0-9a-f]{{64}})",
     re.ASCII,
@@ -97,6 +104,8 @@ class Gateway:
                 "connect/endpoints": [inner],
                 "transport/auth/usrpwd": {"dictionary_file": str(passwords)},
                 "access_control": access_control(sorted(self._names), settings.calls, settings.domain),
+                "qos/network": [NOBODY_WAITS],
+                "transport/link/tx/queue/congestion_control/block/wait_before_close": STUCK_US,
                 **_tls(settings),
             }
         )

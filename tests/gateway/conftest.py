@@ -24,8 +24,8 @@ def free_port() -> int:
         return int(one.getsockname()[1])
 
 
-def wait_for(state: Callable[[], object], what: str) -> None:
-    end = time.monotonic() + PATIENCE
+def wait_for(state: Callable[[], object], what: str, patience: float = PATIENCE) -> None:
+    end = time.monotonic() + patience
     while not state():
         assert time.monotonic() < end, what
         time.sleep(0.02)

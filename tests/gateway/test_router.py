@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -19,15 +20,29 @@ from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
 
 Started = Callable[..., Path]
-DRIVING = """
+OPEN = """
 import sys, time, zenoh
 config = zenoh.Config()
 for line in sys.argv[3:]:
     config.insert_json5(*line.split("=", 1))
 session = zenoh.open(config)
+"""
+DRIVING = f"""{OPEN}
 while True:
     session.put(sys.argv[1], bytes.fromhex(sys.argv[2]))
     time.sleep(0.05)
+"""
+FLOODING = f"""{OPEN}
+publisher = session.declare_publisher(sys.argv[1], congestion_control=zenoh.CongestionControl.BLOCK)
+for number in range(10**9):
+    publisher.put(bytes(900_000))
+    if number == 100:
+        print("floods", flush=True)
+"""
+LISTENING = f"""{OPEN}
+heard = session.declare_subscriber(sys.argv[1], zenoh.handlers.Callback(lambda _: None, indirect=False))
+print("listens", flush=True)
+time.sleep(1000)
 """
 
 
@@ -101,20 +116,52 @@ def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
     del alive  # until here it is there
 
 
+def student_process(code: str, place: str, user: Access, key: str) -> "subprocess.Popen[bytes]":
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [place],
+        "scouting/multicast/enabled": False,
+        "transport/shared_memory/enabled": False,  # as over a network
+        "transport/auth/usrpwd": {"user": user.name, "password": user.token},
+    }
+    lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
+    command = [sys.executable, "-c", code, key, AHEAD.hex(), *lines]
+    return subprocess.Popen(command, stdout=subprocess.PIPE)
+
+
+def test_a_stuck_student_and_one_who_floods_hold_up_nobody_else(
+    tmp_path: Path, routed: Routed, opened: Opened
+) -> None:
+    place, robot, _ = routed
+    _, ann, bob = users_in(tmp_path)
+    session = opened(place, ann)
+    scans = hears(session, "0/scan/**")
+    stuck = student_process(LISTENING, place, bob, "0/students/**")
+    assert stuck.stdout is not None
+    assert stuck.stdout.readline() == b"listens\n"
+    flood = student_process(FLOODING, place, bob, f"0/students/{bob.name}/flood/t/h")
+    assert flood.stdout is not None
+    assert flood.stdout.readline() == b"floods\n"
+    wait_for(lambda: robot.put("0/scan/t/h", b"first") or scans, "scans arrive")
+    stuck.send_signal(signal.SIGSTOP)
+    try:
+        for number in range(60):  # its link is full after a few; Zenoh would wait 5 s for it
+            session.put(f"0/students/{ann.name}/{KEY}", AHEAD)  # to the full link, too
+            time.sleep(0.05)
+            robot.put("0/scan/t/h", str(number).encode())
+            wait_for(lambda n=number: scans[-1][1] == str(n).encode(), "a scan", patience=3.0)  # type: ignore[misc]
+    finally:
+        for process in (flood, stuck):
+            process.kill()
+            process.wait()
+
+
 def test_the_robot_stops_when_the_drivers_process_is_killed(tmp_path: Path, routed: Routed) -> None:
     place, robot, log = routed
     heard = hears(robot, "0/cmd_vel/**")
     course(tmp_path, "router", "--driver", "b.1")
     bob = users_in(tmp_path)[2]
-    settings = {
-        "mode": "client",
-        "connect/endpoints": [place],
-        "scouting/multicast/enabled": False,
-        "transport/auth/usrpwd": {"user": bob.name, "password": bob.token},
-    }
-    lines = [f"{key}={json.dumps(value)}" for key, value in settings.items()]
-    command = [sys.executable, "-c", DRIVING, f"0/students/{bob.name}/{KEY}", AHEAD.hex(), *lines]
-    process = subprocess.Popen(command)
+    process = student_process(DRIVING, place, bob, f"0/students/{bob.name}/{KEY}")
     wait_for(lambda: len(heard) > 5, "Bob drives")
     process.kill()
     process.wait()
