@@ -187,8 +187,10 @@ def test_overrides_that_are_wrong_are_refused(begun: Graph) -> None:
     name = "qos_overrides./chatter.publisher.reliability"
     talker = Node("talker", cli_args=["--ros-args", "-p", f"{name}:=sometimes"])
     options = QoSOverridingOptions.with_default_policies()
-    with pytest.raises(RuntimeError, match="^Unexpected QoS override for policy `reliability`: `sometimes`$"):
+    with pytest.raises(
+        RuntimeError, match=r"^Unexpected QoS override for policy `reliability`: `sometimes`$"
+    ):
         talker.create_publisher(String, "chatter", 10, qos_overriding_options=options)
     strict = QoSOverridingOptions([], callback=lambda profile: QosCallbackResult(reason="too deep"))
-    with pytest.raises(InvalidQosOverridesError, match="are not valid: too deep$"):
+    with pytest.raises(InvalidQosOverridesError, match=r"are not valid: too deep$"):
         talker.create_publisher(String, "other", 10, qos_overriding_options=strict)
