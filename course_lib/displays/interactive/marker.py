@@ -187,8 +187,9 @@ class ShownMarker:
         )  # fmt: skip
         frames, fixed = self._context.frames, self._context.frames.fixed_frame
         feedback.header.frame_id = self._frame if self._locked else fixed
-        if self._locked and self._frame.removeprefix("/") != fixed:
-            stamp_ns = frames.buffer.lookup(fixed, self._frame.removeprefix("/")).stamp_ns
+        frame = self._frame.removeprefix("/")
+        if self._locked and frame != fixed and frames.transform(frame) is not None:
+            stamp_ns = frames.buffer.lookup(fixed, frame).stamp_ns
             feedback.header.stamp.sec, feedback.header.stamp.nanosec = divmod(stamp_ns, NS)
         outward = np.eye(4) if self._locked else self._reference
         _write_pose(feedback.pose, outward @ self._pose)
