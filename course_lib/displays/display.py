@@ -7,10 +7,12 @@ from urllib.parse import quote
 
 from course_lib.arrays import Matrix
 from course_lib.displays.frames import Frames
+from course_lib.displays.node import RvizNode
 from course_lib.displays.properties import Property, PropertyHolder, flag
 from course_lib.displays.statuses import Statuses, StatusRow
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos, incompatible
+from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene
 
 
@@ -36,6 +38,7 @@ class Context:
     joined: Callable[[Iterable[Interest]], None] = lambda interests: None
     # called when a property has changed, to show it immediately
     touched: Callable[[], None] = lambda: None
+    node: RvizNode | None = None  # of the viewer in the running graph; a recording has none
     _followed: dict[str, Matrix] = field(default_factory=dict)
 
     def follow(self, frame: str) -> tuple[str, Matrix] | None:
@@ -112,6 +115,9 @@ class Display(PropertyHolder):
 
     def update(self) -> None:
         """Bring the scene up to date; called once per frame."""
+
+    def look_from(self, camera: Camera) -> None:
+        """React to a view that was turned by hand."""
 
     def message_at(self, path: str) -> Any:
         """Return the message that an object of the scene was drawn from, or None if that is not known."""

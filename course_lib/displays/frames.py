@@ -93,7 +93,7 @@ def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
     q = pose.orientation
     raw = transform_frame_to_fixed[:3, :3] @ _kdl_matrix(q.x, q.y, q.z, q.w)
     result = np.eye(4)
-    result[:3, :3] = raw if is_unit(q) else _kdl_matrix(*_kdl_quaternion(raw))
+    result[:3, :3] = raw if is_unit(q) else _kdl_matrix(*quaternion_of(raw))
     position = np.array([pose.position.x, pose.position.y, pose.position.z])
     result[:3, 3] = transform_frame_to_fixed[:3, :3] @ position + transform_frame_to_fixed[:3, 3]
     return result
@@ -116,8 +116,8 @@ def _kdl_matrix(x: float, y: float, z: float, w: float) -> Matrix:
     )
 
 
-def _kdl_quaternion(matrix: Matrix) -> Matrix:
-    """Return KDL's quaternion (x, y, z, w) of a matrix, normalised, shape (4,)."""
+def quaternion_of(matrix: Matrix) -> Matrix:
+    """Return KDL's quaternion (x, y, z, w) of a rotation, shape (3, 3), or more than that, normalised."""
     m = matrix
     trace = m[0, 0] + m[1, 1] + m[2, 2]
     turns = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])

@@ -23,6 +23,7 @@ from course_lib.displays.geometry import (
 from course_lib.displays.grid_cells import GridCellsDisplay
 from course_lib.displays.images.camera import CameraDisplay, CameraInfoDisplay
 from course_lib.displays.images.display import ImageDisplay
+from course_lib.displays.interactive.display import InteractiveMarkersDisplay
 from course_lib.displays.map import MapDisplay
 from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
 from course_lib.displays.poses.pose import (
@@ -52,6 +53,7 @@ REGISTRY: dict[str, type[Display]] = {
         GridDisplay,
         IlluminanceDisplay,
         ImageDisplay,
+        InteractiveMarkersDisplay,
         LaserScanDisplay,
         MapDisplay,
         MarkerArrayDisplay,
@@ -75,11 +77,6 @@ REGISTRY: dict[str, type[Display]] = {
     )
 }
 
-# What else RViz2 has, with what it shows (rviz_default_plugins/plugins_description.xml).
-RVIZ_ONLY = {
-    "rviz_default_plugins/InteractiveMarkers": "visualization_msgs/msg/InteractiveMarkerUpdate",
-}
-
 
 class FailedDisplay(Display):
     """A display of an unknown class; its configuration is kept as it came."""
@@ -89,19 +86,18 @@ class FailedDisplay(Display):
         self.wanted = wanted
 
     def reset(self) -> None:
-        """Show the reason for an empty picture: in RViz's words, if RViz would not draw it either."""
+        """Show the reason for an empty picture, in RViz's words."""
         super().reset()
-        if self.wanted in RVIZ_ONLY:
-            self.statuses.hint("Class", not_drawn(self.wanted))
-            return
         self.statuses.set(
             "error",
             "Class",
             f"The class required for this display, '{self.wanted}', could not be loaded.<br><b>Error:</b><br>"
             f"According to the loaded plugin descriptions the class {self.wanted} with base class type "
-            f"rviz_common::Display does not exist. Declared types are  {' '.join(_declared())}",
+            f"rviz_common::Display does not exist. Declared types are  {' '.join(sorted(REGISTRY))}",
         )
-        near = get_close_matches(short_name(self.wanted), [short_name(name) for name in _declared()], 1, 0.8)
+        near = get_close_matches(
+            short_name(self.wanted), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8
+        )
         ros_1 = f"{self.wanted} is ROS 1's name. " if self.wanted.startswith("rviz/") else ""
         self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in near))
 
@@ -110,12 +106,6 @@ def make_display(context: Context, class_name: str, name: str, path: str) -> Dis
     """Create a display by its class name, ``rviz_default_plugins/Marker``."""
     known = REGISTRY.get(class_name)
     return known(context, name, path) if known else FailedDisplay(context, name, path, class_name)
-
-
-def not_drawn(class_name: str) -> str:
-    """Return the hint at a class that only RViz2 draws."""
-    shows = f"{short_name(class_name)} ({RVIZ_ONLY[class_name]})"
-    return f"RViz2 draws {shows}; this viewer does not, and keeps its settings."
 
 
 def full_name(class_name: str) -> str:
@@ -127,7 +117,3 @@ def full_name(class_name: str) -> str:
 def short_name(class_name: str) -> str:
     """Return a class name without its package, as RViz names a new display."""
     return class_name.rpartition("/")[2]
-
-
-def _declared() -> list[str]:
-    return sorted({*REGISTRY, *RVIZ_ONLY})

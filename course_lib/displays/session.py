@@ -119,6 +119,8 @@ class RvizSession:
         """Set the view from a camera that was turned by hand in a page."""
         self._view.take(camera)
         self.context.scene.remember_camera(self._view.camera(self.context.frames))
+        for display in self.displays:
+            display.look_from(self.context.scene.camera)
 
     def add(
         self,

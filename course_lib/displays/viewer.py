@@ -14,9 +14,10 @@ import numpy.typing as npt
 from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
+from course_lib.displays.node import RvizNode
 from course_lib.displays.panel.cell import ViewerCell
 from course_lib.displays.panel.tools import Tool
-from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, full_name, not_drawn, short_name
+from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import ViewController
@@ -50,9 +51,14 @@ class Viewer:
         self.scene = Scene()
         self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
         self.session.latched = graph.latched
+        self.session.context.node = node = RvizNode(graph)
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
         self._cell = ViewerCell(self.session, graph)
-        stops = (graph.tap(self.session.receive, self.session.topics), graph.watch_time(self.session.tick))
+        stops = (
+            graph.tap(self.session.receive, self.session.topics),
+            graph.watch_time(self.session.tick),
+            node.close,
+        )
         self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
         self.session.catch_up(self.session.transforms)
@@ -97,8 +103,6 @@ class Viewer:
         """
         wanted = full_name(class_name)
         if wanted not in REGISTRY:
-            if wanted in RVIZ_ONLY:
-                raise CourseError(not_drawn(wanted))
             known = [short_name(name) for name in REGISTRY]
             near = ", ".join(get_close_matches(short_name(class_name), known, 3) or known)
             raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from course_lib.errors import CourseError
 
+SRC_WITHIN = 4  # folders up from a package, the workspace's src is looked for
 Executable = tuple[str, str] | Path  # a module and its function, or a script
 _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
 _SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
@@ -68,23 +69,31 @@ def why_not_found(name: str) -> str:
 
 
 def source(file: Path) -> None:
-    """Add the package that a file lies in, and those beside it, to the paths, as `source setup.bash` does."""
+    """Add the package that a file lies in, and its workspace's, to the paths, as `source setup.bash` does."""
     for folder in file.resolve().parents:
         if (folder / "package.xml").is_file():
             is_built = folder.parent.name == "share"
             prefixes = folder.parents[2].glob("*/share") if is_built else ()
             _put_first("AMENT_PREFIX_PATH", [path.parent for path in (folder.parent, *prefixes) if is_built])
-            _put_first("ROS_PACKAGE_PATH", [] if is_built else [folder.parent])
+            _put_first("ROS_PACKAGE_PATH", [] if is_built else _workspace(folder))
             return
 
 
 def python_path(file: Path) -> list[str]:
-    """List where a file in a package's sources finds its own package, those beside it and their messages."""
+    """List where a file in a package's sources finds its package, those of its workspace, and messages."""
     for folder in file.resolve().parents:
         if (folder / "package.xml").is_file() and folder.parent.name != "share":
-            beside = (manifest.parent for manifest in sorted(folder.parent.glob("*/package.xml")))
-            return [str(place) for place in (folder, *beside, folder.parent)]
+            places = _workspace(folder)
+            packages = (path.parent for place in places for path in sorted(place.glob("*/package.xml")))
+            return [str(place) for place in (folder, *packages, *places)]
     return []
+
+
+def _workspace(package: Path) -> list[Path]:
+    """List the folders that hold packages: the package's own, the workspace's `src` and those in it."""
+    src = next((folder for folder in package.parents[:SRC_WITHIN] if folder.name == "src"), package.parent)
+    deeper = sorted({path.parents[1] for path in src.glob("*/*/package.xml")}) if src.name == "src" else ()
+    return list(dict.fromkeys((package.parent, src, *deeper)))
 
 
 def _put_first(variable: str, paths: list[Path]) -> None:

@@ -1,6 +1,7 @@
 """Programs as processes: each has its own command line and exit code, in a thread of this process."""
 
 import ast
+import contextvars
 import json
 import sys
 import threading
@@ -173,7 +174,10 @@ class Processes:
                 self.ended.append(number)
 
         daemon = graph.notebook  # a kernel ends without waiting for them
-        self._threads.append(threading.Thread(target=run, name=process.file.name, daemon=daemon))
+        context = contextvars.copy_context()  # its output belongs to this cell, whatever pages send meanwhile
+        self._threads.append(
+            threading.Thread(target=context.run, args=(run,), name=process.file.name, daemon=daemon)
+        )
         graph.programs += 1
         program.name = f"{graph.programs}: {process.file}"  # the same one may run twice
         try:

@@ -1,7 +1,7 @@
 """The import path: a program gets the stand-in, whatever other ROS is installed."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from importlib import import_module
 from importlib.abc import Loader
@@ -46,7 +46,7 @@ class _Types(Loader):
             return _package_of_types(name, cls())
         if kind not in KINDS or "." in package:
             return None
-        for folder in (Path(entry) for entry in path or ()):
+        for folder in _places(package, path or ()):
             if (
                 _has_types(package, kind)
                 if folder.parent == STANDIN
@@ -67,6 +67,14 @@ class _Types(Loader):
         if folder.parent != STANDIN:
             add_package(folder)
         vars(module).update(import_types(module.__name__))
+
+
+def _places(package: str, path: Sequence[str]) -> Iterator[Path]:
+    """List where a package may have its interface files: also beside its folder of Python."""
+    for folder in map(Path, path):
+        yield folder
+        if folder.parent.name == package == folder.name and (folder.parent / "package.xml").is_file():
+            yield folder.parent
 
 
 def _types_of_loaded(package: str, name: str) -> ModuleType:

@@ -32,7 +32,13 @@ from sensor_msgs.msg import (
     Temperature,
 )
 from std_msgs.msg import String
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import (
+    InteractiveMarker,
+    InteractiveMarkerControl,
+    InteractiveMarkerUpdate,
+    Marker,
+    MarkerArray,
+)
 
 from tests.displays.bench import marker
 from tests.displays.clouds.clouds import cloud, plain
@@ -115,6 +121,14 @@ def polygon(x: float) -> PolygonStamped:
     return message
 
 
+def handled(x: float) -> InteractiveMarkerUpdate:
+    """Create markers that can be moved; the second message has another one."""
+    control = InteractiveMarkerControl(interaction_mode=InteractiveMarkerControl.MOVE_AXIS)
+    made = InteractiveMarker(name=f"m{x}", description="words", controls=[control])
+    made.header.frame_id = FRAME
+    return InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE, markers=[made])
+
+
 # What a class is shown, by topic; each is called with a number that tells one message from the next, [m].
 SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "AccelStamped": {"/t/image": lambda x: screw(AccelStamped(), "accel", x)},
@@ -129,6 +143,7 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "GridCells": {"/t/image": lambda x: GridCells(cell_width=1.0, cell_height=1.0, cells=[Point(x=x)])},
     "Illuminance": {"/t/image": lambda x: Illuminance(illuminance=300.0 + x)},
     "Image": {"/t/image": depth},
+    "InteractiveMarkers": {"/t/update": handled},
     "LaserScan": {"/t/image": scan},
     "Map": {"/t/image": grid},
     "Marker": {"/t/image": lambda x: marker(frame=FRAME, ns="n", number=int(x))},

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from visualization_msgs.msg import InteractiveMarkerUpdate
 
 from course_lib.displays.layout import read_layout
 from course_lib.displays.panel.desk import Desk
 from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import FrameAligned, XYOrbit
-from course_lib.displays.writer import member_config
 from course_lib.errors import CourseError
 from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
@@ -164,11 +164,11 @@ def test_a_recording_is_not_published_into() -> None:
     assert "recording" in page.told["notice"]["text"]
 
 
-def test_the_node_of_the_tools_leaves_with_the_desk(page: Page, graph: Graph) -> None:
+def test_the_node_of_the_tools_leaves_with_the_viewer(page: Page, viewer: Viewer, graph: Graph) -> None:
     page.ask(act="PublishGesture", tool="Publish Point", point=[1, 2, 3])
     assert page.told["notice"]["text"] == "Published (1.00, 2.00, 3.00) in map on /clicked_point."
     assert [node.name for node in graph.nodes()][-1] == "rviz2"
-    page.desk.close()
+    viewer.close()
     assert "rviz2" not in [node.name for node in graph.nodes()]
 
 
@@ -205,17 +205,12 @@ def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page,
     assert not viewer["Axes"].enabled
 
 
-def test_a_topic_that_only_rviz2_shows_can_be_added_for_it(page: Page, viewer: Viewer, graph: Graph) -> None:
-    updates = "visualization_msgs/msg/InteractiveMarkerUpdate"
-    graph.add_publisher(graph.add_node("menu", "/"), "/menu/update", updates, Qos())
+def test_the_updates_of_a_server_of_markers_are_added_by_their_topic(page: Page, viewer: Viewer) -> None:
+    publish(viewer._graph, "/menu/update", InteractiveMarkerUpdate())
     page.ask(act="LookAgain")
     shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/menu/update")
-    topic, name = shown["topic"], shown["display"]
-    assert name in page.told["undrawn"]
-    page.ask(act="AddDisplay", topic=topic, display=name)
-    (row,) = viewer["InteractiveMarkers"].rows()
-    assert f"RViz2 draws InteractiveMarkers ({updates}); this viewer does not" in row.text
-    assert member_config(viewer["InteractiveMarkers"])["Topic"] == {"Value": "/menu/update"}
+    page.ask(act="AddDisplay", topic=shown["topic"], display=shown["display"])
+    assert viewer["InteractiveMarkers"]["Interactive Markers Namespace"] == "/menu"
 
 
 def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:

@@ -36,6 +36,7 @@ SILENT = {
     "Accept NaN Values": "is for messages with NaN; see test_screws",
     "Topic Filter": "offers fewer topics in RViz's panel",
     "Effort: Alpha": "RViz has it and never uses it",
+    "Show Visual Aids": "shows during a drag only; see interactive/test_display",
     "Use Timestamp": "counts while the map's frame moves; see map/test_display",
 }
 # What a property needs to be seen by: the properties that it depends on, by label of those it is for.
@@ -76,6 +77,13 @@ NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
         {**_BY_AXIS, "Axis": "X", "Autocompute Value Bounds": False}
     ),
     ("Description File",): {"Description Source": "File"},
+    (
+        "InteractiveMarkers: Enabled",
+        "Interactive Markers Namespace",
+        "Show Descriptions",
+        "Show Axes",
+        "Enable Transparency",
+    ): ({"Interactive Markers Namespace": "/t"}),
     ("Show polygons", "CameraInfo: Color"): {"Not show side polygons": False},
     ("Color Transport Hint",): {"Color Image Topic": "/color"},
     ("Occlusion Compensation/Occlusion Time-Out",): {"Occlusion Compensation": True},
@@ -92,7 +100,7 @@ VALUES: Mapping[str, Any] = {
     "Description File": "/nowhere.urdf", "TF Prefix": "robot", "Channel Name": "x", "Median window": 1,
     "Namespaces": {"n": False}, "Decay Time": 5.0, "Position Tolerance": 5.0, "Keep": 1,
     "Frame Timeout": 1.0, "Filter (whitelist)": "arm", "Filter (blacklist)": "arm", "Binary threshold": 30,
-    "Occlusion Compensation/Occlusion Time-Out": 0.5,
+    "Occlusion Compensation/Occlusion Time-Out": 0.5, "Interactive Markers Namespace": "/other",
     }  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from course_lib.displays.display import Display
-from course_lib.displays.registry import PACKAGE, REGISTRY, RVIZ_ONLY, FailedDisplay
+from course_lib.displays.registry import PACKAGE, REGISTRY
 from tests.displays.bench import Bench
 
 # rviz_default_plugins/plugins_description.xml of Jazzy
@@ -19,16 +19,9 @@ def add(name: str) -> Display:
 
 
 @pytest.mark.parametrize("name", CLASSES)
-def test_each_of_rviz_s_classes_is_drawn_or_says_that_rviz2_does(name: str) -> None:
-    display = add(name)
-    if isinstance(display, FailedDisplay):
-        (row,) = display.rows()
-        shows = RVIZ_ONLY[display.wanted]
-        assert row.text == f"RViz2 draws {name} ({shows}); this viewer does not, and keeps its settings."
-        assert row.level == "hint"
-    else:
-        assert display.class_name == f"{PACKAGE}/{name}"
+def test_each_of_rviz_s_classes_is_drawn(name: str) -> None:
+    assert add(name).class_name == f"{PACKAGE}/{name}"
 
 
 def test_there_are_no_other_classes_and_none_twice() -> None:
-    assert sorted([*REGISTRY, *RVIZ_ONLY]) == sorted(f"{PACKAGE}/{name}" for name in CLASSES)
+    assert sorted(REGISTRY) == sorted(f"{PACKAGE}/{name}" for name in CLASSES)

@@ -74,16 +74,6 @@ def test_an_unknown_class_is_kept_and_reported_in_rviz_words() -> None:
     )
 
 
-def test_a_class_that_only_rviz_draws_is_kept_with_a_hint() -> None:
-    bench = Bench()
-    (row,) = bench.session.add("rviz_default_plugins/InteractiveMarkers", "Controls", {}).rows()
-    assert (row.level, row.text) == (
-        "hint",
-        "RViz2 draws InteractiveMarkers (visualization_msgs/msg/InteractiveMarkerUpdate); "
-        "this viewer does not, and keeps its settings.",
-    )
-
-
 def test_a_silent_topic_names_those_that_are_not() -> None:
     bench = Bench()
     bench.hear("/marker", marker())

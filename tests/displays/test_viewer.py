@@ -204,8 +204,3 @@ def test_displays_are_added_to_groups(graph: Graph, tmp_path: Path) -> None:
     again = Viewer.from_rviz(tmp_path / "mine.rviz")
     (group,) = (member for member in again.session.tree.members if isinstance(member, Group))
     assert (group.name, [display.name for display in group.displays()]) == ("Seen", [boxes.name, names.name])
-
-
-def test_a_class_that_only_rviz2_draws_is_named_with_what_it_shows(graph: Graph) -> None:
-    with pytest.raises(CourseError, match=r"RViz2 draws InteractiveMarkers \(visualization_msgs"):
-        Viewer().add("InteractiveMarkers")

@@ -16,10 +16,12 @@ TALKER = """
 import sys
 from arm_msgs.msg import Angle
 from my_robot.helpers import name
+from far_msgs import UNIT
+from far_msgs.msg import Distance
 from other_robot.units import DEGREES
 
 def main():
-    print(name(), DEGREES, Angle(degrees=2.0).degrees, sys.argv[1:])
+    print(name(), DEGREES, Angle(degrees=2.0).degrees, Distance(meters=3.0).meters, UNIT, sys.argv[1:])
 
 def fail():
     return 3
@@ -32,6 +34,7 @@ if __name__ == "__main__":
 CMAKE = (
     "install(PROGRAMS\n  scripts/hello.py # python\n  scripts/missing.py\n  DESTINATION lib/${PROJECT_NAME})"
 )
+PACKAGES = ("my_robot", "other_robot", "arm_msgs", "tools/far_msgs")
 FILES = {
     "my_robot/setup.py": SETUP,
     "my_robot/CMakeLists.txt": CMAKE,
@@ -42,6 +45,8 @@ FILES = {
     "other_robot/other_robot/__init__.py": "",
     "other_robot/other_robot/units.py": "DEGREES = 57\n",
     "arm_msgs/msg/Angle.msg": "float64 degrees\n",
+    "tools/far_msgs/msg/Distance.msg": "float64 meters\n",
+    "tools/far_msgs/far_msgs/__init__.py": "UNIT = 'm'\n",
 }
 
 
@@ -52,7 +57,7 @@ def workspace(tmp_path: Path) -> Path:
         file = tmp_path / "src" / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
-    for folder in (tmp_path / "src").iterdir():
+    for folder in (tmp_path / "src" / name for name in PACKAGES):
         (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
     return tmp_path / "src"
 
@@ -67,10 +72,10 @@ def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tupl
 @pytest.mark.parametrize(
     ("program", "code", "text"),
     [
-        ("my_robot:talker", 0, "my robot 57 2.0 ['word']\n"),
+        ("my_robot:talker", 0, "my robot 57 2.0 3.0 m ['word']\n"),
         ("my_robot:hello.py", 0, "script of my robot\n"),
         ("my_robot:fail", 3, "[ros2run]: Process exited with failure 3\n"),
-        ("my_robot/my_robot/talker.py", 0, "my robot 57 2.0 ['word']\n"),
+        ("my_robot/my_robot/talker.py", 0, "my robot 57 2.0 3.0 m ['word']\n"),
         ("my_robot/scripts/hello.py", 0, "script of my robot\n"),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from course_lib.displays.panel import protocol, time_panel
+from course_lib.displays.panel import controls, protocol, time_panel
 from course_lib.displays.view_controller import Hands
 from course_lib.viewer import assets
 from course_lib.viewer.page_link import Click
@@ -20,7 +20,7 @@ _HEAD = "// Generated from Python's dataclasses: python -m tests.viewer.declarat
 
 def declarations() -> str:
     """Return the declarations of all messages, and of the union of the orders."""
-    written = [Click, Hands, *_own(protocol), *_own(time_panel)]
+    written = [Click, Hands, *_own(controls), *_own(protocol), *_own(time_panel)]
     orders = "".join(f"\n  | ({{ act: {name!r} }} & {name})" for name in protocol.ORDERS).replace("'", '"')
     return "\n".join([_HEAD, *map(_interface, written), f"export type Order ={orders};\n"])
 

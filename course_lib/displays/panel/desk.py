@@ -1,11 +1,12 @@
 """RViz's panels around a view, for one page: the state that the page is sent, and the orders it sends."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
 from course_lib.displays.display import GROUP
-from course_lib.displays.panel.orders import OrderDesk, layout_names, order_of
+from course_lib.displays.panel.controls import UseControl
+from course_lib.displays.panel.orders import OrderDesk, handles, layout_names, order_of
 from course_lib.displays.panel.protocol import (
     AddableTopic,
     AddableType,
@@ -21,10 +22,9 @@ from course_lib.displays.panel.protocol import (
 )
 from course_lib.displays.panel.rows import display_rows, mark_of, tool_rows, view_rows, worst_of
 from course_lib.displays.panel.tools import settings_of
-from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, short_name
+from course_lib.displays.registry import REGISTRY, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusRow
-from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS
 from course_lib.errors import CourseError, counted
 from course_lib.ros import wall
@@ -42,12 +42,12 @@ class Desk:
     Args:
         session: What is shown.
         link: To the page.
-        graph: The running graph, whose topics can be added, and in which tools publish.
+        graph: The running graph, whose topics can be added.
     """
 
     def __init__(self, session: RvizSession, link: PageLink, graph: Graph | None = None) -> None:
         self._session, self._link, self._graph = session, link, graph
-        self._orders = OrderDesk(session, graph)
+        self._orders = OrderDesk(session)
         self._sent: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
         self._posted = 0.0  # [s] of the last post
@@ -57,14 +57,14 @@ class Desk:
         session.after_frame.append(self.refresh)
 
     def close(self) -> None:
-        """Stop following the session, and remove the tools' node from the graph."""
+        """Stop following the session."""
         if self.refresh in self._session.after_frame:
             self._session.after_frame.remove(self.refresh)
-        self._orders.close()
 
     def _take(self, content: Mapping[str, Any]) -> None:
         """Carry out an order of the page; errors are shown there."""
         self._orders.notice = Notice()
+        order = None
         try:
             order = order_of(content)
             if isinstance(order, OpenPanels):
@@ -73,7 +73,10 @@ class Desk:
                 self._orders.carry_out(order)
         except CourseError as error:
             self._orders.notice = Notice("error", str(error))
-        self.post()
+        if isinstance(order, UseControl) and order.event == "move":
+            self.refresh()  # many of them come
+        else:
+            self.post()
 
     def refresh(self) -> None:
         """Post changes, now or a little later; called after every frame, by any thread."""
@@ -121,7 +124,8 @@ class Desk:
             selection=orders.selection,
             types=tuple(AddableType(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)),
             topics=self._topics(),
-            undrawn=tuple(RVIZ_ONLY),
+            handles=tuple(display.handles for display in handles(session)),
+            menu=orders.menu,
             frames=tuple(sorted({session.fixed_frame, *session.context.frames.buffer.frames()})),
             layouts=Layouts(orders.file, layout_names()),
             summary=session.summary(),
@@ -132,9 +136,7 @@ class Desk:
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
-        shown: Iterable[tuple[str, type]] = REGISTRY.items()
-        types = [(name, display.type_name) for name, display in shown if issubclass(display, TopicDisplay)]
-        types += RVIZ_ONLY.items()
+        types = [(name, getattr(display, "type_name", "")) for name, display in REGISTRY.items()]
         addable = (
             AddableTopic(topic, kind, name)
             for topic, kind in known.items()

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.displays.display import GROUP, Display, Group
+from course_lib.displays.interactive.display import InteractiveMarkersDisplay
 from course_lib.displays.layout import read_layout, yaml_text
+from course_lib.displays.panel.controls import ChooseEntry, ContextMenu, UseControl
 from course_lib.displays.panel.protocol import (
     ORDERS,
     AddDisplay,
@@ -29,14 +31,12 @@ from course_lib.displays.panel.protocol import (
     UseView,
 )
 from course_lib.displays.panel.rows import RowEntry
-from course_lib.displays.panel.tools import ToolNode
-from course_lib.displays.registry import REGISTRY, RVIZ_ONLY, short_name
+from course_lib.displays.panel.tools import publish
+from course_lib.displays.registry import REGISTRY, short_name
 from course_lib.displays.session import RvizSession
-from course_lib.displays.topic_display import TopicDisplay
 from course_lib.displays.views import VIEWS, ViewController, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph
 from course_lib.ros.messages.wire import to_plain
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.wire import MessageError, from_json
@@ -71,17 +71,16 @@ class OrderDesk:
     """Executor of orders; `rows` are those that the page has, `notice` answers the last order.
 
     Args:
-        session: What is changed.
-        graph: The running graph, in which tools publish.
+        session: What is changed; tools publish through its node.
     """
 
-    def __init__(self, session: RvizSession, graph: Graph | None) -> None:
+    def __init__(self, session: RvizSession) -> None:
         self.rows: Mapping[str, RowEntry] = {}
         self.notice = Notice()
         self.selection = ""
+        self.menu = ContextMenu()
         self.file = "view.rviz"
         self._session = session
-        self._node = ToolNode(graph) if graph else None
         self._acts: dict[type, Callable[[Any], None]] = {
             LookAgain: lambda order: None,
             SetValue: self._set,
@@ -100,6 +99,8 @@ class OrderDesk:
             TurnView: self._turn,
             SelectObject: self._select,
             PublishGesture: self._publish,
+            UseControl: self._use,
+            ChooseEntry: self._choose,
         }
 
     def carry_out(self, order: Order) -> None:
@@ -109,11 +110,6 @@ class OrderDesk:
             CourseError: If that is impossible; the message is for the page.
         """
         self._acts[type(order)](order)
-
-    def close(self) -> None:
-        """Remove the tools' node from the graph."""
-        if self._node:
-            self._node.close()
 
     def _entry(self, row: str) -> RowEntry:
         if row not in self.rows:
@@ -138,10 +134,9 @@ class OrderDesk:
         if order.display == GROUP:
             self._session.add_group("Group", group)
             return
-        if order.display not in REGISTRY and order.display not in RVIZ_ONLY:
+        if order.display not in REGISTRY:
             raise CourseError(f"There is no display {order.display!r} here.")
-        display = REGISTRY.get(order.display)
-        label = display.topic_label if display and issubclass(display, TopicDisplay) else "Topic"
+        label = getattr(REGISTRY[order.display], "topic_label", "Topic")
         config = {label: {"Value": order.topic}} if order.topic else {}
         self._session.add(order.display, short_name(order.display), config, group=group)
 
@@ -205,10 +200,27 @@ class OrderDesk:
         self.selection = selected(self._session, order.path, order.index)
 
     def _publish(self, order: PublishGesture) -> None:
-        if self._node is None:
+        node = self._session.context.node
+        if node is None:
             raise CourseError("This page shows a recording: nothing can be published into it.")
-        said = self._node.publish(self._session.tools, self._session.fixed_frame, order)
-        self.notice = Notice("ok", said)
+        self.notice = Notice("ok", publish(node, self._session.tools, self._session.fixed_frame, order))
+
+    def _use(self, order: UseControl) -> None:
+        for display in handles(self._session):
+            entries = display.use(order)
+            if entries:
+                self.menu = ContextMenu(self.menu.number + 1, order.path, entries)
+
+    def _choose(self, order: ChooseEntry) -> None:
+        for display in handles(self._session):
+            if display.message_at(order.path) is not None:
+                self.notice = Notice("ok", display.choose(order.path, order.entry))
+
+
+def handles(session: RvizSession) -> list[InteractiveMarkersDisplay]:
+    """Return the displays whose markers a page can drag: none where a recording is shown."""
+    live = session.displays if session.context.node is not None else ()
+    return [display for display in live if isinstance(display, InteractiveMarkersDisplay)]
 
 
 def selected(session: RvizSession, path: str | None, index: int | None) -> str:

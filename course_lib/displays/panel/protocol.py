@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias, get_args
 
 from course_lib.arrays import Vector
+from course_lib.displays.panel.controls import ChooseEntry, ContextMenu, UseControl
 from course_lib.displays.statuses import Level
 from course_lib.displays.view_controller import Hands
 
 EditorKind: TypeAlias = Literal[
     "bool", "color", "enum", "frame", "integer", "none", "number", "text", "topic", "vector"
 ]
-Gesture: TypeAlias = Literal["camera", "select", "focus", "measure", "pose", "point"]
+Gesture: TypeAlias = Literal["interact", "camera", "select", "focus", "measure", "pose", "point"]
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,8 @@ class PanelState:
     selection: str
     types: tuple[AddableType, ...]
     topics: tuple[AddableTopic, ...]
-    undrawn: tuple[str, ...]  # classes of display that only RViz2 draws
+    handles: tuple[str, ...]  # nodes below which interactive markers are, that can be dragged
+    menu: ContextMenu
     frames: tuple[str, ...]
     layouts: Layouts
     summary: str
@@ -285,6 +287,6 @@ class PublishGesture:
 Order: TypeAlias = (
     OpenPanels | LookAgain | SetValue | AddDisplay | DuplicateDisplay | RenameRow | RemoveRow
     | SaveLayout | LoadLayout | ChangeView | HomeView | SaveView | UseView | RenameView | RemoveView
-    | TurnView | SelectObject | PublishGesture
+    | TurnView | SelectObject | PublishGesture | UseControl | ChooseEntry
 )  # fmt: skip
 ORDERS: Mapping[str, type[Order]] = {kind.__name__: kind for kind in get_args(Order)}  # by their "act"

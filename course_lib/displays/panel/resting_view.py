@@ -14,7 +14,7 @@ from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from course_lib.viewer.wire import to_json
 
-_OF_THE_PAGE: tuple[Gesture, ...] = ("camera", "focus", "measure")  # need no Python
+_OF_THE_PAGE: tuple[Gesture, ...] = ("interact", "camera", "focus", "measure")  # need no Python
 
 
 class RestingView(SceneWidget):
@@ -44,7 +44,9 @@ def _panels(session: RvizSession) -> Any:
     state, rows = desk.whole()
     desk.close()
     tools = tuple(tool for tool in state.toolbar if tool.gesture in _OF_THE_PAGE)
-    state = replace(state, toolbar=tools, notice=Notice("", "At rest: press play to see it again."))
+    state = replace(
+        state, toolbar=tools, handles=(), notice=Notice("", "At rest: press play to see it again.")
+    )
     changed = {field.name: getattr(state, field.name) for field in fields(state)}
     return to_json(PanelNews(changed, {key: _readable(row) for key, row in rows.items()}, ()))
 

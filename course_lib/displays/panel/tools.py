@@ -7,15 +7,13 @@ from typing import Any
 from course_lib.arrays import Vector
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import text_at
+from course_lib.displays.node import RvizNode
 from course_lib.displays.panel.protocol import Gesture, PublishGesture, ToolSettings
 from course_lib.displays.properties import Property, PropertyHolder, color, flag, number
 from course_lib.displays.topic_display import qos_of, with_qos
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph
-from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.messages import message_class
 
-NODE = "rviz2"
 Message = Any  # of the generated classes, which are known by name only
 
 
@@ -26,7 +24,7 @@ class Tool(PropertyHolder):
         short: RViz's class, without its package.
         label: Of the button.
         key: That chooses it.
-        gesture: What the page does with the mouse: "camera", "select", "focus", "measure", "pose", "point".
+        gesture: What the page does with the mouse.
         properties: Those that a tool of this class has.
     """
 
@@ -115,7 +113,7 @@ class SetInitialPose(SetGoal):
 def all_tools() -> tuple[Tool, ...]:
     """Create the tools, in RViz's order and with its keys."""
     return (
-        Tool("Interact", "Interact", "i", "camera", Property("Hide Inactive Objects", True, flag)),
+        Tool("Interact", "Interact", "i", "interact", Property("Hide Inactive Objects", True, flag)),
         Tool("MoveCamera", "Move Camera", "m", "camera"),
         Tool("Select", "Select", "s", "select"),
         Tool("FocusCamera", "Focus Camera", "c", "focus"),
@@ -144,43 +142,20 @@ def settings_of(tools: Sequence[Tool]) -> ToolSettings:
     return ToolSettings(single, "rgb({}, {}, {})".format(*line))
 
 
-class ToolNode:
-    """The node through which tools publish; in the graph from the first time that one does."""
+def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: PublishGesture) -> str:
+    """Publish for a gesture in the fixed frame, stamped now, and return the message in words.
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
-        self._node: int | None = None
-        self._publishers: dict[tuple[str, str, Qos], int] = {}  # endpoints
-
-    def publish(self, tools: Iterable[Tool], fixed_frame: str, order: PublishGesture) -> str:
-        """Publish for a gesture in the fixed frame, stamped now, and return the message in words.
-
-        Raises:
-            CourseError: If there is no such tool.
-        """
-        known = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
-        if order.tool not in known:
-            raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(known)}.")
-        tool = known[order.tool]
-        message = tool.message(fixed_frame, self._graph.now_ns, order.point, order.angle)
-        topic = "/" + tool["Topic"].removeprefix("/")
-        self._graph.publish(self._publisher(topic, tool.type_name, qos_of(tool)), serialize(message))
-        return tool.said(topic, message)
-
-    def close(self) -> None:
-        """Leave the graph."""
-        if self._node is not None:
-            self._graph.remove_node(self._node)
-        self._node = None
-        self._publishers.clear()
-
-    def _publisher(self, topic: str, type_name: str, qos: Qos) -> int:
-        if self._node is None:
-            self._node = self._graph.add_node(NODE, "/")
-        wanted = (topic, type_name, qos)
-        if wanted not in self._publishers:
-            self._publishers[wanted] = self._graph.add_publisher(self._node, *wanted)
-        return self._publishers[wanted]
+    Raises:
+        CourseError: If there is no such tool.
+    """
+    known = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
+    if order.tool not in known:
+        raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(known)}.")
+    tool = known[order.tool]
+    message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
+    topic = "/" + tool["Topic"].removeprefix("/")
+    node.publish(topic, tool.type_name, qos_of(tool), message)
+    return tool.said(topic, message)
 
 
 def _place(pose: Message, point: Vector, yaw: float) -> None:

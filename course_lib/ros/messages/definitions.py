@@ -8,12 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages.interface_files import check_interface, read_defaults, read_interface
+from course_lib.ros.messages.lazy_types import LazyTypes
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -60,12 +61,13 @@ class MessageDefinition:
 
 @cache
 def typestore() -> "Typestore":
-    """Return rosbags' store of ROS 2 Jazzy types with those in the folder, loaded on first use."""
+    """Return rosbags' store of ROS 2 Jazzy types with those in the folder."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
-    for path in sorted(FOLDERS[0].glob("*/*/*.*")):
-        store.register(read_interface(path))
+    store.fielddefs = cast(
+        "dict[str, Any]", LazyTypes(cast("dict[str, Any]", store.fielddefs), FOLDERS[0], DEFAULTS)
+    )
     return store
 
 

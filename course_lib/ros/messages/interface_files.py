@@ -49,6 +49,12 @@ def read_interface(path: Path) -> dict[str, Any]:
     return {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts.items()}
 
 
+def names_in(path: Path) -> list[str]:
+    """Return the types of the messages that `read_interface` finds in a file, without reading it."""
+    name, parts = "/".join((*path.parts[-3:-1], path.stem)), _PARTS[path.parent.name]
+    return [name + part for part in (*parts, *(_ACTION_TRANSPORT if parts == ACTION_PARTS else ()))]
+
+
 def _parse(text: str, package: str) -> Any:
     """Parse one message; types without a package are the package's own messages."""
     from rosbags.typesys import get_types_from_msg

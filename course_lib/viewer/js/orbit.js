@@ -33,6 +33,17 @@ export class Orbit {
     this.far = camera.far;
   }
 
+  /** @returns {any} from where it looks, as Python's orders have it */
+  seen() {
+    const { eye, target, up, scale } = this;
+    return { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale };
+  }
+
+  /** @param {number} height of the picture in pixels @returns {number} [m] of one 1 m away, or in any distance if flat */
+  pixel(height) {
+    return this.scale ? 1 / this.scale : (2 * Math.tan((this.fov * Math.PI) / 360)) / height;
+  }
+
   /** @param {number} width in the pixels of `scale` @param {number} height @returns {any} for three.js */
   camera(width, height) {
     let camera;
@@ -101,8 +112,8 @@ export class Orbit {
       if (from && to) this.shiftBy(from.sub(to).clampLength(0, 1)); // [m], RViz's limit near the horizon
       return;
     }
-    const far = 2 * this.eye.distanceTo(this.target) * Math.tan((this.fov * Math.PI) / 360);
-    const unit = this.inPlace ? -0.01 : this.scale ? 1 / this.scale : far / height; // [m] per pixel
+    const far = this.scale ? 1 : this.eye.distanceTo(this.target);
+    const unit = this.inPlace ? -0.01 : far * this.pixel(height); // [m] per pixel
     this.shiftBy(new THREE.Vector3(-dx * unit, dy * unit, 0).applyQuaternion(camera.quaternion));
   }
 

@@ -20,6 +20,43 @@ export interface Hands {
   ground: number;
 }
 
+/** An entry of a context menu; one that opens further entries cannot be chosen. */
+export interface MenuItem {
+  id: number;
+  text: string;
+  opens?: boolean;
+}
+
+/** The menu that was asked for last, of an interactive marker; each has another number. */
+export interface ContextMenu {
+  number?: number;
+  path?: string;
+  entries?: MenuItem[];
+}
+
+/** The pointer is at work on an interactive marker; points and rays in the fixed frame, [m]. */
+export interface UseControl {
+  path: string;
+  event: string;
+  button: number;
+  origin: [number, number, number];
+  direction: [number, number, number];
+  eye: [number, number, number];
+  target: [number, number, number];
+  up: [number, number, number];
+  scale: number;
+  pixel: number;
+  shift: boolean;
+  ctrl: boolean;
+  point?: [number, number, number];
+}
+
+/** An entry of an interactive marker's menu was chosen. */
+export interface ChooseEntry {
+  path: string;
+  entry: number;
+}
+
 /** The control of a row, and its limits. */
 export interface Editor {
   kind: "bool" | "color" | "enum" | "frame" | "integer" | "none" | "number" | "text" | "topic" | "vector";
@@ -54,7 +91,7 @@ export interface PanelRow {
 export interface ToolButton {
   label: string;
   key: string;
-  gesture: "camera" | "select" | "focus" | "measure" | "pose" | "point";
+  gesture: "interact" | "camera" | "select" | "focus" | "measure" | "pose" | "point";
 }
 
 /** The properties of tools that the page itself follows. */
@@ -115,7 +152,8 @@ export interface PanelState {
   selection: string;
   types: AddableType[];
   topics: AddableTopic[];
-  undrawn: string[];
+  handles: string[];
+  menu: ContextMenu;
   frames: string[];
   layouts: Layouts;
   summary: string;
@@ -266,4 +304,6 @@ export type Order =
   | ({ act: "RemoveView" } & RemoveView)
   | ({ act: "TurnView" } & TurnView)
   | ({ act: "SelectObject" } & SelectObject)
-  | ({ act: "PublishGesture" } & PublishGesture);
+  | ({ act: "PublishGesture" } & PublishGesture)
+  | ({ act: "UseControl" } & UseControl)
+  | ({ act: "ChooseEntry" } & ChooseEntry);

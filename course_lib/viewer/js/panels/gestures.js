@@ -5,6 +5,7 @@ const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
 /** @typedef {import("../protocol.js").Click} Click */
 /** @type {Record<ToolButton["gesture"], string>} */
 const HINTS = {
+  interact: "",
   camera: "",
   pose: "Click and drag to set position and orientation.",
   point: "Click on a point to publish it.",
@@ -26,6 +27,11 @@ export class Gestures {
     this.leave = leave;
     /** @type {ToolButton} */
     this.tool = { label: "", key: "", gesture: "camera" };
+    /** @type {string[]} */
+    this.handles = []; // nodes with interactive markers below them
+    /** @type {{path: string, button: number} | null} */
+    this.held = null; // the control that the pointer has pressed
+    this.wantsMenu = false;
     /** @type {import("../protocol.js").ToolSettings} */
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
     /** @type {any} */
@@ -41,23 +47,45 @@ export class Gestures {
     this.start = null;
     this.show(null);
     this.say(HINTS[tool.gesture]);
-    this.view.canvas.style.cursor = tool.gesture === "camera" ? "" : "crosshair";
+    this.view.canvas.style.cursor = isForCamera(tool.gesture) ? "" : "crosshair";
   }
 
   /** @param {any} event of the pointer or the keyboard @returns {boolean} whether it is taken */
   hear(event) {
     const gesture = this.tool.gesture;
     if (gesture === "camera" || !event.type.startsWith("pointer")) return false;
+    if (gesture === "interact") return this.handles.length > 0 && this.interact(event);
     if (gesture === "pose") return this.pose(event);
     if (event.type === "pointermove" && !event.buttons && gesture === "point") this.hover(event);
     if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.take(this.tool);
     return false; // the view turns on, and tells clicks
   }
 
+  /** @param {PointerEvent} event on an interactive marker or not @returns {boolean} whether it is taken */
+  interact(event) {
+    const kind = event.type.slice("pointer".length);
+    if (!this.held && (kind === "up" || (kind === "move" && event.buttons))) return false; // the camera is turned
+    const { origin, direction, path, point } = this.view.pick(event);
+    if (!this.held) {
+      const isOver = Boolean(path && this.handles.some((handle) => path.startsWith(`${handle}/`)));
+      this.view.canvas.style.cursor = isOver ? "grab" : "";
+      if (!isOver || kind !== "down") return false;
+      this.held = { path: path ?? "", button: event.button };
+      this.view.canvas.setPointerCapture(event.pointerId);
+      this.view.canvas.focus({ preventScroll: true });
+    }
+    const { shiftKey: shift, ctrlKey: ctrl } = event;
+    const from = { ...this.view.orbit.seen(), pixel: this.view.orbit.pixel(this.view.canvas.clientHeight) };
+    this.act({ act: "UseControl", event: kind, origin, direction, point, shift, ctrl, ...this.held, ...from });
+    if (kind === "up" || kind === "cancel") [this.held, this.wantsMenu] = [null, true];
+    event.preventDefault();
+    return true;
+  }
+
   /** @param {Click} click as the view tells it @returns {boolean} whether the tool took it */
   click(click) {
     const gesture = this.tool.gesture;
-    if (gesture === "camera" || click.button !== 0) return gesture !== "camera";
+    if (isForCamera(gesture) || click.button !== 0) return !isForCamera(gesture);
     if (gesture === "select") this.select(click);
     else if (!click.point) this.say("Nothing is there.");
     else if (gesture === "measure") this.measure(click.point);
@@ -149,3 +177,6 @@ export class Gestures {
     this.view.mirror.changed();
   }
 }
+
+/** @param {ToolButton["gesture"]} gesture @returns {boolean} whether the mouse turns the view, where nothing is pressed */
+const isForCamera = (gesture) => gesture === "camera" || gesture === "interact";

@@ -58,7 +58,8 @@ export class Panels {
     this.updateViews(values.views);
     this.toolTree.update(this.state.rowsOf(values.tools));
     Object.assign(this.view.orbit, values.hands);
-    this.gestures.settings = values.settings;
+    Object.assign(this.gestures, { settings: values.settings, handles: values.handles });
+    if (changed.menu && this.gestures.wantsMenu) this.openMenu(changed.menu);
     const { mark, text } = values.status;
     const { notice } = values;
     this.say(this.status, mark.icon, mark.word, text, mark.level);
@@ -134,15 +135,14 @@ export class Panels {
   }
 
   fillAddable() {
-    const { types, topics, undrawn } = this.state.values;
+    const { types, topics } = this.state.values;
     /** @param {string} label @param {[string, string][]} all values with what is shown of them */
     const choices = (label, all) =>
       part("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
-    const note = (/** @type {string} */ name) => (undrawn.includes(name) ? " (RViz2 only)" : "");
     /** @type {[string, string][]} */
     const byTopic = topics.map(({ topic, type, display }) => [
       JSON.stringify({ display, topic }),
-      `${topic} (${type}) → ${display.split("/").pop()}${note(display)}`,
+      `${topic} (${type}) → ${display.split("/").pop()}`,
     ]);
     /** @type {[string, string][]} */
     const byType = types.map(({ name, short }) => [JSON.stringify({ display: name }), short]);
@@ -150,6 +150,15 @@ export class Panels {
     this.addable.replaceChildren(choices("By topic", byTopic), choices("By display type", byType));
     this.addable.value = value;
     if (this.addable.selectedIndex < 0) this.addable.selectedIndex = 0;
+  }
+
+  /** @param {import("../protocol.js").ContextMenu} menu of an interactive marker */
+  openMenu({ path = "", entries = [] }) {
+    this.gestures.wantsMenu = false;
+    const options = entries.map(({ id, text, opens }) => part("option", { value: id, disabled: Boolean(opens) }, text));
+    const list = part("select", { size: Math.max(entries.length, 2) }, ...options);
+    list.onclick = () => list.value && list.form.requestSubmit();
+    ask(this.frame, "Menu", list, (entry) => this.state.act({ act: "ChooseEntry", path, entry: Number(entry) }));
   }
 
   open() {
@@ -243,8 +252,7 @@ export class Panels {
   turned() {
     clearTimeout(this.turning);
     this.turning = setTimeout(() => {
-      const { eye, target, up, scale } = this.view.orbit;
-      this.state.act({ act: "TurnView", eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale });
+      this.state.act({ act: "TurnView", ...this.view.orbit.seen() });
     }, TURNED_AFTER);
   }
 }

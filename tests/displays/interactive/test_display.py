@@ -1,0 +1,225 @@
+"""The InteractiveMarkers display: what it shows of a server, and what it sends to it."""
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Point, Pose, TransformStamped
+from interactive_markers import InteractiveMarkerServer, MenuHandler
+from rclpy.node import Node
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import (
+    InteractiveMarker,
+    MenuEntry,
+)
+from visualization_msgs.msg import InteractiveMarkerControl as C
+from visualization_msgs.msg import InteractiveMarkerFeedback as F
+
+from course_lib.displays.interactive.display import InteractiveMarkersDisplay
+from course_lib.errors import CourseError
+from course_lib.ros.driving import spin_for
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.drawables import Lines
+from tests.displays.bench import Bench
+from tests.displays.interactive.control_stage import Stage, box
+from tests.displays.stage import LATCHED, publish
+
+NAME = "rviz_default_plugins/InteractiveMarkers"
+LABEL = "Interactive Marker Client"
+
+
+def test_a_late_display_asks_the_server_and_follows_its_updates(stage: Stage) -> None:
+    display = stage.show(box(C.MOVE_AXIS))
+    assert stage.told(display, LABEL) == ("ok", "Initialized")
+    assert stage.told(display, "box") == ("ok", "Locked to frame map")
+    parts = {path.split("/")[-3] for path in stage.viewer.scene.objects() if "/controls/" in path}
+    assert parts == {"move", "button"}
+    stage.server.setPose("box", Pose(position=Point(x=2.0)))
+    stage.server.applyChanges()
+    stage.add(box(name="other"))
+    spin_for(0.1, stage.node)
+    assert stage.place() == [2, 0, 0]
+    assert [*display.markers] == ["box", "other"]
+    stage.server.erase("box")
+    stage.server.applyChanges()
+    spin_for(0.1, stage.node)
+    assert [*display.markers] == ["other"]
+
+
+def test_a_display_that_was_there_first_shows_a_server_that_comes(stage: Stage) -> None:
+    display = stage.viewer.add("InteractiveMarkers", "/late")
+    assert "No server of interactive markers is in /late." in str(stage.viewer.statuses())
+    server = InteractiveMarkerServer(stage.node, "late")
+    server.insert(box(C.MOVE_AXIS))
+    server.applyChanges()
+    spin_for(0.2, stage.node)
+    assert isinstance(display, InteractiveMarkersDisplay)
+    assert [*display.markers] == ["box"]
+    server.shutdown()
+    spin_for(0.2, stage.node)
+    assert stage.told(display, LABEL) == ("warn", "Server not available while running, resetting")
+    assert not display.markers
+
+
+def test_a_server_that_is_not_spun_gets_a_hint(stage: Stage) -> None:
+    stage.add(box())
+    stage.viewer.add("InteractiveMarkers", "/simple")
+    spin_for(1.5, Node("other"))
+    words = str(stage.viewer.statuses())
+    assert "Did not receive response with interactive markers, resending request..." in words
+    assert "spin_for(1.0, node)" in words
+    spin_for(0.2, stage.node)
+    assert stage.place() == [0, 0, 0]
+
+
+def test_a_drag_along_an_axis_moves_the_marker_and_the_server_hears_each_step(stage: Stage) -> None:
+    stage.show(box(C.MOVE_AXIS))
+    side = Camera(eye=(0.0, -10.0, 0.0))
+    stage.use("move", ("down", (0.7, 0.0, 0.0)), ("move", (1.2, 0.0, 0.5)), camera=side)
+    stage.use("move", ("move", (1.7, 0.0, 0.0)), ("up", (1.7, 0.0, 0.0)), camera=side)
+    assert stage.place() == [1, 0, 0]
+    events = [feedback.event_type for feedback in stage.heard]
+    assert events == [F.POSE_UPDATE, F.MOUSE_DOWN, F.POSE_UPDATE, F.POSE_UPDATE, F.POSE_UPDATE, F.MOUSE_UP]
+    assert {(f.marker_name, f.control_name, f.client_id) for f in stage.heard} == {("box", "move", "/rviz2")}
+    down, last = stage.heard[1], stage.heard[-1]
+    assert (down.mouse_point.x, down.mouse_point_valid, down.header.frame_id) == (0.7, True, "map")
+    assert last.pose.position.x == pytest.approx(1.0)
+    marker = stage.server.get("box")
+    assert marker is not None
+    assert marker.pose.position.x == pytest.approx(1.0)
+
+
+def test_a_turned_marker_is_seen_turned(stage: Stage) -> None:
+    stage.show(box(C.ROTATE_AXIS))
+    stage.use("turn", ("down", (0.0, 0.5, 0.0)), ("move", (0.0, 0.0, 0.5)), ("up", (0.0, 0.0, 0.5)))
+    turn = stage.heard[-1].pose.orientation
+    assert (turn.x, turn.w) == pytest.approx((0.5**0.5, 0.5**0.5))
+    path = "displays/InteractiveMarkers/handles/box/controls/button"
+    assert stage.viewer.scene.world_transform(path)[:3, 1] == pytest.approx((0, 0, 1), abs=1e-9)
+
+
+def test_a_button_is_clicked_when_it_is_released(stage: Stage) -> None:
+    stage.show(box())
+    stage.use("button", ("down", (0.5, 0.0, 0.0)), ("up", (0.5, 0.0, 0.0)))
+    events = [feedback.event_type for feedback in stage.heard]
+    assert events == [F.POSE_UPDATE, F.MOUSE_DOWN, F.BUTTON_CLICK, F.POSE_UPDATE, F.MOUSE_UP]
+
+
+def test_the_server_corrects_a_drag_at_its_end(stage: Stage) -> None:
+    def to_the_grid(feedback: F) -> None:
+        at = Pose(position=Point(x=float(round(feedback.pose.position.x))))
+        stage.server.setPose("box", at)
+
+    stage.show(box(C.MOVE_AXIS))
+    stage.server.setCallback("box", to_the_grid)
+    side = Camera(eye=(0.0, -10.0, 0.0))
+    stage.use("move", ("down", (0.7, 0.0, 0.0)), ("move", (1.5, 0.0, 0.0)), camera=side)
+    assert stage.place() == [0.8, 0, 0]
+    stage.use("move", ("up", (1.5, 0.0, 0.0)), camera=side)
+    assert stage.place() == [1, 0, 0]
+
+
+def test_a_menu_opens_with_a_right_click_and_a_choice_is_heard(stage: Stage) -> None:
+    menu, chosen = MenuHandler(), list[F]()
+    for title in ("One", "Two"):
+        menu.insert(title, callback=chosen.append)
+    menu.insert("Below", parent=menu.insert("More"))
+    menu.insert("Run", command_type=MenuEntry.ROSRUN, command="turtlesim turtlesim_node")
+    menu.setCheckState(1, MenuHandler.CHECKED)
+    stage.add(box(C.MENU))
+    menu.apply(stage.server, "box")
+    stage.server.applyChanges()
+    display = stage.show()
+    entries = stage.use("button", ("down", (0.5, 0.0, 0.0)), ("up", (0.5, 0.0, 0.0)), button=2)
+    assert [(entry.id, entry.text.strip("\u3000"), entry.opens) for entry in entries] == [
+        (1, "☑ One", False),
+        (2, "Two", False),
+        (3, "More", True),
+        (4, "Below", False),
+        (5, "Run", False),
+    ]
+    path = "displays/InteractiveMarkers/handles/box/controls/button/0/body"
+    assert display.choose(path, 2) == ""
+    spin_for(0.1, stage.node)
+    assert [(f.menu_entry_id, f.control_name, f.mouse_point.x) for f in chosen] == [(2, "button", 0.5)]
+    assert display.choose(path, 5).endswith("Run it in a cell: %ros2 run turtlesim turtlesim_node")
+    with pytest.raises(CourseError, match="not in the menu any more"):
+        display.choose(path, 9)
+    assert len(stage.use("menu", ("down", (0.5, 0.0, 0.0)), ("up", (0.5, 0.0, 0.0)))) == 5  # a left click
+
+
+def test_a_marker_moves_with_the_frame_that_it_is_locked_to_and_reports_in_it(stage: Stage) -> None:
+    transform = TransformStamped(header=Header(frame_id="map"), child_frame_id="base")
+    transform.transform.translation.y = 3.0
+    publish(stage.graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
+    stage.show(box(C.MOVE_AXIS, frame="base"))
+    assert stage.place() == [0, 3, 0]
+    side = Camera(eye=(0.0, -10.0, 0.0))
+    stage.use("move", ("down", (0.7, 3.0, 0.0)), ("move", (1.7, 3.0, 0.0)), camera=side)
+    last = stage.heard[-1]
+    assert (last.header.frame_id, last.pose.position.y) == ("base", 0.0)
+    assert last.pose.position.x == pytest.approx(1.0)
+    assert stage.place() == pytest.approx([1, 3, 0])
+
+
+def test_a_marker_in_an_unknown_frame_waits_for_it_and_says_so(stage: Stage) -> None:
+    display = stage.show(box(frame="nowhere"))
+    level, text = stage.told(display, LABEL)
+    assert level == "ok"
+    assert text.startswith("Resetting due to transform error: ")
+    assert not display.markers
+    transform = TransformStamped(header=Header(frame_id="map"), child_frame_id="nowhere")
+    publish(stage.graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
+    spin_for(0.1, stage.node)
+    assert stage.place() == [0, 0, 0]
+
+
+def test_what_faces_the_viewer_turns_with_the_view(stage: Stage) -> None:
+    control = C(name="face", interaction_mode=C.MOVE_PLANE, orientation_mode=C.VIEW_FACING)
+    marker = InteractiveMarker(header=Header(frame_id="map"), name="box", controls=[control])
+    stage.show(marker)
+    path = "displays/InteractiveMarkers/handles/box/controls/face"
+    for eye in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)):
+        stage.viewer.session.turned(Camera(eye=eye, up=(0.0, 1.0, 0.0)))
+        x_axis = stage.viewer.scene.world_transform(path)[:3, 0]
+        assert x_axis == pytest.approx(-np.array(eye) / 10, abs=1e-3)
+
+
+def test_descriptions_axes_and_visual_aids_are_shown_on_request(stage: Stage) -> None:
+    display = stage.show(box(C.MOVE_AXIS))
+    scene, node = stage.viewer.scene, "displays/InteractiveMarkers/handles/box"
+    assert (scene.visible(f"{node}/title/0/text"), scene.visible(f"{node}/axes")) == (True, False)
+    display["Show Descriptions"], display["Show Axes"], display["Show Visual Aids"] = False, True, True
+    assert (scene.visible(f"{node}/title/0/text"), scene.visible(f"{node}/axes")) == (False, True)
+    stage.use("move", ("down", (0.7, 0.0, 0.0)))
+    assert isinstance(scene.objects()[f"{node}/controls/move/aid"], Lines)
+    stage.use("move", ("up", (0.7, 0.0, 0.0)))
+    assert f"{node}/controls/move/aid" not in scene.objects()
+
+
+def test_orders_on_what_is_gone_do_nothing(stage: Stage) -> None:
+    display = stage.show(box(C.MOVE_AXIS))
+    stage.use("move", ("down", (0.7, 0.0, 0.0)))
+    stage.server.erase("box")
+    stage.server.applyChanges()
+    spin_for(0.1, stage.node)
+    assert stage.use("move", ("move", (1.0, 0.0, 0.0)), ("up", (1.0, 0.0, 0.0))) == ()
+    assert not display.markers
+
+
+def test_a_display_without_a_namespace_says_so_in_rviz_words() -> None:
+    bench = Bench()
+    display = bench.session.add(NAME, "Im", {})
+    assert bench.said(display, LABEL) == ("error", "Error connecting: empty namespace")
+
+
+def test_a_lost_update_makes_the_client_ask_again(stage: Stage) -> None:
+    display = stage.show(box())
+    stage.add(box(name="other"))
+    stage.server.seq_num += 1
+    stage.server.setPose("box", Pose(position=Point(x=1.0)))
+    stage.server.applyChanges()
+    texts = [row.text for row in display.rows()]
+    assert "Update sequence number is out of order. 3 (expected) vs. 4 (received)" in texts
+    spin_for(0.1, stage.node)  # it asks with the next frame
+    spin_for(0.1, stage.node)
+    assert stage.place() == [1, 0, 0]
