@@ -5,6 +5,8 @@ from .course.questions import predict as predict
 from .course.questions import quiz as quiz
 from .displays.viewer import Viewer as Viewer
 from .errors import CourseError as CourseError
+from .gateway.robot import RobotProcess as RobotProcess
+from .gateway.robot import start_robot as start_robot
 from .grading.check import check as check
 from .grading.personal import my_values as my_values
 from .robots.robot import load_robot as load_robot

@@ -8,7 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 from typer.exceptions import TyperException
 
-from course_lib.cli_robot import Call, Domain, Robot, Send, address
+from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
 from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
 
@@ -27,6 +27,7 @@ app = typer.Typer(
 bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
 app.add_typer(staff)
+app.add_typer(robots)
 
 ShowArgs = Annotated[bool, typer.Option("--show-args", help="Only list a launch file's arguments.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]

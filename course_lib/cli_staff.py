@@ -120,37 +120,3 @@ def mark(
         )
     for line in lines:
         typer.echo(line)
-
-
-@staff.command()
-def router(
-    robot: Annotated[str, typer.Option(help="The robot's router, tcp/192.168.1.5:7447.")] = "",
-    send: Annotated[
-        list[str] | None, typer.Option(help="A topic that the driver may publish; may be given again.")
-    ] = None,
-    call: Annotated[
-        list[str] | None, typer.Option(help="A service that students may call; may be given again.")
-    ] = None,
-    students: Annotated[
-        Path | None, typer.Option(help="The platform's CSV; each student gets a token.")
-    ] = None,
-    id_column: Annotated[
-        str, typer.Option(help="The heading of the IDs in --students; default: found by what is in it.")
-    ] = "",
-    driver: Annotated[
-        str, typer.Option(help="Who drives, or nobody; also changes it while a gateway runs.")
-    ] = "",
-    listen: Annotated[str, typer.Option(help="Where students connect.")] = "tcp/0.0.0.0:7448",
-    certificate: Annotated[Path | None, typer.Option(help="PEM file for --listen tls/…, with --key.")] = None,
-    key: Annotated[Path | None, typer.Option(help="The certificate's private key, PEM.")] = None,
-    domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
-    folder: Annotated[Path, typer.Option(help="Where tokens are kept.")] = Path("course_router"),
-) -> None:
-    """Run a gateway: a class hears a robot, and one student at a time drives it."""
-    from course_lib.gateway.access import checked_names
-    from course_lib.gateway.gateway import Settings
-    from course_lib.gateway.router import router as run
-
-    sends, calls = checked_names(send or (), "--send"), checked_names(call or (), "--call")
-    settings = Settings(listen, robot, sends, calls, domain, certificate, key)
-    run(settings, folder, students, id_column, driver, typer.echo)

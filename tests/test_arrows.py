@@ -34,11 +34,11 @@ ARROWS = {
     "sensors": {"ros"},
     "tools": {"ros", "recording", "displays", "robots"},  # robots: what launch files start
     "export": {"ros", "course"},
-    "gateway": {"ros", "course", "grading"},  # grading: the rosters of learning platforms
+    "gateway": {"ros", "course", "grading", "tools", "robots", "sensors"},  # grading: platforms' rosters
     "grading": ROOMS,
     "demo": ALL | {"demo"},
     "cli": ALL | {"demo", "cli_robot", "cli_staff"},
-    "cli_robot": {"ros"},
+    "cli_robot": {"ros", "gateway"},
     "cli_staff": ALL,
     "extension": ALL,
     "__main__": {"cli"},

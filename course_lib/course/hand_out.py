@@ -60,7 +60,9 @@ class Refresh:
 
 def shipped_files() -> dict[str, Path]:
     """Return the kit's file for each name in a student's folder."""
-    lessons = [path for name in ("week*.ipynb", "week*.py") for path in lessons_dir().glob(name)]
+    lessons = [
+        path for name in ("week*.ipynb", "week*.py", "extra_*.ipynb") for path in lessons_dir().glob(name)
+    ]
     notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
     named = {path.name: path for path in notebooks}

@@ -43,6 +43,11 @@ def reviews() -> list[Path]:
     return sorted(lessons_dir().glob("week*_your_review.ipynb"))
 
 
+def extras() -> list[Path]:
+    """Return the optional lessons, which belong to no week, `extra_*.ipynb`."""
+    return sorted(lessons_dir().glob("extra_*.ipynb"))
+
+
 def exercises_dir() -> Path:
     """Return the folder of the exercises, `course.toml`, public checks, quizzes and assets."""
     return material_root() / "exercises"

@@ -1,6 +1,6 @@
 """A student's progress: the first page of the folder, and `course status`."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,7 +11,7 @@ from rich.table import Table
 from course_lib.course.course_file import WeekSettings, shipped_course_file
 from course_lib.course.exercise import Notebook, read_notebook, source
 from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
-from course_lib.course.installation import exercises_dir, lessons, reviews
+from course_lib.course.installation import exercises_dir, extras, lessons, reviews
 from course_lib.course.state import Packed, State, find_student_folder, last_check, last_packed, write_whole
 from course_lib.errors import CourseError, counted
 
@@ -115,15 +115,19 @@ def _has_changed(file: Packed) -> bool:
 
 def contents_page(state: State) -> str:
     """Return the page as Markdown; links open inside JupyterLab."""
-    rows = [row for week in load_weeks() for row in (_row(week, state), *_reviews(week))]
-    return PAGE.format(rows="\n".join(rows))
+    rows = [row for week in load_weeks() for row in (_row(week, state), *map(_plain_row, _reviews(week)))]
+    return PAGE.format(rows="\n".join([*rows, *map(_plain_row, extras())]))
 
 
-def _reviews(week: Week) -> Iterator[str]:
-    """Yield the row of a review that follows this week."""
-    for path in (path for path in reviews() if path.name.startswith(week.name)):
-        notebook = read_notebook(path)
-        yield f"| [{_title(notebook)}]({path.name}) | {notebook['metadata']['course']['minutes']} | | | |"
+def _reviews(week: Week) -> list[Path]:
+    """Return the reviews that follow this week."""
+    return [path for path in reviews() if path.name.startswith(week.name)]
+
+
+def _plain_row(path: Path) -> str:
+    """Return the row of a notebook without an exercise."""
+    notebook = read_notebook(path)
+    return f"| [{_title(notebook)}]({path.name}) | {notebook['metadata']['course']['minutes']} | | | |"
 
 
 def _row(week: Week, state: State) -> str:

@@ -10,12 +10,19 @@ from typing import Any
 import pytest
 
 from course_lib.course.exercise import notebook_text, read_notebook, source
-from course_lib.course.installation import exercises_dir, lessons, lessons_dir, reviews, solutions_dir
+from course_lib.course.installation import exercises_dir, extras, lessons, lessons_dir, reviews, solutions_dir
 from course_lib.course.questions import load_predictions, load_quiz
 
 LESSONS = lessons()
 REVIEWS = reviews()
-ALL = [*LESSONS, *REVIEWS, *sorted(exercises_dir().glob("*.ipynb")), *sorted(solutions_dir().glob("*.ipynb"))]
+EXTRAS = extras()
+ALL = [
+    *LESSONS,
+    *REVIEWS,
+    *EXTRAS,
+    *sorted(exercises_dir().glob("*.ipynb")),
+    *sorted(solutions_dir().glob("*.ipynb")),
+]
 MAX_CELL = 25  # lines
 AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30  # words
 MINUTES = re.compile(r"^## .*\((\d+) min\)$", re.MULTILINE)
@@ -140,7 +147,7 @@ def test_a_lesson_ends_with_a_page_to_show_and_further_reading(path: Path) -> No
     assert len(re.findall(r"\]\(https://", reading)) >= 3
 
 
-@each([*LESSONS, *REVIEWS])
+@each([*LESSONS, *REVIEWS, *EXTRAS])
 def test_each_try_it_is_followed_by_an_answer_to_open(path: Path) -> None:
     answer = r"<details><summary>Answer</summary>\n\n.{20,}?\n\n</details>"
     for tried in re.split(r"^\*\*Try it", markdown(path), flags=re.MULTILINE)[1:]:
@@ -160,7 +167,7 @@ def test_a_lesson_leads_to_rviz2_and_to_the_robot(path: Path) -> None:
         assert phrase in markdown(path)
 
 
-@each(LESSONS)
+@each([*LESSONS, *EXTRAS])
 def test_the_minutes_of_the_sections_sum_to_the_total(path: Path) -> None:
     total = sum(map(int, MINUTES.findall(markdown(path))))
     assert f"**Time: {total} minutes in total.**" in markdown(path)

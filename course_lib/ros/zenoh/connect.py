@@ -27,7 +27,8 @@ class RobotAddress:
     """The address of a robot, and the names that may go out to it.
 
     Args:
-        router: Like `tcp/192.168.1.5:7447`; the port and `tcp/` may be left out.
+        router: Like `tcp/192.168.1.5:7447`; the port and `tcp/` may be left out. A gateway's has a login:
+            `tcp/ann:TOKEN@lab:7448`.
         domain: ROS_DOMAIN_ID; None takes the environment's, else 0.
         send: Topics that may be sent.
         call: Services and actions that may be called or offered.
@@ -73,10 +74,10 @@ def _tell_apart(line: str) -> None:
 
 def _router(text: str) -> str:
     """Return the address in Zenoh's words."""
-    found = re.fullmatch(r"(?:(\w+)/)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", text)
+    found = re.fullmatch(r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", text, re.ASCII)
     if found is None:
         raise CourseError(f"{text!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT}.")
-    return f"{found[1] or 'tcp'}/{found[2]}:{found[3] or PORT}"
+    return f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
 
 
 def _domain(domain: int | None) -> int:
