@@ -223,3 +223,14 @@ def test_a_lost_update_makes_the_client_ask_again(stage: Stage) -> None:
     spin_for(0.1, stage.node)  # it asks with the next frame
     spin_for(0.1, stage.node)
     assert stage.place() == [1, 0, 0]
+
+
+def test_a_frame_in_which_nothing_has_moved_changes_nothing(stage: Stage) -> None:
+    stage.show(box(C.MOVE_AXIS))
+    stage.viewer.look()
+    changes: list[str] = []
+    stage.viewer.scene.listen(lambda what, path: changes.append(f"{what} {path}"))
+    stage.viewer.look()
+    assert changes == []
+    stage.viewer.session.turned(Camera(eye=(0.0, 9.0, 4.0)))
+    assert any(change.endswith("/title") for change in changes)
