@@ -72,6 +72,26 @@ def _turtlesim() -> None:
     spin(node)
 
 
+def _turtle_program(name: str) -> None:
+    from course_lib.robots.turtlesim import programs
+
+    spin(getattr(programs, name)())
+
+
+def _turtle_teleop() -> None:
+    """Run the node that steers a turtle, with its keys as buttons in a notebook's cell."""
+    from course_lib.robots.turtlesim.programs import TurtleTeleop, teleop_buttons
+
+    node = TurtleTeleop()
+    if current_graph().notebook and pace.wanted() != "fast":
+        from IPython.display import display
+
+        display(teleop_buttons(node))  # type: ignore[no-untyped-call]  # untyped there
+    else:
+        node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
+    spin(node)
+
+
 def _robot_state_publisher() -> None:
     from course_lib.robots.robot_state_publisher import RobotStatePublisher
 
@@ -173,6 +193,9 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("turtlesim", "turtlesim_node"): _turtlesim,
+    ("turtlesim", "turtle_teleop_key"): _turtle_teleop,
+    ("turtlesim", "mimic"): partial(_turtle_program, "TurtleMimic"),
+    ("turtlesim", "draw_square"): partial(_turtle_program, "DrawSquare"),
     ("unknown_robot", "robot"): _unknown_robot,
     **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }

@@ -34,6 +34,8 @@ IMPORTS = (
     "from launch.actions.shutdown_action import Shutdown",
     "from launch.conditions.if_condition import IfCondition",
     "from launch.event_handlers.on_process_exit import OnProcessExit",
+    "import launch.logging; launch.logging.get_logger('x').debug('hidden')",
+    "import os; assert os.environ['ROS_DISTRO'] == 'jazzy'",
     "from launch.launch_context import LaunchContext",
     "from launch.launch_description import LaunchDescription",
     "from launch.launch_description_entity import LaunchDescriptionEntity",
@@ -72,6 +74,14 @@ def test_the_types_of_a_package_are_there_once_one_of_them_was_loaded() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout == "Header\n"
     assert done.stderr.endswith("AttributeError: module 'std_srvs' has no attribute 'srv'\n")
+
+
+def test_a_launch_file_s_logger_writes_as_launch_does(capsys: pytest.CaptureFixture[str]) -> None:
+    from launch import logging
+
+    logging.get_logger("robot").info("%d wheels", 4)
+    logging.get_logger().warning("no map")
+    assert capsys.readouterr() == ("[INFO] [robot]: 4 wheels\n[WARNING] [launch]: no map\n", "")
 
 
 @pytest.mark.parametrize("name", ["launch.actions.nonsense", "rclpy.nonsense", "launch_ros.nonsense"])

@@ -1,12 +1,9 @@
 """turtlesim as its source describes it: what it publishes, says and answers."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
-import rclpy
 from geometry_msgs.msg import TransformStamped, Twist, Vector3
 from rclpy.action import ActionClient
 from rclpy.node import Node
@@ -21,51 +18,9 @@ from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelativ
 from course_lib.displays.turtle_view import TurtleView
 from course_lib.robots.turtlesim.canvas import SIZE
 from course_lib.robots.turtlesim.simulator import TurtlesimNode
-from course_lib.ros import virtual_time
 from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, use_graph
 from course_lib.viewer.drawables import Lines, Solids
-
-MIDDLE = float(np.float32(SIZE / 2))
-
-
-class Student(Node):
-    """Hears the first turtle, drives it, and calls services."""
-
-    def __init__(self, simulator: TurtlesimNode) -> None:
-        super().__init__("student")
-        self.simulator = simulator
-        self.poses: list[Pose] = []
-        self.colors: list[Color] = []
-        self.create_subscription(Pose, "turtle1/pose", self.poses.append, 10)
-        self.create_subscription(Color, "turtle1/color_sensor", self.colors.append, 10)
-        self.twists = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-
-    def drive(self, forward: float, turn: float = 0.0, left: float = 0.0) -> None:
-        self.twists.publish(Twist(linear=Vector3(x=forward, y=left), angular=Vector3(z=turn)))
-
-    def wait(self, seconds: float) -> None:
-        spin_for(seconds, self.simulator, self)
-
-    def call(self, kind: Any, service: str, /, **request: Any) -> Any:
-        future = self.create_client(kind, service).call_async(kind.Request(**request))
-        self.wait(0.1)
-        return future.result()
-
-    @property
-    def place(self) -> tuple[float, float, float]:
-        last = self.poses[-1]
-        return round(last.x, 2), round(last.y, 2), round(last.theta, 2)
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[TurtlesimNode, Student]]:
-    monkeypatch.setenv("COURSE_PACE", "fast")
-    virtual_time.install()
-    with use_graph(Graph(notebook=True)):
-        rclpy.init()
-        simulator = TurtlesimNode()
-        yield simulator, Student(simulator)
+from tests.robots.turtlesim.student import MIDDLE, Student
 
 
 def test_a_turtle_starts_in_the_middle_and_says_so_60_times_a_second(
