@@ -70,6 +70,23 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     robot.communicate(timeout=60)
 
 
+def test_goals_of_two_runs_have_different_ids(
+    router: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "ids.py").write_text("import uuid\nprint(uuid.uuid4())\n")
+    for _ in range(2):
+        run(
+            [tmp_path / "ids.py"],
+            seconds=None,
+            seed=0,
+            bag=None,
+            args=(),
+            real_time=False,
+            robot=RobotAddress(router),
+        )
+    assert len(set(capsys.readouterr().out.split())) == 2
+
+
 @pytest.mark.parametrize(
     ("address", "line"),
     [
