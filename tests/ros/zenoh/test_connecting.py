@@ -92,12 +92,12 @@ def test_goals_of_two_runs_have_different_ids(
     [
         ("robot:port", "'robot:port' is not an address of a robot: write it like tcp/192.168.1.5:7447."),
         ("", "'' is not an address of a robot"),
-        (f"127.0.0.1:{free_port()}", "No Zenoh router answers at tcp/127.0.0.1:"),
+        ("127.0.0.1:{port}", "No Zenoh router answers at tcp/127.0.0.1:"),
     ],
 )
 def test_a_robot_that_cannot_be_reached_is_one_line(address: str, line: str) -> None:
     with pytest.raises(CourseError) as error:
-        link_to(RobotAddress(address))
+        link_to(RobotAddress(address.format(port=free_port())))
     assert str(error.value).startswith(line)
 
 
