@@ -1,5 +1,6 @@
 """`%rqt service_caller` and `reconfigure`: views that call the services of nodes."""
 
+from collections.abc import Collection
 from html import escape
 from typing import Any
 
@@ -110,6 +111,10 @@ class ReconfigureView(RqtView):
         """Return the rows, which are read soon."""
         self.soon(self._read)
         return [self.table]
+
+    def needed(self) -> Collection[str]:
+        """Return the topic of changed parameters."""
+        return _EVENTS[:1]
 
     def hear(self, sample: Sample) -> None:
         """Show values that other clients set."""
