@@ -134,7 +134,7 @@ def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFix
         assert current_graph().notebook
         with pytest.raises(CourseError, match="is not linked"):
             disconnect()
-    assert f"Linked to {kits.address}: 1 nodes. What may go out: cmd_vel." in capsys.readouterr().out
+    assert f"Linked to {kits.address}: 1 node. What may go out: cmd_vel." in capsys.readouterr().out
 
 
 def test_a_notebook_with_nodes_is_not_linked(router: str) -> None:
