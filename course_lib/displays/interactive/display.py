@@ -217,6 +217,8 @@ def _drag(marker: ShownMarker, control: ShownControl, order: UseControl) -> None
 def _pointer(order: UseControl) -> Pointer:
     """Return the pointer of an order, in the fixed frame."""
     direction = np.array(order.direction)
+    if not direction.any() or order.pixel <= 0:
+        raise CourseError(f"The page's ray {order.direction} with pixels of {order.pixel} m points nowhere.")
     return Pointer(
         origin=np.array(order.origin),
         direction=direction / np.linalg.norm(direction),

@@ -7,7 +7,7 @@ from typing import Any
 
 from course_lib.errors import counted
 from course_lib.ros.graph import Sample
-from course_lib.tools.message_yaml import Style, to_csv, to_yaml
+from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
 from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.topic.subscribe import in_bytes

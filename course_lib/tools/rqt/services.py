@@ -7,7 +7,8 @@ from typing import Any
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import message_class, service_class
-from course_lib.tools.message_yaml import Style, fill, to_yaml
+from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.tools.message_yaml import fill
 from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
 from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import RqtView
