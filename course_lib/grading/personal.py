@@ -46,7 +46,7 @@ def build(message: Message, personal: Mapping[str, Any]) -> Any:
         CourseError: A field is unknown or its value does not fit; names topic and reason.
     """
     from course_lib.ros.messages import message_class
-    from course_lib.tools.message_yaml import set_fields
+    from course_lib.ros.messages.conversions import set_fields
 
     made = message_class(message.type_name)()
     try:

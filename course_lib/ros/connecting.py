@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.ros.graph import Graph, current_graph, set_graph
 from course_lib.ros.live import drive_link, stop_all
 from course_lib.ros.notices import say
@@ -37,9 +37,8 @@ def connect(
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)
     drive_link(linked)
-    count = len(linked.nodes())
     out = ", ".join(sorted([*send, *call])) or "nothing: read-only"
-    say(f"Linked to {linked.link.address}: {count} nodes. What may go out: {out}.")
+    say(f"Linked to {linked.link.address}: {counted(len(linked.nodes()), 'node')}. What may go out: {out}.")
 
 
 def disconnect() -> None:

@@ -43,7 +43,9 @@ def run_files(
     virtual_time.install()
     programs: list[Process] = [_program(file, args, own or {}) for file in files]
     programs += beside
-    with _interpreter_kept(), _folder_of_notebooks(programs), seeded(seed), baton.known():
+    # What happens at a robot does not repeat, and the ids of goals must differ from those of other runs.
+    chance = nullcontext() if current_graph().keeps_wall_time else seeded(seed)
+    with _interpreter_kept(), _folder_of_notebooks(programs), chance, baton.known():
         if len(programs) == 1:
             programs[0].run()
         else:

@@ -1,5 +1,6 @@
 """The import path: a program gets the stand-in, whatever other ROS is installed."""
 
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
@@ -14,11 +15,15 @@ from course_lib.errors import CourseError
 from course_lib.ros.homes import Homes
 
 STANDIN = Path(__file__).parent / "standin"
+SOURCED = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3"}  # by setup.bash, in ROS
 KINDS = ("msg", "srv", "action")
 
 
 def install() -> None:
-    """Put the stand-in's packages first on sys.path; raises a CourseError if others of a name are in use."""
+    """Put the stand-in's packages first on sys.path; raises a CourseError if others of a name are in use.
+
+    ROS's variables are set, too, where they are not.
+    """
     for name in provided():
         module = sys.modules.get(name)
         if module is not None and STANDIN not in Path(_origin(module)).parents:
@@ -26,6 +31,8 @@ def install() -> None:
                 f"{name} has already been imported from {_origin(module)}, so the course's own ROS can't "
                 "take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
             )
+    for name, value in SOURCED.items():
+        os.environ.setdefault(name, value)
     ours = str(STANDIN)
     if sys.path[:1] != [ours]:
         sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]

@@ -7,7 +7,8 @@ from typing import Any, Literal
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import RosMessage, action_class, type_name
-from course_lib.tools.message_yaml import Style, check_type, fill, kind_of, to_yaml
+from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.tools.message_yaml import check_type, fill, kind_of
 from course_lib.tools.sources import Source, answer, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,

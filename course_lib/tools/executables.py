@@ -14,6 +14,7 @@ from course_lib.ros.graph import current_graph
 from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
+    from course_lib.displays.viewer import Viewer
     from course_lib.ros.launch_program import Executables
 
 SETTLED = 1.0  # [s] of robot time after which the first messages of all nodes have arrived
@@ -25,18 +26,22 @@ def _rviz2() -> None:
     words = own_words()
     layout = Path(words[words.index("-d") + 1]) if "-d" in words[:-1] else None
     if current_graph().notebook:
-        from IPython.display import display
-
         from course_lib.displays.viewer import Viewer
 
-        viewer = Viewer.from_rviz(layout) if layout else Viewer()
-        shown = display(viewer, display_id=True)  # type: ignore[no-untyped-call]  # untyped there
-        if shown is not None and pace.wanted() == "fast":  # nobody watches the first picture
-            time.sleep(SETTLED)  # of robot time
-            shown.update(viewer)
+        _show(Viewer.from_rviz(layout) if layout else Viewer())
     else:
         _print_how_to_look(layout)
     spin()
+
+
+def _show(viewer: "Viewer") -> None:
+    """Show a viewer in the cell."""
+    from IPython.display import display
+
+    shown = display(viewer, display_id=True)  # type: ignore[no-untyped-call]  # untyped there
+    if shown is not None and pace.wanted() == "fast":  # nobody watches the first picture
+        time.sleep(SETTLED)  # of robot time
+        shown.update(viewer)
 
 
 def _print_how_to_look(layout: Path | None) -> None:
@@ -50,6 +55,41 @@ def _print_how_to_look(layout: Path | None) -> None:
         "[rviz2]: There is no window here. Record the run with --bag DIR; then look at it with: "
         f"course view --bag DIR{rviz}\n"
     )
+
+
+def _turtlesim() -> None:
+    """Run the simulator, with its picture in a notebook's cell."""
+    from course_lib.robots.turtlesim.simulator import TurtlesimNode
+
+    node = TurtlesimNode()
+    if current_graph().notebook:
+        from course_lib.displays.turtle_view import TurtleView
+
+        _show(TurtleView(node).viewer)
+    else:
+        say = "There is no window here; a notebook's cell has one: %ros2 run turtlesim turtlesim_node"
+        node.get_logger().info(say)
+    spin(node)
+
+
+def _turtle_program(name: str) -> None:
+    from course_lib.robots.turtlesim import programs
+
+    spin(getattr(programs, name)())
+
+
+def _turtle_teleop() -> None:
+    """Run the node that steers a turtle, with its keys as buttons in a notebook's cell."""
+    from course_lib.robots.turtlesim.programs import TurtleTeleop, teleop_buttons
+
+    node = TurtleTeleop()
+    if current_graph().notebook and pace.wanted() != "fast":
+        from IPython.display import display
+
+        display(teleop_buttons(node))  # type: ignore[no-untyped-call]  # untyped there
+    else:
+        node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
+    spin(node)
 
 
 def _robot_state_publisher() -> None:
@@ -152,6 +192,10 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("robot_state_publisher", "robot_state_publisher"): _robot_state_publisher,
     ("joint_state_publisher", "joint_state_publisher"): _joint_state_publisher,
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
+    ("turtlesim", "turtlesim_node"): _turtlesim,
+    ("turtlesim", "turtle_teleop_key"): _turtle_teleop,
+    ("turtlesim", "mimic"): partial(_turtle_program, "TurtleMimic"),
+    ("turtlesim", "draw_square"): partial(_turtle_program, "DrawSquare"),
     ("unknown_robot", "robot"): _unknown_robot,
     **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }

@@ -7,6 +7,7 @@ from functools import partial
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import message_class
+from course_lib.ros.messages.conversions import Style, to_yaml
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
     FOLDERS,
@@ -17,7 +18,6 @@ from course_lib.ros.messages.definitions import (
     typestore,
 )
 from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
-from course_lib.tools.message_yaml import Style, to_yaml
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Option, Verb, Write, flag, value
 

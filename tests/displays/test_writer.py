@@ -129,6 +129,11 @@ def test_no_saved_view_is_a_null(layout: Path, tmp_path: Path) -> None:
     assert "    Saved: ~\n" in saved(session_of(layout), tmp_path / "saved.rviz")
 
 
-def test_a_folder_that_is_not_there_is_named(layout: Path, tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_made(layout: Path, tmp_path: Path) -> None:
+    assert saved(session_of(layout), tmp_path / "my_files" / "view.rviz")
+
+
+def test_a_folder_that_cannot_be_made_is_named(layout: Path, tmp_path: Path) -> None:
+    (tmp_path / "nowhere").write_text("a file")
     with pytest.raises(CourseError, match="nowhere"):
         save_rviz(session_of(layout), tmp_path / "nowhere" / "view.rviz")

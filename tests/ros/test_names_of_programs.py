@@ -12,12 +12,14 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter, get_parameter_value, parameter_value_to_python
 from rclpy.qos import (
     HistoryPolicy,
+    QoSPolicyKind,
     QoSPresetProfiles,
     QoSProfile,
     ReliabilityPolicy,
     qos_profile_best_available,
     qos_profile_sensor_data,
 )
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QosCallbackResult, QoSOverridingOptions
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -32,6 +34,8 @@ IMPORTS = (
     "from launch.actions.shutdown_action import Shutdown",
     "from launch.conditions.if_condition import IfCondition",
     "from launch.event_handlers.on_process_exit import OnProcessExit",
+    "import launch.logging; launch.logging.get_logger('x').debug('hidden')",
+    "import os; assert os.environ['ROS_DISTRO'] == 'jazzy'",
     "from launch.launch_context import LaunchContext",
     "from launch.launch_description import LaunchDescription",
     "from launch.launch_description_entity import LaunchDescriptionEntity",
@@ -70,6 +74,14 @@ def test_the_types_of_a_package_are_there_once_one_of_them_was_loaded() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout == "Header\n"
     assert done.stderr.endswith("AttributeError: module 'std_srvs' has no attribute 'srv'\n")
+
+
+def test_a_launch_file_s_logger_writes_as_launch_does(capsys: pytest.CaptureFixture[str]) -> None:
+    from launch import logging
+
+    logging.get_logger("robot").info("%d wheels", 4)
+    logging.get_logger().warning("no map")
+    assert capsys.readouterr() == ("[INFO] [robot]: 4 wheels\n[WARNING] [launch]: no map\n", "")
 
 
 @pytest.mark.parametrize("name", ["launch.actions.nonsense", "rclpy.nonsense", "launch_ros.nonsense"])
@@ -165,3 +177,30 @@ def test_a_node_tells_what_the_others_have(node: Node, begun: Graph) -> None:
     assert not node.wait_for_node("/nobody", 0.5)
     with pytest.raises(rclpy.node.NodeNameNonExistentError, match="nonexistent node: /nobody"):
         node.get_client_names_and_types_by_node("nobody", "/")
+
+
+def test_parameters_override_the_quality_of_service(begun: Graph) -> None:
+    cli = ["--ros-args", "-p", "qos_overrides./chatter.publisher.reliability:=best_effort"]
+    talker = Node("talker", cli_args=[*cli, "-p", "qos_overrides./chatter.publisher.depth:=3"])
+    options = QoSOverridingOptions.with_default_policies()
+    publisher = talker.create_publisher(String, "chatter", 10, qos_overriding_options=options)
+    assert (publisher.qos_profile.depth, publisher.qos_profile.reliability.name) == (3, "BEST_EFFORT")
+    assert talker.get_parameter("qos_overrides./chatter.publisher.history").value == "keep_last"
+    named = QoSOverridingOptions([QoSPolicyKind.DEADLINE, QoSPolicyKind.LIFESPAN], entity_id="ear")
+    ear = talker.create_subscription(String, "chatter", print, 7, qos_overriding_options=named)
+    assert ear.qos_profile == QoSProfile(depth=7)
+    assert talker.get_parameter("qos_overrides./chatter.subscription_ear.deadline").value == 0
+    assert not talker.has_parameter("qos_overrides./chatter.subscription_ear.lifespan")
+
+
+def test_overrides_that_are_wrong_are_refused(begun: Graph) -> None:
+    name = "qos_overrides./chatter.publisher.reliability"
+    talker = Node("talker", cli_args=["--ros-args", "-p", f"{name}:=sometimes"])
+    options = QoSOverridingOptions.with_default_policies()
+    with pytest.raises(
+        RuntimeError, match=r"^Unexpected QoS override for policy `reliability`: `sometimes`$"
+    ):
+        talker.create_publisher(String, "chatter", 10, qos_overriding_options=options)
+    strict = QoSOverridingOptions([], callback=lambda profile: QosCallbackResult(reason="too deep"))
+    with pytest.raises(InvalidQosOverridesError, match=r"are not valid: too deep$"):
+        talker.create_publisher(String, "other", 10, qos_overriding_options=strict)

@@ -73,6 +73,16 @@ def test_what_is_wrong_with_arguments_is_one_line(
     assert said in line
 
 
+def test_turtlesim_runs_and_says_where_its_window_is(
+    launch_file: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording, code = recorded(launch_file(kit("turtlesim_node", "turtlesim")))
+    counts = {topic.name: topic.count for topic in recording.topics()}
+    assert (code, counts["/turtle1/pose"], counts["/turtle1/color_sensor"]) == (0, 62, 62)
+    shown = capsys.readouterr()
+    assert "%ros2 run turtlesim turtlesim_node" in shown.out + shown.err
+
+
 def test_rqt_and_tools_of_tf2_are_there(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     echo = kit("tf2_echo", "tf2_ros", arguments=["world", "base"])
     assert recorded(launch_file(kit("rqt_graph"), echo))[1] == 0

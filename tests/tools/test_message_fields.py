@@ -12,7 +12,8 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import RosMessage
-from course_lib.tools.message_yaml import Style, fill, to_yaml
+from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.tools.message_yaml import fill
 
 
 def filled(kind: type[RosMessage], text: str) -> Any:

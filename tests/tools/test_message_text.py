@@ -10,7 +10,7 @@ from std_msgs.msg import Float64MultiArray, Header, String
 from visualization_msgs.msg import Marker
 
 from course_lib.ros.messages import RosMessage
-from course_lib.tools.message_yaml import Style, to_csv, to_yaml
+from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
 
 POINTS = """header:
   stamp:

@@ -10,7 +10,7 @@ from course_lib.displays.display import Display, Interest, node_name
 from course_lib.displays.interactive.client import LABEL, QOS, Actions, MarkerClient
 from course_lib.displays.interactive.handles import MENU, Message
 from course_lib.displays.interactive.marker import ShownControl, ShownMarker
-from course_lib.displays.interactive.motion import Pointer
+from course_lib.displays.interactive.motion import Pointer, axes_of
 from course_lib.displays.panel.controls import MenuItem, UseControl
 from course_lib.displays.properties import Property, flag, text
 from course_lib.errors import CourseError
@@ -216,13 +216,13 @@ def _drag(marker: ShownMarker, control: ShownControl, order: UseControl) -> None
 
 def _pointer(order: UseControl) -> Pointer:
     """Return the pointer of an order, in the fixed frame."""
-    camera = Camera(order.eye, order.target, order.up)
-    right, up, behind = camera.view_matrix()[:3, :3]
     direction = np.array(order.direction)
+    if not direction.any() or order.pixel <= 0:
+        raise CourseError(f"The page's ray {order.direction} with pixels of {order.pixel} m points nowhere.")
     return Pointer(
         origin=np.array(order.origin),
         direction=direction / np.linalg.norm(direction),
-        axes=np.array([right, up, -behind]),
+        axes=axes_of(Camera(order.eye, order.target, order.up)),
         pixel=order.pixel,
         flat=bool(order.scale),
     )

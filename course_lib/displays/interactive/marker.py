@@ -22,14 +22,16 @@ from course_lib.displays.interactive.handles import (
     rotation_of,
     title,
 )
-from course_lib.displays.interactive.motion import Drag, Pointer, facing, rotation
+from course_lib.displays.interactive.motion import Drag, Pointer, axes_of, facing, rotation
 from course_lib.displays.marker.drawables import DRAW
 from course_lib.displays.reference_display import axes
 from course_lib.displays.statuses import Statuses
+from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Lines
 
 POSE_UPDATE, MENU_SELECT, BUTTON_CLICK, MOUSE_DOWN, MOUSE_UP = range(1, 6)
 _CLIENT = "/rviz2"
+_IDENTITY: Matrix = np.eye(4)
 _AID = 10_000.0  # [m], half the length of the line along an axis
 _HELPED = (MOVE_AXIS, ROTATE_AXIS, MOVE_ROTATE)  # modes with such a line
 
@@ -88,6 +90,9 @@ class ShownMarker:
         self._camera: Matrix = np.eye(3)  # that controls face: rows are right, up and ahead
         self._held: ShownControl | None = None
         self._drag: Drag | None = None
+        self._seen: tuple[Matrix | None, Camera] | None = (
+            None  # the reference and the camera of the last frame
+        )
         self._requested: tuple[Message, Message] | None = None  # header and pose that came during a drag
         self._asked: tuple[str, Floats | None] = ("", None)  # the control and the point of the last menu
 
@@ -230,19 +235,22 @@ class ShownMarker:
         """Return the transform from the reference frame to the fixed frame; None if it is not known."""
         frames = self._context.frames
         is_fixed = not self._locked or self._frame.removeprefix("/") == frames.fixed_frame
-        return np.eye(4) if is_fixed else frames.transform(self._frame)
+        return _IDENTITY if is_fixed else frames.transform(self._frame)
 
     def _follow(self, changed: bool) -> None:
         """Place the reference frame, and everything in it if that or the camera has changed."""
         scene, frames = self._context.scene, self._context.frames
         reference = self._reference_now()
-        scene.set_visible(self.path, reference is not None)
+        before, self._seen = self._seen, (reference, scene.camera)
+        if not changed and before and before[0] is reference and before[1] is scene.camera:
+            return
+        if changed or before is None or (before[0] is None) != (reference is None):
+            scene.set_visible(self.path, reference is not None)
         if reference is None:
             problem = f"Error getting time of latest transform between {self._frame} and {frames.fixed_frame}"
             self._statuses.set("error", self.message.name, problem)
             return
-        right, up, behind = scene.camera.view_matrix()[:3, :3]
-        camera = np.array([right, up, -behind]) @ reference[:3, :3]
+        camera = axes_of(scene.camera) @ reference[:3, :3]
         if changed or not np.array_equal(reference, self._reference):
             scene.set_transform(self.path, reference)
             changed = True

@@ -5,6 +5,7 @@ The rules are those of RViz's interactive_marker_control.cpp. All is in the mark
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -19,10 +20,20 @@ from course_lib.displays.interactive.handles import (
     ROTATE_3D,
     ROTATE_AXIS,
 )
+from course_lib.viewer.camera import Camera
 
 _TINY = 1e-9
 _CENTER = 1e-6  # [m] from an axis to what is on it
 _TURN = 2 * 3.14 / 300  # [rad] per pixel: RViz's 300 pixels for a whole turn
+
+
+@lru_cache(maxsize=8)  # every marker needs it in every frame
+def axes_of(camera: Camera) -> Matrix:
+    """Return the axes of a camera's picture: rows are right, up and ahead, shape (3, 3)."""
+    right, up, behind = camera.view_matrix()[:3, :3]
+    axes = np.array([right, up, -behind])
+    axes.setflags(write=False)
+    return axes
 
 
 @dataclass(frozen=True)

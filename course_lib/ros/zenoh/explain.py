@@ -16,6 +16,11 @@ def about_type(entity: Entity) -> str:
             "The robot runs ROS 2 Humble, whose messages Jazzy does not hear over Zenoh. Install Jazzy on "
             "the robot, with ros-jazzy-rmw-zenoh-cpp."
         )
+    if entity.topic == "/clock" and entity.kind == "MP":
+        return (
+            "The robot publishes /clock: its time is simulated. The kit stays on the wall clock, so set "
+            "use_sim_time to false there, or stamps and tf do not fit together."
+        )
     if entity.kind == "NN" or not is_known(entity.type_name):
         return ""
     if entity.type_hash == type_hash(entity.type_name):

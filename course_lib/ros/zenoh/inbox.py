@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from course_lib.ros import wall
 
-MAX_MESSAGES, MAX_BYTES = 100, 64 * 2**20  # of a topic, that nobody has taken yet
+MAX_MESSAGES, MAX_BYTES = 1000, 64 * 2**20  # of a topic, that nobody has taken yet
 WINDOW = 200  # messages of a topic that its rate is measured over
 RECENT_NS = 5 * 10**9  # [ns]
 

@@ -135,7 +135,7 @@ class RobotLink:
                 self.arrived.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
 
         self._session.liveliness().declare_subscriber(
-            f"{ADMIN}/{self.domain}/**", Callback(seen, indirect=False), history=True
+            f"{ADMIN}/{self.domain}/**", _direct(seen), history=True
         )
 
     def domains(self) -> list[int]:
@@ -178,7 +178,7 @@ class RobotLink:
         subscriber = ext.declare_advanced_subscriber(
             self._session,
             key_of(self.domain, topic, type_name, type_hash(type_name)),
-            Callback(partial(self._heard, inbox), indirect=False),
+            _direct(partial(self._heard, inbox)),
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
@@ -201,9 +201,7 @@ class RobotLink:
 
             self.arrived.put(partial(on_request, bytes(query.payload or b""), answer))
 
-        queryable = self._session.declare_queryable(
-            entity.key, Callback(asked, indirect=False), complete=True
-        )
+        queryable = self._session.declare_queryable(entity.key, _direct(asked), complete=True)
         return Declared(self, self._token(entity), queryable)
 
     def client(self, entity: Entity) -> "Asker":
@@ -251,7 +249,16 @@ class Asker(Declared):
                 arrived.put(partial(on_reply, None))
 
         extra = attachment(next(self._sequence), self._gid, wall.time_ns())
-        self._querier.get(Callback(replied, over, indirect=False), payload=cdr, attachment=extra)
+        self._querier.get(_direct(replied, over), payload=cdr, attachment=extra)
+
+
+def _direct(function: Callable[[Any], None], end: Callable[[], None] = lambda: None) -> "Callback[Any]":
+    """Return a handler that Zenoh's own threads call.
+
+    With a Python thread for each, an interpreter does not exit while a session is open; and the thread would
+    belong to the program, where robot time has replaced `Thread.start`.
+    """
+    return Callback(function, end, indirect=False)
 
 
 def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:

@@ -11,7 +11,7 @@ import numpy as np
 from course_lib.errors import CourseError, counted
 from course_lib.recording import read_bag
 from course_lib.ros import wall
-from course_lib.tools.message_yaml import Style, to_yaml
+from course_lib.ros.messages.conversions import Style, to_yaml
 from course_lib.tools.rqt.markup import drawing, tag, text
 from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.sources import PLAYER

@@ -1,12 +1,13 @@
 """`%rqt console`, `topic` and `robot_monitor`: tables of arriving messages."""
 
 from collections import deque
+from collections.abc import Collection
 from html import escape
 from typing import Any
 
 from course_lib.errors import counted
 from course_lib.ros.graph import Sample
-from course_lib.tools.message_yaml import Style, to_csv, to_yaml
+from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
 from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
 from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.topic.subscribe import in_bytes
@@ -42,6 +43,10 @@ class ConsoleView(RqtView):
     def buttons(self) -> list[Any]:
         """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self._logs.clear)]
+
+    def needed(self) -> Collection[str]:
+        """Return the topic of log messages."""
+        return ("/rosout",)
 
     def hear(self, sample: Sample) -> None:
         """Collect a log message, unless paused."""
@@ -95,6 +100,10 @@ class TopicView(RqtView):
     def body(self) -> list[Any]:
         """Return the head line above the rows."""
         return [self.screen, self.table]
+
+    def needed(self) -> Collection[str]:
+        """Return all topics."""
+        return {endpoint.topic for endpoint in self.graph.endpoints()}
 
     def hear(self, sample: Sample) -> None:
         """Count a message."""
@@ -177,6 +186,10 @@ class RobotMonitorView(RqtView):
         self._history: deque[tuple[int, str]] = deque(maxlen=_HISTORY)
         self.add_choice("Details of", [], None)
         self.add_check("Pause")
+
+    def needed(self) -> Collection[str]:
+        """Return the topics of diagnostics."""
+        return TOPICS
 
     def hear(self, sample: Sample) -> None:
         """Collect an array of statuses."""

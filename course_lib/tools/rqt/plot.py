@@ -2,7 +2,7 @@
 
 import re
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle, takewhile
 from typing import Any
@@ -131,6 +131,10 @@ class PlotView(RqtView):
     def buttons(self) -> list[Any]:
         """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self.clear)]
+
+    def needed(self) -> Collection[str]:
+        """Return the topics of the curves."""
+        return {path.topic for path, _ in self.curves.values()}
 
     def hear(self, sample: Sample) -> None:
         """Append the numbers of a message to the curves."""

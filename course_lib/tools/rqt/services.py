@@ -1,12 +1,14 @@
 """`%rqt service_caller` and `reconfigure`: views that call the services of nodes."""
 
+from collections.abc import Collection
 from html import escape
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import message_class, service_class
-from course_lib.tools.message_yaml import Style, fill, to_yaml
+from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.tools.message_yaml import fill
 from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
 from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import RqtView
@@ -110,6 +112,10 @@ class ReconfigureView(RqtView):
         """Return the rows, which are read soon."""
         self.soon(self._read)
         return [self.table]
+
+    def needed(self) -> Collection[str]:
+        """Return the topic of changed parameters."""
+        return _EVENTS[:1]
 
     def hear(self, sample: Sample) -> None:
         """Show values that other clients set."""

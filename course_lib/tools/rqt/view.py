@@ -1,7 +1,7 @@
 """The base of rqt's views: named controls, and a picture that follows the run."""
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -52,6 +52,10 @@ class RqtView:
 
     def hear(self, sample: Sample) -> None:
         """Process a published message."""
+
+    def needed(self) -> Collection[str]:
+        """Return the topics that `hear` waits for: a robot sends no others."""
+        return ()
 
     def picture(self) -> str:
         """Return the present state as HTML."""
@@ -123,7 +127,7 @@ class RqtView:
 
     def listen(self) -> None:
         """Follow the graph until it is closed."""
-        self._stops = [self.graph.tap(self._take), self.graph.watch_time(lambda _: self._tick())]
+        self._stops = [self.graph.tap(self._take, self.needed), self.graph.watch_time(lambda _: self._tick())]
 
     def stop(self) -> None:
         """Stop following the graph."""

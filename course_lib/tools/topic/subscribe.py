@@ -10,7 +10,8 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import RosMessage, message_class, type_name
-from course_lib.tools.message_yaml import Style, check_type, kind_of, to_csv, to_yaml
+from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
+from course_lib.tools.message_yaml import check_type, kind_of
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.topic.lookup import (
     PRESETS,

@@ -1,5 +1,8 @@
 """The InteractiveMarkers display: what it shows of a server, and what it sends to it."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Pose, TransformStamped
@@ -21,6 +24,7 @@ from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Lines
 from tests.displays.bench import Bench
 from tests.displays.interactive.control_stage import Stage, box
+from tests.displays.interactive.pointing import order
 from tests.displays.stage import LATCHED, publish
 
 NAME = "rviz_default_plugins/InteractiveMarkers"
@@ -223,3 +227,22 @@ def test_a_lost_update_makes_the_client_ask_again(stage: Stage) -> None:
     spin_for(0.1, stage.node)  # it asks with the next frame
     spin_for(0.1, stage.node)
     assert stage.place() == [1, 0, 0]
+
+
+def test_a_frame_in_which_nothing_has_moved_changes_nothing(stage: Stage) -> None:
+    stage.show(box(C.MOVE_AXIS))
+    stage.viewer.look()
+    changes: list[str] = []
+    stage.viewer.scene.listen(lambda what, path: changes.append(f"{what} {path}"))
+    stage.viewer.look()
+    assert changes == []
+    stage.viewer.session.turned(Camera(eye=(0.0, 9.0, 4.0)))
+    assert any(change.endswith("/title") for change in changes)
+
+
+@pytest.mark.parametrize("wrong", [{"direction": (0.0, 0.0, 0.0)}, {"pixel": 0.0}])
+def test_a_ray_that_points_nowhere_is_refused(stage: Stage, wrong: Any) -> None:
+    display = stage.show(box(C.MOVE_AXIS))
+    path = f"{display.path}/handles/box/controls/move/0/shaft"
+    with pytest.raises(CourseError, match="points nowhere"):
+        display.use(replace(order(path, "down", (0.7, 0.0, 0.0)), **wrong))

@@ -70,17 +70,34 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     robot.communicate(timeout=60)
 
 
+def test_goals_of_two_runs_have_different_ids(
+    router: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "ids.py").write_text("import uuid\nprint(uuid.uuid4())\n")
+    for _ in range(2):
+        run(
+            [tmp_path / "ids.py"],
+            seconds=None,
+            seed=0,
+            bag=None,
+            args=(),
+            real_time=False,
+            robot=RobotAddress(router),
+        )
+    assert len(set(capsys.readouterr().out.split())) == 2
+
+
 @pytest.mark.parametrize(
     ("address", "line"),
     [
         ("robot:port", "'robot:port' is not an address of a robot: write it like tcp/192.168.1.5:7447."),
         ("", "'' is not an address of a robot"),
-        (f"127.0.0.1:{free_port()}", "No Zenoh router answers at tcp/127.0.0.1:"),
+        ("127.0.0.1:{port}", "No Zenoh router answers at tcp/127.0.0.1:"),
     ],
 )
 def test_a_robot_that_cannot_be_reached_is_one_line(address: str, line: str) -> None:
     with pytest.raises(CourseError) as error:
-        link_to(RobotAddress(address))
+        link_to(RobotAddress(address.format(port=free_port())))
     assert str(error.value).startswith(line)
 
 
@@ -117,7 +134,7 @@ def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFix
         assert current_graph().notebook
         with pytest.raises(CourseError, match="is not linked"):
             disconnect()
-    assert f"Linked to {kits.address}: 1 nodes. What may go out: cmd_vel." in capsys.readouterr().out
+    assert f"Linked to {kits.address}: 1 node. What may go out: cmd_vel." in capsys.readouterr().out
 
 
 def test_a_notebook_with_nodes_is_not_linked(router: str) -> None:

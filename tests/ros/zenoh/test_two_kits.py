@@ -270,6 +270,13 @@ def test_a_type_that_cannot_be_understood_is_named(kits: Kits, type_hash: str, l
     assert line in kits.lines[0]
 
 
+def test_simulated_time_is_named(kits: Kits) -> None:
+    robot = kits.join(send="/clock")
+    talker(robot, "/clock", "rosgraph_msgs/msg/Clock")
+    kits.join()
+    kits.until(lambda: any("its time is simulated" in line for line in kits.lines), "the line")
+
+
 def test_an_attachment_of_an_older_rmw_zenoh_is_named(kits: Kits) -> None:
     student = kits.join()
     heard = listener(student, "/chatter")

@@ -4,6 +4,7 @@ from visualization_msgs.msg import Marker
 from course_lib import Viewer
 from course_lib.displays.panel.time_panel import LiveTime, TimeChange
 from course_lib.ros.graph import use_graph
+from course_lib.tools.rqt.monitors import RobotMonitorView
 from course_lib.viewer.wire import MessageError
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import BEST_EFFORT, connect, talker, topics
@@ -29,6 +30,18 @@ def test_a_viewer_shows_a_robots_marker_whatever_its_qos(kits: Kits) -> None:
     assert "/other" not in topics(robot, "sub")
     viewer.close()
     kits.until(lambda: "/marker" not in topics(robot, "sub"), "the end of the subscription")
+
+
+def test_a_view_of_rqt_asks_a_robot_for_its_own_topics_only(kits: Kits) -> None:
+    robot, student = kits.join(send="/image /diagnostics"), kits.join()
+    talker(robot, "/image", "sensor_msgs/msg/Image")
+    talker(robot, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+    with use_graph(student):
+        view = RobotMonitorView(student, [])
+    view.listen()
+    kits.until(lambda: "/diagnostics" in topics(robot, "sub"), "the subscription")
+    assert "/image" not in topics(robot, "sub")
+    view.close()
 
 
 def test_the_time_of_a_robot_takes_no_orders(kits: Kits) -> None:

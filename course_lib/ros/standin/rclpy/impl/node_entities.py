@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar, cast
 
 from course_lib.ros.messages import RosMessage, type_name
 from course_lib.ros.mistakes import Mistake, mark
@@ -17,6 +17,7 @@ from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import GuardCondition, NodeHandle
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, overridden
 from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Rate, Timer
@@ -55,6 +56,7 @@ class Node(node_graph.Node):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: PublisherEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
     ) -> Publisher[MsgT]:
         """Create a publisher.
 
@@ -64,10 +66,12 @@ class Node(node_graph.Node):
             qos_profile: Its quality of service, or only how many messages are kept.
             callback_group: The group of `event_callbacks`.
             event_callbacks: Its events, like subscriptions that come and go.
+            qos_overriding_options: The policies that parameters override.
         """
-        profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
+        group = callback_group or self.default_callback_group
         node, full_topic = self.handle, self.resolve_topic_name(topic)
         require_type(msg_type, "message")
+        profile = self._profile("publisher", full_topic, qos_profile, qos_overriding_options)
         added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
         publisher = Publisher(Endpoint(node, added, full_topic), msg_type, topic, profile)
         self._keep(publisher, event_callbacks or PublisherEventCallbacks(), group)
@@ -82,6 +86,7 @@ class Node(node_graph.Node):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
         raw: bool = False,
     ) -> Subscription[MsgT]:
         """Create a subscription.
@@ -93,11 +98,12 @@ class Node(node_graph.Node):
             qos_profile: Its quality of service, or only how many messages wait at most.
             callback_group: The group, which decides which callbacks may run at the same time.
             event_callbacks: Its events, like publishers that come and go.
+            qos_overriding_options: The policies that parameters override.
             raw: Whether the callback gets the serialised bytes.
         """
-        profile, group = _to_profile(qos_profile), callback_group or self.default_callback_group
-        full_topic = self.resolve_topic_name(topic)
+        group, full_topic = callback_group or self.default_callback_group, self.resolve_topic_name(topic)
         require_type(msg_type, "message")
+        profile = self._profile("subscription", full_topic, qos_profile, qos_overriding_options)
         subscription = Subscription(self.handle, msg_type, topic, full_topic, callback, group, profile, raw)
         self._keep(subscription, event_callbacks or SubscriptionEventCallbacks(), group)
         return subscription
@@ -193,6 +199,15 @@ class Node(node_graph.Node):
         if limit_ns is not None and "deadline" in told.tell:
             end.deadline = Deadline(self.handle, limit_ns, partial(told.count, "deadline"))
         end.handle.watch(told)
+
+    def _profile(
+        self,
+        kind: Literal["publisher", "subscription"],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        options: QoSOverridingOptions | None,
+    ) -> QoSProfile:
+        return overridden(cast("Declares", self), kind, topic, _to_profile(qos_profile), options)
 
     def _all(self, kind: type) -> Iterator[Any]:
         return (created for created in self._created if isinstance(created, kind))

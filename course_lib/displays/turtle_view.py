@@ -1,0 +1,99 @@
+"""turtlesim's window: the water, the turtles' lines and the turtles, seen from above."""
+
+from itertools import count
+
+import numpy as np
+
+from course_lib.arrays import Matrix
+from course_lib.displays.marker.drawables import placement
+from course_lib.displays.viewer import Viewer
+from course_lib.displays.views import TopDownOrtho
+from course_lib.robots.turtlesim.canvas import METER, PIXELS, SIZE, Canvas
+from course_lib.robots.turtlesim.simulator import TurtlesimNode
+from course_lib.viewer.drawables import Drawable, Lines, Solids
+
+ROOT = "turtlesim"
+PERIOD = 0.04  # [s] between two pictures
+SCALE = 25.0  # [px / m]: the whole water is in a view of the usual height
+SKIN = (0.6, 0.85, 0.3, 1.0)
+SHELLS = (
+    (0.55, 0.35, 0.2, 1.0), (0.75, 0.3, 0.25, 1.0), (0.85, 0.65, 0.2, 1.0), (0.5, 0.3, 0.6, 1.0),
+    (0.2, 0.5, 0.5, 1.0),
+)  # fmt: skip
+# Head, legs and tail: the middles and the sizes along x and y, [m].
+LIMBS = (
+    (0.5, 0.0, 0.36, 0.3), (0.28, 0.36, 0.32, 0.2), (0.28, -0.36, 0.32, 0.2), (-0.28, 0.36, 0.32, 0.2),
+    (-0.28, -0.36, 0.32, 0.2), (-0.48, 0.0, 0.26, 0.12),
+)  # fmt: skip
+UNTURNED = np.eye(3)
+
+
+class TurtleView:
+    """The picture of a simulator in a viewer.
+
+    Args:
+        node: The simulator, whose timer draws.
+    """
+
+    def __init__(self, node: TurtlesimNode) -> None:
+        self._node = node
+        self.viewer = Viewer(fixed_frame="world")
+        self.viewer.remove(self.viewer["Grid"])
+        self.viewer.view = TopDownOrtho(scale=SCALE, x=SIZE / 2, y=SIZE / 2)
+        self._drawn: dict[str, object] = {}
+        self._turtles: dict[str, int] = {}
+        self._numbers = count()
+        self.draw()
+        node.create_timer(PERIOD, self.draw)
+
+    def draw(self) -> None:
+        """Bring the picture up to date."""
+        water = tuple(channel / 255 for channel in self._node.background)
+        edge = PIXELS / METER  # [m]
+        box = placement(UNTURNED, (edge, edge, 0.01), (SIZE / 2, SIZE / 2, -0.1))
+        self._show("water", water, Solids("box", [box], (*water, 1.0), lit=False))
+        self._draw_lines(self._node.canvas)
+        scene = self.viewer.scene
+        for name in self._turtles.keys() - self._node.turtles.keys():
+            del self._turtles[name]
+            scene.delete(f"{ROOT}/turtles/{name}")
+        for name, turtle in self._node.turtles.items():
+            path = f"{ROOT}/turtles/{name}"
+            if name not in self._turtles:
+                self._turtles[name] = next(self._numbers)
+                for part, drawable in _parts(self._turtles[name]).items():
+                    scene.set_object(f"{path}/{part}", drawable)
+            scene.set_transform(path, _pose(turtle.x, turtle.y, turtle.theta))
+
+    def _draw_lines(self, canvas: Canvas) -> None:
+        """Draw the strips that have grown, and remove those that are not there any more."""
+        strips = {f"lines/{number}": strip for number, strip in enumerate(canvas.strips)}
+        for name in [name for name in self._drawn if name.startswith("lines/") and name not in strips]:
+            del self._drawn[name]
+            self.viewer.scene.delete(f"{ROOT}/{name}")
+        for name, strip in strips.items():
+            state = (id(strip), len(strip.points))
+            if self._drawn.get(name) != state:
+                points = [(x, y, 0.0) for x, y in strip.points]
+                color = (*(channel / 255 for channel in strip.pen.color), 1.0)
+                self._show(name, state, Lines(points, color, strip.pen.width / METER))
+
+    def _show(self, name: str, state: object, drawable: Drawable) -> None:
+        if self._drawn.get(name) != state:
+            self._drawn[name] = state
+            self.viewer.scene.set_object(f"{ROOT}/{name}", drawable)
+
+
+def _parts(number: int) -> dict[str, Drawable]:
+    """Return a turtle that looks along x, with a shell of its own color."""
+    limbs = [placement(UNTURNED, (long, wide, 0.1), (x, y, 0.1)) for x, y, long, wide in LIMBS]
+    shell = placement(UNTURNED, (0.75, 0.62, 0.2), (0.0, 0.0, 0.2))
+    return {
+        "limbs": Solids("sphere", limbs, SKIN),
+        "shell": Solids("sphere", [shell], SHELLS[number % len(SHELLS)]),
+    }
+
+
+def _pose(x: float, y: float, theta: float) -> Matrix:
+    cos, sin = np.cos(theta), np.sin(theta)
+    return np.array([[cos, -sin, 0.0, x], [sin, cos, 0.0, y], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])

@@ -1,0 +1,1 @@
+from laser_geometry.laser_geometry import LaserProjection as LaserProjection

@@ -1,0 +1,116 @@
+"""Parameters by which a user overrides the quality of service of a publisher or a subscription."""
+
+from collections.abc import Callable, Iterable
+from copy import copy
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from rcl_interfaces.msg import ParameterDescriptor
+
+from rclpy.duration import Duration
+from rclpy.exceptions import ParameterAlreadyDeclaredException
+from rclpy.qos import POLICIES, QoSPolicyEnum, QoSPolicyKind, QoSProfile
+
+
+class InvalidQosOverridesError(Exception):
+    """The callback of the options refuses a profile."""
+
+
+@dataclass
+class QosCallbackResult:
+    """A callback's answer: whether a profile is valid, and why not."""
+
+    successful: bool = False
+    reason: str = ""
+
+
+QosCallbackType = Callable[[QoSProfile], QosCallbackResult]
+_DEFAULT = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY)
+
+
+class QoSOverridingOptions:
+    """The policies that have parameters.
+
+    Args:
+        policy_kinds: Those policies.
+        callback: Called with the overridden profile; returns whether it is valid.
+        entity_id: Tells several publishers or subscriptions on one topic apart.
+    """
+
+    def __init__(
+        self,
+        policy_kinds: Iterable[QoSPolicyKind],
+        *,
+        callback: QosCallbackType | None = None,
+        entity_id: str | None = None,
+    ) -> None:
+        self.policy_kinds = tuple(policy_kinds)
+        self.callback = callback
+        self.entity_id = entity_id
+
+    @classmethod
+    def with_default_policies(
+        cls, *, callback: QosCallbackType | None = None, entity_id: str | None = None
+    ) -> "QoSOverridingOptions":
+        """Return the options for history, depth and reliability."""
+        return cls(_DEFAULT, callback=callback, entity_id=entity_id)
+
+
+class Declares(Protocol):
+    """A node, as far as its parameters matter here."""
+
+    def declare_parameter(self, name: str, value: Any, descriptor: ParameterDescriptor) -> Any:
+        """Declare a parameter."""
+
+    def get_parameter(self, name: str) -> Any:
+        """Return a parameter."""
+
+
+def overridden(
+    node: Declares,
+    kind: Literal["publisher", "subscription"],
+    topic: str,
+    profile: QoSProfile,
+    options: QoSOverridingOptions | None,
+) -> QoSProfile:
+    """Declare the parameters, and return the profile with what they say.
+
+    Raises an InvalidQosOverridesError if the callback refuses it, a RuntimeError for an unknown value.
+    """
+    if options is None:
+        return profile
+    profile, suffix = copy(profile), "" if options.entity_id is None else f"_{options.entity_id}"
+    about = f"for {kind} `{topic}` with id `{options.entity_id}`"
+    for policy in options.policy_kinds:
+        if kind == "subscription" and policy is QoSPolicyKind.LIFESPAN:
+            continue
+        field = policy.name.lower()
+        name = f"qos_overrides.{topic}.{kind}{suffix}.{field}"
+        descriptor = ParameterDescriptor(description=f"{field} {about}", read_only=True)
+        try:
+            value = node.declare_parameter(name, _plain(getattr(profile, field)), descriptor).value
+        except ParameterAlreadyDeclaredException:
+            value = node.get_parameter(name).value
+        setattr(profile, field, _policy(field, value))
+    result = QosCallbackResult(successful=True) if options.callback is None else options.callback(profile)
+    if not result.successful:
+        raise InvalidQosOverridesError(f"Provided QoS overrides {about}, are not valid: {result.reason}")
+    return profile
+
+
+def _plain(value: Any) -> str | int | bool:
+    """Return a policy's value as a parameter."""
+    if isinstance(value, QoSPolicyEnum):
+        return value.short_key
+    plain: str | int | bool = value.nanoseconds if isinstance(value, Duration) else value
+    return plain
+
+
+def _policy(field: str, value: Any) -> Any:
+    """Return a policy's value from its parameter."""
+    if field not in POLICIES:
+        return Duration(nanoseconds=value) if field in ("lifespan", "deadline") or "lease" in field else value
+    try:
+        return POLICIES[field][value.upper()]
+    except KeyError:
+        raise RuntimeError(f"Unexpected QoS override for policy `{field}`: `{value}`") from None

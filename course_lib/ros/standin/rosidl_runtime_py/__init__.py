@@ -1,0 +1,4 @@
+from rosidl_runtime_py.convert import message_to_csv as message_to_csv
+from rosidl_runtime_py.convert import message_to_ordereddict as message_to_ordereddict
+from rosidl_runtime_py.convert import message_to_yaml as message_to_yaml
+from rosidl_runtime_py.set_message import set_message_fields as set_message_fields

@@ -1,0 +1,39 @@
+"""Messages as YAML, as CSV and as dictionaries."""
+
+from collections import OrderedDict
+from typing import Any
+
+from course_lib.ros.messages.conversions import Style, to_csv, to_dict, to_yaml
+
+
+def message_to_yaml(
+    msg: Any,
+    *,
+    truncate_length: int | None = None,
+    no_arr: bool = False,
+    no_str: bool = False,
+    flow_style: bool = False,
+) -> str:
+    """Return a message as YAML, in a block or on one line; long values may be left out."""
+    return to_yaml(msg, Style(truncate_length, no_arr, no_str, flow_style))
+
+
+def message_to_csv(
+    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
+) -> str:
+    """Return a message's values, separated by commas."""
+    return to_csv(msg, Style(truncate_length, no_arr, no_str))
+
+
+def message_to_ordereddict(
+    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
+) -> "OrderedDict[str, Any]":
+    """Return a message as dictionaries in the order of its fields."""
+    ordered: OrderedDict[str, Any] = _ordered(to_dict(msg, Style(truncate_length, no_arr, no_str)))
+    return ordered
+
+
+def _ordered(value: Any) -> Any:
+    if isinstance(value, dict):
+        return OrderedDict((name, _ordered(item)) for name, item in value.items())
+    return [_ordered(item) for item in value] if isinstance(value, list) else value

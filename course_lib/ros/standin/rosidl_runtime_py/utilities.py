@@ -1,0 +1,56 @@
+"""Types by name."""
+
+from importlib import import_module
+from typing import Any
+
+
+def get_interface(identifier: str) -> Any:
+    """Return the class of a type with its folder, like std_msgs/msg/String."""
+    return _imported(identifier, None)
+
+
+def get_message(identifier: str) -> Any:
+    """Return the class of a message, like std_msgs/msg/String or std_msgs/String."""
+    return _checked(identifier, "msg", is_message, "a message")
+
+
+def get_service(identifier: str) -> Any:
+    """Return the class of a service, like std_srvs/srv/Trigger."""
+    return _checked(identifier, "srv", is_service, "a service")
+
+
+def get_action(identifier: str) -> Any:
+    """Return the class of an action, like example_interfaces/action/Fibonacci."""
+    return _checked(identifier, "action", is_action, "an action")
+
+
+def is_message(interface: Any) -> bool:
+    """Return whether something is a message or its class."""
+    return hasattr(interface, "get_fields_and_field_types")
+
+
+def is_service(interface: Any) -> bool:
+    """Return whether something is a service's class."""
+    return hasattr(interface, "Request") and hasattr(interface, "Response")
+
+
+def is_action(interface: Any) -> bool:
+    """Return whether something is an action's class."""
+    return all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
+
+
+def _checked(identifier: str, folder: str, fits: Any, what: str) -> Any:
+    interface = _imported(identifier, folder)
+    if not fits(interface):
+        raise ValueError(f"Expected the full name of {what}, got '{identifier}'")
+    return interface
+
+
+def _imported(identifier: str, folder: str | None) -> Any:
+    *spaces, name = identifier.split("/")
+    if len(spaces) == 1 and folder is not None:
+        spaces.append(folder)
+    module = import_module(".".join(spaces))
+    if name.endswith("_FeedbackMessage"):
+        return getattr(module, name.removesuffix("_FeedbackMessage")).Impl.FeedbackMessage
+    return getattr(module, name)

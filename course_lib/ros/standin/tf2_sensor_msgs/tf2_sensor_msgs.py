@@ -1,0 +1,40 @@
+"""Transforms of point clouds; importing it registers them for buffers."""
+
+from typing import Any
+
+from geometry_msgs.msg import Transform, TransformStamped
+from numpy.lib.recfunctions import structured_to_unstructured
+from sensor_msgs.msg import PointCloud2
+from sensor_msgs_py.point_cloud2 import create_cloud, read_points
+from std_msgs.msg import Header
+from tf2_ros.buffer_interface import TransformRegistration
+from transforms3d.quaternions import quat2mat
+
+from course_lib.arrays import Matrix
+
+_XYZ = ["x", "y", "z"]
+
+
+def transform_points(point_cloud: Any, transform: Transform) -> Matrix:
+    """Return points, shape (N, 3), in the transform's parent frame."""
+    shift, turn = transform.translation, transform.rotation
+    rotation = quat2mat((turn.w, turn.x, turn.y, turn.z))
+    placed: Matrix = point_cloud @ rotation.T + (shift.x, shift.y, shift.z)
+    return placed
+
+
+def do_transform_cloud(cloud: PointCloud2, transform: Transform | TransformStamped) -> PointCloud2:
+    """Return a cloud in the transform's parent frame; fields beside x, y and z stay as they are."""
+    header = Header(stamp=cloud.header.stamp, frame_id=cloud.header.frame_id)
+    if isinstance(transform, TransformStamped):
+        header.frame_id, transform = transform.header.frame_id, transform.transform
+    present = {field.name for field in cloud.fields}
+    assert present.issuperset(_XYZ), "Point cloud needs the fields x, y, and z for the transformation"
+    points = read_points(cloud).copy()
+    placed = transform_points(structured_to_unstructured(points[_XYZ]), transform)
+    for column, name in enumerate(_XYZ):
+        points[name] = placed[:, column]
+    return create_cloud(header, cloud.fields, points, cloud.point_step)
+
+
+TransformRegistration().add(PointCloud2, do_transform_cloud)

@@ -1,0 +1,128 @@
+"""Programs from public repositories, run as they are: `python tests/benchmarks/wild_programs.py FOLDER`.
+
+FOLDER holds clones, named `owner+name`. The rows of tests/data/wild_programs.toml are run for five seconds of
+robot time and compared with their results; `--find` runs all programs of the clones and writes their rows.
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+ROWS = Path(__file__).parents[1] / "data" / "wild_programs.toml"
+SECONDS, LIMIT = "5", 90.0  # [s] of robot time, and of the wall clock
+IMPORTS = re.compile(r"^\s*(import|from) rclpy", re.MULTILINE)
+NO_PROGRAM = ("test", "tests", "setup.py", "conftest.py", "__init__.py", "build", "install")
+LACKS = re.compile(r"No module named '([^'.]+)")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One program: its place, what it is given, what became of it and why.
+
+    `result` is `runs`, `needs` (a module that is not there, `reason`), or `fails`; `theirs`: the reason is a
+    mistake in the program, which fails in ROS, too.
+    """
+
+    repository: str
+    commit: str
+    path: str
+    args: str = ""
+    input: str = ""
+    result: str = ""
+    reason: str = ""
+    theirs: bool = False
+
+    def text(self) -> str:
+        """Return the row as TOML."""
+        fields = {name: value for name, value in vars(self).items() if value}
+        lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]
+        return "\n".join(["[[program]]", *lines, ""])
+
+
+def main() -> int:
+    """Run the programs; return how many results differ from the rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--find", action="store_true", help="print a row for each program of the clones")
+    parser.add_argument("--most", type=int, default=10**6, help="how many of a clone `--find` runs")
+    arguments = parser.parse_args()
+    rows = [Row(**row) for row in tomllib.loads(ROWS.read_text())["program"]] if not arguments.find else []
+    counts, changed = Counter[str](), 0
+    for row in rows or found(arguments.folder, arguments.most):
+        file = arguments.folder / row.repository.replace("/", "+") / row.path
+        result, reason = outcome(file, row) if file.is_file() else ("missing", "no such clone")
+        counts["fails in ROS, too" if result == "fails" and row.theirs else result] += 1
+        if arguments.find:
+            print(replace(row, result=result, reason=reason).text(), flush=True)
+        else:
+            changed += result != row.result
+            note = "" if result == row.result else f"   (was: {row.result})"
+            print(f"{result:8} {row.repository}/{row.path}   {reason}{note}", flush=True)
+    print(", ".join(f"{count} {result}" for result, count in sorted(counts.items())), file=sys.stderr)
+    return changed
+
+
+def found(folder: Path, most: int) -> Iterator[Row]:
+    """List the programs of the clones, evenly chosen where a clone has more."""
+    for clone in sorted(path for path in folder.iterdir() if (path / ".git").exists()):
+        command = ["git", "-C", str(clone), "rev-parse", "HEAD"]
+        commit = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+        paths = [file.relative_to(clone) for file in sorted(clone.rglob("*.py")) if is_program(clone, file)]
+        for path in paths[:: max(1, -(-len(paths) // most))]:
+            yield Row(clone.name.replace("+", "/"), commit, str(path))
+
+
+def is_program(clone: Path, file: Path) -> bool:
+    """Return whether a file imports rclpy and runs something."""
+    if set(file.relative_to(clone).parts) & set(NO_PROGRAM):
+        return False
+    source = file.read_text(errors="replace")
+    return bool(IMPORTS.search(source)) and ("def main(" in source or "rclpy.init(" in source)
+
+
+def outcome(file: Path, row: Row) -> tuple[str, str]:
+    """Run a program alone; return its result and the reason."""
+    words = [str(file.resolve()), "--seconds", SECONDS, "--", *row.args.split()]
+    command = [sys.executable, "-m", "course_lib", "run", *words]
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            done = subprocess.run(
+                command,
+                cwd=folder,
+                env=os.environ | {"HOME": folder},
+                input=row.input,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=LIMIT,
+            )
+        except subprocess.TimeoutExpired:
+            return "fails", f"did not end within {LIMIT:g} s"
+    return judged(done.returncode, done.stderr)
+
+
+def judged(code: int, err: str) -> tuple[str, str]:
+    """Return the result and the reason for what a program left behind."""
+    lacking = LACKS.findall(err)
+    lines = [line for line in err.splitlines() if line.strip() and not line.startswith("hint:")]
+    last = lines[-1].strip()[:160] if lines else ""
+    if code and lacking:
+        return "needs", lacking[-1]
+    if code:
+        return "fails", last or f"exit code {code}"
+    if "went on waiting" in err:
+        return "fails", "went on waiting after the end"
+    return "runs", ""
+
+
+if __name__ == "__main__":
+    sys.exit(main())
