@@ -75,7 +75,7 @@ def _serve(gateway: Gateway, wanted: Path, write: Write) -> None:
     try:
         while True:
             gateway.turn()
-            text = wanted.read_text(encoding="utf-8").strip()
+            text = wanted.read_text(encoding="utf-8").strip() if wanted.exists() else asked
             if text != asked:
                 asked = text
                 _change(gateway, text, write)

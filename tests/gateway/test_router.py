@@ -101,6 +101,10 @@ def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
     says(log, "1234 drives")
     course(tmp_path, "router", "--driver", "zed")
     says(log, "zed: no such student")
+    (tmp_path / "course_router" / "driver.txt").unlink()
+    course(tmp_path, "router", "--driver", "b.1")
+    says(log, "b.1 drives")
+    course(tmp_path, "router", "--driver", "1234")
     ann = opened(place, users_in(tmp_path)[1])
     alive = ann.liveliness().declare_token(f"@course/s1234/{ann.zid()}")
     address = (tmp_path / "course_router" / "page.txt").read_text()
@@ -110,7 +114,7 @@ def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
             return str(answer.read().decode())
 
     wait_for(lambda: "yes, 1 kit" in page(), "the page has Ann's kit")
-    assert "<h1>Gateway: 1234 drives</h1>" in page()
+    wait_for(lambda: "<h1>Gateway: 1234 drives</h1>" in page(), "the page names the driver")
     with pytest.raises(urllib.error.HTTPError):
         urllib.request.urlopen(address.rsplit("/", 2)[0] + "/")
     del alive  # until here it is there
