@@ -37,6 +37,24 @@ NOT_RUN = {  # command -> why
     "%rqt": "names the magic",
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
+    **dict.fromkeys(
+        (
+            "course run my_node.py --robot tcp/192.168.1.5:7447 --send /cmd_vel",
+            "course ros2 --robot tcp/192.168.1.5:7447 topic hz /scan",
+            "course view --robot tcp/192.168.1.5:7447 --rviz nav.rviz",
+            "%ros2 connect tcp/192.168.1.5:7447 --send /cmd_vel",
+            "%ros2 disconnect",
+        ),
+        "needs a robot: tests/ros/zenoh",
+    ),
+    **dict.fromkeys(
+        (
+            "course router --robot tcp/192.168.1.5:7447 --send /cmd_vel --students roster.csv",
+            "course router --driver 20231234",
+            "course robot",
+        ),
+        "serves until it is stopped: tests/gateway",
+    ),
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
 }
 NAMED = {  # commands of which a sentence gives the name only: their help is shown
@@ -85,6 +103,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copy(folder / "week07_dashboard.ipynb", folder / "my_lesson.ipynb")
     for name in ("layout", "patrol", "my_files/patrol", "my_files/dashboard"):
         (folder / f"{name}.rviz").write_text(LAYOUT)
+    _write_package(folder / "src" / "my_package")
     params = "/**:\n  ros__parameters:\n    world_frame: world\n"
     (folder / "my_files" / "robot_params.yaml").write_text(params)
     (folder / "ur10.urdf").write_text('<robot name="ur10"><link name="base_link"/></robot>')
@@ -97,6 +116,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("COURSE_PACE", "fast")
     monkeypatch.setenv("ROS_PACKAGE_PATH", "my_files/ros2_ws/src")  # where week 7 says cd ~/ros2_ws
     return folder
+
+
+def _write_package(folder: Path) -> None:
+    """Write a package with one executable, my_node."""
+    (folder / "my_package").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>my_package</name></package>")
+    (folder / "setup.py").write_text("entry_points = {'console_scripts': ['my_node = my_package.node:main']}")
+    (folder / "my_package" / "__init__.py").touch()
+    (folder / "my_package" / "node.py").write_text("import rclpy\n\n\ndef main():\n    rclpy.init()\n")
 
 
 @pytest.fixture

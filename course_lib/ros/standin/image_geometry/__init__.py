@@ -1,0 +1,2 @@
+from image_geometry.cameramodels import PinholeCameraModel as PinholeCameraModel
+from image_geometry.cameramodels import StereoCameraModel as StereoCameraModel

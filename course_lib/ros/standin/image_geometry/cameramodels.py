@@ -1,0 +1,222 @@
+# ruff: noqa: N802, N803 - the names are ROS's
+"""Cameras from their CameraInfo: pixels of 3D points, and rays of pixels."""
+
+import copy
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from sensor_msgs.msg import CameraInfo
+
+from course_lib.errors import CourseError
+from image_geometry.distortion import undistorted
+
+
+def _matrix(rows: int, columns: int, numbers: Any) -> Any:
+    """Return a numpy.matrix, for which * is the product of matrices, as ROS has it."""
+    return np.matrix(np.reshape(np.array(numbers, np.float64), (rows, columns)))
+
+
+def _cv2() -> Any:
+    try:
+        import cv2
+    except ImportError:
+        raise CourseError(
+            "rectifyImage needs OpenCV, which is not here. Install it: pip install opencv-python-headless"
+        ) from None
+    return cv2
+
+
+class PinholeCameraModel:
+    """A camera without distortion behind one with it; K and P are those of its binning and region."""
+
+    def __init__(self) -> None:
+        self.K: Any = None
+        self.D: Any = None
+        self.R: Any = None
+        self.P: Any = None
+        self.full_K: Any = None
+        self.full_P: Any = None
+        self.width: Any = None
+        self.height: Any = None
+        self.binning_x: Any = None
+        self.binning_y: Any = None
+        self.resolution: Any = None
+        self.raw_roi: Any = None
+        self.tf_frame: Any = None
+        self.stamp: Any = None
+
+    def fromCameraInfo(self, msg: CameraInfo) -> None:
+        """Adopt the parameters of a message."""
+        self.full_K, self.full_P = _matrix(3, 3, msg.k), _matrix(3, 4, msg.p)
+        self.D = _matrix(len(msg.d), 1, msg.d) if len(msg.d) else None
+        self.R = _matrix(3, 3, msg.r)
+        self.width, self.height = self.resolution = (msg.width, msg.height)
+        self.binning_x, self.binning_y = max(1, msg.binning_x), max(1, msg.binning_y)
+        self.raw_roi = copy.copy(msg.roi)
+        if not (msg.roi.x_offset or msg.roi.y_offset or msg.roi.width or msg.roi.height):  # all of it
+            self.raw_roi.width, self.raw_roi.height = self.resolution
+        self.tf_frame, self.stamp = msg.header.frame_id, msg.header.stamp
+        self.K, self.P = self._reduced(self.full_K), self._reduced(self.full_P)
+
+    def _reduced(self, full: Any) -> Any:
+        """Return a camera matrix for the pixels of the message's binning and region."""
+        reduced = full.copy()
+        rows = ((0, self.raw_roi.x_offset, self.binning_x), (1, self.raw_roi.y_offset, self.binning_y))
+        for row, offset, binning in rows:
+            reduced[row, row] /= binning
+            reduced[row, 2] = (reduced[row, 2] - offset) / binning
+        return reduced
+
+    def rectifyImage(self, raw: Any, rectified: Any) -> None:
+        """Write an image without distortion into `rectified`.
+
+        Raises:
+            CourseError: OpenCV is not installed.
+        """
+        cv2 = _cv2()
+        self.mapx, self.mapy = cv2.initUndistortRectifyMap(
+            self.K, self.D, self.R, self.P, self.resolution, cv2.CV_32FC1
+        )
+        cv2.remap(raw, self.mapx, self.mapy, cv2.INTER_CUBIC, rectified)
+
+    def rectifyPoint(self, uv_raw: Sequence[float]) -> Any:
+        """Return the place of a pixel in the rectified image, an array of shape (2,)."""
+        x = (uv_raw[0] - self.K[0, 2]) / self.K[0, 0]
+        y = (uv_raw[1] - self.K[1, 2]) / self.K[1, 1]
+        if self.D is not None:
+            x, y = undistorted(x, y, self.D.A1.tolist())
+        u, v, w = (self.P[:, :3] * self.R * np.array([[x], [y], [1.0]])).A1
+        return np.array([u / w, v / w])
+
+    def project3dToPixel(self, point: Sequence[float]) -> tuple[float, float]:
+        """Return the pixel (u, v) of a point (x, y, z) in the camera's frame; NaN where it has none."""
+        u, v, w = (self.P * np.array([[point[0]], [point[1]], [point[2]], [1.0]])).A1
+        return (u / w, v / w) if w != 0 else (math.nan, math.nan)
+
+    def projectPixelTo3dRay(self, uv: Sequence[float]) -> tuple[float, float, float]:
+        """Return the direction, of length 1, of a pixel of the rectified image."""
+        x, y = (uv[0] - self.cx()) / self.fx(), (uv[1] - self.cy()) / self.fy()
+        norm = math.sqrt(x * x + y * y + 1)
+        return x / norm, y / norm, 1.0 / norm
+
+    def getDeltaU(self, deltaX: float, Z: float) -> float:
+        """Return the pixels, to the right, of a length at a depth, both in [m]."""
+        return float(self.fx() * deltaX / Z) if Z else math.inf
+
+    def getDeltaV(self, deltaY: float, Z: float) -> float:
+        """Return the pixels, downwards, of a length at a depth, both in [m]."""
+        return float(self.fy() * deltaY / Z) if Z else math.inf
+
+    def getDeltaX(self, deltaU: float, Z: float) -> float:
+        """Return the length to the right of pixels at a depth, both in [m]."""
+        return float(Z * deltaU / self.fx())
+
+    def getDeltaY(self, deltaV: float, Z: float) -> float:
+        """Return the length downwards of pixels at a depth, both in [m]."""
+        return float(Z * deltaV / self.fy())
+
+    def fullResolution(self) -> tuple[int, int]:
+        """Return the width and the height of the whole sensor, in pixels."""
+        resolution: tuple[int, int] = self.resolution
+        return resolution
+
+    def intrinsicMatrix(self) -> Any:
+        """Return K."""
+        return self.K
+
+    def distortionCoeffs(self) -> Any:
+        """Return D, a column; None without distortion."""
+        return self.D
+
+    def rotationMatrix(self) -> Any:
+        """Return R."""
+        return self.R
+
+    def projectionMatrix(self) -> Any:
+        """Return P."""
+        return self.P
+
+    def fullIntrinsicMatrix(self) -> Any:
+        """Return K of the whole sensor, without binning."""
+        return self.full_K
+
+    def fullProjectionMatrix(self) -> Any:
+        """Return P of the whole sensor, without binning."""
+        return self.full_P
+
+    def cx(self) -> float:
+        """Return the column of the optical axis."""
+        return float(self.P[0, 2])
+
+    def cy(self) -> float:
+        """Return the row of the optical axis."""
+        return float(self.P[1, 2])
+
+    def fx(self) -> float:
+        """Return the focal length in columns."""
+        return float(self.P[0, 0])
+
+    def fy(self) -> float:
+        """Return the focal length in rows."""
+        return float(self.P[1, 1])
+
+    def Tx(self) -> float:
+        """Return P[0, 3]: -fx times the distance to the left camera, in columns times [m]."""
+        return float(self.P[0, 3])
+
+    def Ty(self) -> float:
+        """Return P[1, 3]."""
+        return float(self.P[1, 3])
+
+    def fovX(self) -> float:
+        """Return the angle that is seen from left to right, [rad]."""
+        return 2 * math.atan(self.width / (2 * self.fx()))
+
+    def fovY(self) -> float:
+        """Return the angle that is seen from top to bottom, [rad]."""
+        return 2 * math.atan(self.height / (2 * self.fy()))
+
+    def tfFrame(self) -> str:
+        """Return the camera's frame."""
+        return str(self.tf_frame)
+
+
+class StereoCameraModel:
+    """Two cameras side by side, with rectified images."""
+
+    def __init__(self) -> None:
+        self.left = PinholeCameraModel()
+        self.right = PinholeCameraModel()
+
+    def fromCameraInfo(self, left_msg: CameraInfo, right_msg: CameraInfo) -> None:
+        """Adopt the parameters of both cameras; their distance is in the right one's P."""
+        self.left.fromCameraInfo(left_msg)
+        self.right.fromCameraInfo(right_msg)
+        right = self.right
+        self.Q = np.zeros((4, 4))  # (u, v, disparity, 1) to (x, y, z, w)
+        self.Q[0, 0] = self.Q[1, 1] = 1.0
+        self.Q[:3, 3] = -right.cx(), -right.cy(), right.fx()
+        self.Q[3, 2] = 1 / (-right.Tx() / right.fx())
+
+    def tfFrame(self) -> str:
+        """Return the frame of 3D points: the left camera's."""
+        return self.left.tfFrame()
+
+    def project3dToPixel(self, point: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the pixels of a point (x, y, z) in the left and in the right image."""
+        return self.left.project3dToPixel(point), self.right.project3dToPixel(point)
+
+    def projectPixelTo3d(self, left_uv: Sequence[float], disparity: float) -> tuple[float, float, float]:
+        """Return the point of a pixel of the left image; (0, 0, 0) for a disparity of 0."""
+        x, y, z, w = self.Q @ [left_uv[0], left_uv[1], disparity, 1.0]
+        return (x / w, y / w, z / w) if w != 0 else (0.0, 0.0, 0.0)
+
+    def getZ(self, disparity: float) -> float:
+        """Return the depth of a disparity, [m]."""
+        return float(-self.right.Tx() / disparity) if disparity else math.inf
+
+    def getDisparity(self, Z: float) -> float:
+        """Return the disparity of a depth, in columns."""
+        return float(-self.right.Tx() / Z) if Z else math.inf
