@@ -37,6 +37,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             "'NoneType' .* 'successful'",
             "end the callback with: return SetParametersResult(successful=True).",
         ),
+        Hint("'NoneType' .* 'to_label'", "end the callback with: return TransitionCallbackReturn.SUCCESS."),
         Hint(r"property 'enabled' of '\w+' object has no setter", 'write display["Enabled"] = False.'),
     ),
     "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),

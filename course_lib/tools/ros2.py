@@ -15,6 +15,7 @@ from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
 from course_lib.tools.interface import INTERFACE_VERBS
 from course_lib.tools.launch import launch_verbs
+from course_lib.tools.lifecycle import LIFECYCLE_VERBS
 from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
@@ -73,6 +74,7 @@ VERBS = (
     *SERVICE_VERBS,
     *ACTION_VERBS,
     *NODE_VERBS,
+    *LIFECYCLE_VERBS,
     *INTERFACE_VERBS,
     *DOCTOR_VERBS,
     *LINK_VERBS,
@@ -87,6 +89,7 @@ COMMANDS = {  # what ros2cli says of them
     "doctor": "Check ROS setup and other potential issues",
     "launch": "Run a launch file",
     "interface": "Show information about ROS interfaces",
+    "lifecycle": "Various lifecycle related sub-commands",
     "node": "Various node related sub-commands",
     "param": "Various param related sub-commands",
     "pkg": "Various package related sub-commands",

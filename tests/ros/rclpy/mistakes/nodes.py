@@ -157,4 +157,11 @@ NODES = [
         "ValueError: Logger severity cannot be changed between calls.",
         "write one line for each severity.",
     ),
+    (
+        "from rclpy.lifecycle import LifecycleNode\n"
+        "class Camera(LifecycleNode):\n    def on_configure(self, state):\n        pass\n"
+        "Camera('camera').trigger_configure()",
+        "AttributeError: 'NoneType' object has no attribute 'to_label'",
+        "end the callback with: return TransitionCallbackReturn.SUCCESS.",
+    ),
 ]

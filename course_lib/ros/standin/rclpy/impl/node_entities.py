@@ -57,6 +57,7 @@ class Node(node_graph.Node):
         callback_group: CallbackGroup | None = None,
         event_callbacks: PublisherEventCallbacks | None = None,
         qos_overriding_options: QoSOverridingOptions | None = None,
+        publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
         """Create a publisher.
 
@@ -67,13 +68,14 @@ class Node(node_graph.Node):
             callback_group: The group of `event_callbacks`.
             event_callbacks: Its events, like subscriptions that come and go.
             qos_overriding_options: The policies that parameters override.
+            publisher_class: Its class.
         """
         group = callback_group or self.default_callback_group
         node, full_topic = self.handle, self.resolve_topic_name(topic)
         require_type(msg_type, "message")
         profile = self._profile("publisher", full_topic, qos_profile, qos_overriding_options)
         added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
-        publisher = Publisher(Endpoint(node, added, full_topic), msg_type, topic, profile)
+        publisher = publisher_class(Endpoint(node, added, full_topic), msg_type, topic, profile)
         self._keep(publisher, event_callbacks or PublisherEventCallbacks(), group)
         return publisher
 
