@@ -21,7 +21,7 @@ def connect(
         call: Services and actions that may be called.
 
     Raises:
-        CourseError: Nodes exist already, the notebook is linked, or the robot cannot be reached.
+        CourseError: Nodes or viewers exist already, the notebook is linked, or the robot cannot be reached.
     """
     graph = current_graph()
     if not graph.notebook:
@@ -34,6 +34,11 @@ def connect(
     if graph.nodes():
         names = ", ".join(node.full_name for node in graph.nodes())
         raise CourseError(f"There are nodes already ({names}): restart the kernel, and connect first.")
+    if graph.is_tapped:
+        raise CourseError(
+            "There is a viewer or a recording already, which would not see the robot: restart the kernel, "
+            "and connect first."
+        )
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)
     drive_link(linked)

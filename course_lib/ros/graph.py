@@ -176,6 +176,11 @@ class Graph:
         self._taps.append(tap)
         return lambda: self._taps.remove(tap)
 
+    @property
+    def is_tapped(self) -> bool:
+        """True while viewers or recordings see what is published."""
+        return bool(self._taps)
+
     def about_link(self) -> list[tuple[str, object]]:
         """Return the state of the link to a robot, as rows of `ros2 doctor`; none without a link."""
         return []

@@ -49,10 +49,14 @@ class Declared:
 class Outlet(Declared):
     """A publisher on the network."""
 
-    def __init__(self, link: "RobotLink", entity: Entity, publisher: Any, token: Any) -> None:
-        super().__init__(link, token, publisher)
-        self._publisher, self._gid = publisher, entity.gid
+    def __init__(self, link: "RobotLink", entity: Entity, publisher: Any, probe: Any, token: Any) -> None:
+        super().__init__(link, token, publisher, probe)
+        self._publisher, self._probe, self._gid = publisher, probe, entity.gid
         self._sequence = itertools.count(1)
+
+    def is_heard(self) -> bool:
+        """Return whether a message would reach a subscription now."""
+        return self._link.is_open and bool(self._parts) and bool(self._probe.matching_status.matching)
 
     def put(self, cdr: bytes) -> None:
         """Publish a message; from any thread."""
@@ -104,19 +108,8 @@ class RobotLink:
 
     def endpoint(self, node: Entity, kind: Kind, topic: str, type_name: str, qos: Qos) -> Entity:
         """Return an endpoint of one of its nodes, not announced yet."""
-        return Entity(
-            self.domain,
-            self._zid,
-            node.id,
-            next(self._ids),
-            kind,
-            node.namespace,
-            node.node,
-            topic,
-            type_name,
-            type_hash(type_name),
-            qos,
-        )
+        place, where = (node.namespace, node.node), (self.domain, self._zid, node.id, next(self._ids))
+        return Entity(*where, kind, *place, topic, type_name, type_hash(type_name), qos)
 
     def is_own(self, entity: Entity) -> bool:
         """Return whether an entity is the kit's."""
@@ -164,7 +157,11 @@ class RobotLink:
             sample_miss_detection=heartbeat,
             publisher_detection=keeps or None,
         )
-        return Outlet(self, entity, publisher, self._token(entity))
+        remote = (
+            zenoh.Locality.REMOTE
+        )  # an advanced publisher does not know who listens, an ordinary one does
+        probe = self._session.declare_publisher(entity.key, allowed_destination=remote)
+        return Outlet(self, entity, publisher, probe, self._token(entity))
 
     def subscriber(self, topic: str, type_name: str, inbox: Inbox, kept: int) -> Declared:
         """Subscribe to a topic, and ask late publishers for so many messages that they keep; 0: for none."""

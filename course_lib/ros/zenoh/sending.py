@@ -12,6 +12,7 @@ from course_lib.ros.zenoh.link import Outlet
 
 STALE = 0.5  # [s] without a command, after which a moving robot is stopped
 LOOK = 0.05  # [s] between two looks
+LEASE = 10.0  # [s] after which Zenoh notices that a link is dead
 UNSENT = ("/rosout", "/parameter_events")  # every node has them: they stay here without a word
 COMMANDS = {"geometry_msgs/msg/Twist": "", "geometry_msgs/msg/TwistStamped": "twist"}  # where the speeds are
 
@@ -61,26 +62,41 @@ class HeldBack:
 
 
 class Brake:
-    """Follows a command to move by one of zero when no more commands come."""
+    """Follows a command to move by one of zero when no more commands come.
+
+    A command to stand is sent again once the robot listens again, if the link may have lost it.
+    """
 
     def __init__(self, outlet: Outlet, type_name: str) -> None:
         self._outlet, self._type_name = outlet, type_name
-        self._zero: bytes | None = None  # to be sent; None: the robot was told to stand, or nothing
-        self._since = 0.0  # [s] of the wall clock
+        self._zero: bytes | None = None  # stops the robot; None: it stands
+        self._since = 0.0  # [s] of the wall clock: the last command
+        self._sent: float | None = None  # [s]: the command to stand
+        self._lost = False  # whether nobody has heard it
         self._mutex = _thread.allocate_lock()
 
     def put(self, cdr: bytes) -> None:
         """Send a command."""
         with self._mutex:
-            self._zero, self._since = _zero_of(cdr, self._type_name), wall.monotonic()
+            zero = _zero_of(cdr, self._type_name)
+            self._since = wall.monotonic()
+            self._sent, self._lost = None if zero else self._since, not self._outlet.is_heard()
+            self._zero = zero or self._zero
             self._outlet.put(cdr)
 
     def stop(self, older_than: float = 0.0) -> None:
-        """Stop the robot, if the last command was to move and is older than so many seconds."""
+        """Stop the robot, if the last command is older than so many seconds and was to move, or was lost."""
         with self._mutex:
-            if self._zero is not None and wall.monotonic() - self._since >= older_than:
+            now = wall.monotonic()
+            if self._zero is None or now - self._since < older_than:
+                return
+            heard = self._outlet.is_heard()
+            if self._sent is None or (heard and self._lost):
                 self._outlet.put(self._zero)
+                self._sent = now
+            elif heard and now - self._sent > LEASE:
                 self._zero = None
+            self._lost = not heard
 
 
 def _zero_of(cdr: bytes, type_name: str) -> bytes | None:

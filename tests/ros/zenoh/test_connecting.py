@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib import connect, disconnect
+from course_lib import Viewer, connect, disconnect
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
 from course_lib.ros.graph import Graph, current_graph, use_graph
@@ -142,6 +142,17 @@ def test_a_notebook_with_nodes_is_not_linked(router: str) -> None:
     graph.add_node("mine", "/")
     with use_graph(graph), pytest.raises(CourseError, match=r"nodes already \(/mine\): restart the kernel"):
         connect(router)
+
+
+def test_a_notebook_with_a_viewer_is_not_linked_until_the_viewer_is_closed(kits: Kits) -> None:
+    kits.join()
+    with use_graph(Graph(notebook=True)):
+        viewer = Viewer()
+        with pytest.raises(CourseError, match=r"a viewer or a recording already.*: restart the kernel"):
+            connect(kits.address)
+        viewer.close()
+        connect(kits.address)
+        disconnect()
 
 
 def test_what_is_graded_is_not_linked(router: str) -> None:

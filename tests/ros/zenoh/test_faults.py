@@ -4,18 +4,30 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
+from geometry_msgs.msg import Twist
 from std_msgs.msg import String
 
 from course_lib.ros import wall
-from course_lib.ros.messages import serialize
+from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.zenoh.ears import Ear
 from course_lib.ros.zenoh.explain import about_clock
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
 from course_lib.ros.zenoh.link import Declared, open_session
+from course_lib.ros.zenoh.sending import STALE
 from course_lib.ros.zenoh.tokens import attachment, key_of
 from tests.ros.zenoh.conftest import Kits, Routers
-from tests.ros.zenoh.test_two_kits import LATCHED, STRING, connect, listener, say, talker, texts
+from tests.ros.zenoh.test_two_kits import (
+    LATCHED,
+    MOVING,
+    STRING,
+    connect,
+    listener,
+    say,
+    speeds,
+    talker,
+    texts,
+)
 
 RESTARTS = 3
 
@@ -150,3 +162,27 @@ def test_a_flood_leaves_timers_in_time(kits: Kits) -> None:
     for _ in range(1000):
         robot.publish(out, serialize(String(data="x" * 1000)))
     kits.until(lambda: fired, "the timer")
+
+
+def test_a_stop_that_was_due_without_a_link_is_sent_when_it_is_back(routers: Routers) -> None:
+    kits = Kits(f"tcp/127.0.0.1:{routers.port}")
+    robot, student = kits.join(), kits.join(send="/cmd_vel")
+    heard = listener(robot, "/cmd_vel", type_name(Twist))
+    drive = talker(student, "/cmd_vel", type_name(Twist))
+    connect(kits, student, drive, heard, MOVING)
+    kits.until(lambda: speeds(heard, Twist)[-1] == 0.0, "the stop with a link")
+    for last in (MOVING, Twist()):
+        heard.clear()
+        student.publish(drive, serialize(MOVING))
+        kits.until(lambda: heard, "the command")
+        routers.kill()
+        kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
+        student.publish(drive, serialize(last))
+        due = wall.monotonic() + 2 * STALE
+        kits.until(lambda due=due: wall.monotonic() > due, "the time of the stop")  # type: ignore[misc]
+        assert speeds(heard, Twist) == [0.2]
+        routers.start()
+        kits.until(lambda: len(heard) > 1, "the stop once the link is back")
+        assert speeds(heard, Twist) == [0.2, 0.0]
+    for graph in tuple(kits.graphs):
+        kits.leave(graph)
