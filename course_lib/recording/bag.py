@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, counted
 from course_lib.recording import bag_qos
-from course_lib.recording.recording import Recording, TopicSummary
+from course_lib.recording.bag_writer import METADATA, BagWriter
+from course_lib.recording.recording import Recording
 from course_lib.recording.salvage import data_files, salvage
 from course_lib.ros.graph import Sample
-from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.hashes import type_hash
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Connection
-    from rosbags.rosbag2 import Reader, Writer
+    from rosbags.rosbag2 import Reader
 
-METADATA = "metadata.yaml"
 NAME = "recording"  # of the MCAP file: rosbags names it after the folder and writes that name into it
 
 
@@ -99,28 +96,11 @@ def _reason(error: Exception) -> str:
 
 
 def _write(recording: Recording, folder: Path) -> None:
-    from rosbags.rosbag2 import StoragePlugin, Writer
-
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connections = {(topic.name, topic.type_name): _add(writer, topic) for topic in recording.topics()}
+    with BagWriter(folder) as writer:
+        for topic in recording.topics():
+            writer.add(topic.name, topic.type_name, topic.offered)
         for sample in recording.samples:
-            writer.write(connections[sample.topic, sample.type_name], sample.stamp_ns, sample.cdr)
-    metadata = folder / METADATA
-    about = metadata.read_text(encoding="utf-8")  # where rosbags names itself, rosbag2 its ROS
-    metadata.write_text(about.replace("ros_distro: rosbags", "ros_distro: jazzy"), encoding="utf-8")
-
-
-def _add(writer: "Writer", topic: TopicSummary) -> "Connection":
-    definition(topic.type_name)  # says which type is not known
-    return writer.add_connection(
-        topic.name,
-        topic.type_name,
-        typestore=typestore(),
-        # As rosbag2 does: a part of an action has no file that could be quoted.
-        msgdef="" if "/action/" in topic.type_name else None,
-        rihs01=type_hash(topic.type_name),
-        offered_qos_profiles=[bag_qos.to_bag(qos) for qos in topic.offered],
-    )
+            writer.write(sample.topic, sample.type_name, sample.stamp_ns, sample.cdr)
 
 
 def _samples(reader: "Reader") -> list[Sample]:

@@ -4,7 +4,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from course_lib.recording.bag import METADATA, read_bag
+from course_lib.recording.bag import read_bag
+from course_lib.recording.bag_writer import METADATA
 from course_lib.recording.recording import Recording
 from course_lib.recording.salvage import data_files
 
@@ -20,7 +21,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
         CourseError: There is no bag, or it is damaged.
     """
     recording = read_bag(folder)
-    about = _metadata(Path(folder))
+    about = bag_metadata(Path(folder))
     files = [Path(folder, name) for name in about.get("relative_file_paths", ())] or data_files(Path(folder))
     kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
     rows = [
@@ -40,7 +41,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
     return "\n" + "\n".join(f"{label:<{_LABEL}}{value}" for label, value in rows) + "\n"
 
 
-def _metadata(folder: Path) -> dict[str, Any]:
+def bag_metadata(folder: Path) -> dict[str, Any]:
     """Read the metadata, which a recorder writes at its end; empty without it."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
@@ -52,14 +53,18 @@ def _metadata(folder: Path) -> dict[str, Any]:
         return {}
 
 
-def _topics(about: dict[str, Any], recording: Recording) -> list[str]:
-    """Return a line per topic, also without messages, in the order of the file."""
+def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:
+    """Count the messages by topic and type, also where there are none, in the order of the file."""
     counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
     listed = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
     topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in listed), *counts])
+    return {key: counts.get(key, 0) for key in topics}
+
+
+def _topics(about: dict[str, Any], recording: Recording) -> list[str]:
     return [
-        f"Topic: {name} | Type: {kind} | Count: {counts.get((name, kind), 0)} | Serialization Format: cdr"
-        for name, kind in topics
+        f"Topic: {name} | Type: {kind} | Count: {count} | Serialization Format: cdr"
+        for (name, kind), count in topic_counts(about, recording).items()
     ]
 
 

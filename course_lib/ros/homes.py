@@ -12,10 +12,12 @@ from types import ModuleType
 FOLDERS = (
     *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.events"),
     *("launch.launch_description_sources", "launch.substitutions"),
-    *("launch_ros.actions", "launch_ros.substitutions"),
+    *("launch_ros.actions", "launch_ros.event_handlers", "launch_ros.events.lifecycle"),
+    "launch_ros.substitutions",
 )
 HOMES = {
     "launch.actions.shutdown_action": "launch.actions",
+    "launch.events.matchers": "launch.events",
     "launch.events.process": "launch.events",
     "launch.launch_description_entity": "launch.entities",
     "launch.substitutions.boolean_substitution": "launch.substitutions",

@@ -4,7 +4,8 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag, read_bag, write_bag
+from course_lib.recording import Recording, read_bag, write_bag
+from course_lib.recording.bag_writer import BagWriter
 from course_lib.ros.graph import Sample
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.messages.definitions import typestore
@@ -77,7 +78,7 @@ def test_a_crash_while_writing_leaves_nothing_behind(tmp_path: Path, monkeypatch
     def crash(*_: object) -> None:
         raise RuntimeError("power cut")
 
-    monkeypatch.setattr(bag, "_add", crash)
+    monkeypatch.setattr(BagWriter, "add", crash)
     with pytest.raises(RuntimeError):
         write_bag(make_recording(), tmp_path / "bag")
     assert list(tmp_path.iterdir()) == []

@@ -159,7 +159,11 @@ class TestLifecycleNode:
     ) -> None:
         node = Talker(configure=ValueError("no laser"))
         assert node.trigger_configure() is ERROR
-        assert capsys.readouterr().out == "/lc_talker: on_configure() raised ValueError: no laser\n"
+        told = capsys.readouterr().out
+        assert told.startswith(
+            "/lc_talker: on_configure() raised ValueError: no laser (test_lifecycle.py, line "
+        )
+        assert told.endswith(": raise result)\n")
         assert node.befores == [State("unconfigured", 1)] * 2
 
     def test_a_transition_that_the_state_does_not_have_raises_rcls_error(

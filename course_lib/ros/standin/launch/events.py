@@ -1,5 +1,6 @@
 """The events of a launch."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from launch.entities import Action, Event
@@ -26,3 +27,8 @@ class ProcessExited(ProcessStarted):
     """The end of a process."""
 
     returncode: int = 0
+
+
+def matches_action(target: Action) -> Callable[[Action], bool]:
+    """Return a matcher for one action."""
+    return lambda action: action is target

@@ -3,13 +3,16 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from launch.entities import Action, LaunchContext, Reaction, text_of
+from launch.entities import Action, BaseEventHandler, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
 
+from launch_ros.events.lifecycle import ChangeState, StateTransition
+from launch_ros.lifecycle_link import LifecycleLink
 from launch_ros.parameter_descriptions import words_for
 
 _NAMESPACE, _PARAMETERS, _REMAPS = "ros_namespace", "global_params", "ros_remaps"  # launch configurations
+_LOOK = 0.1  # [s] between two looks for a node that is coming up
 _NO_DIFFERENCE = {
     *("additional_env", "cwd", "emulate_tty", "env", "exec_name", "log_cmd", "output", "output_format"),
     *("prefix", "respawn", "respawn_delay", "respawn_max_retries", "shell", "sigkill_timeout"),
@@ -67,14 +70,66 @@ class Node(Action):
         yield from (text_of(context, word) for word in self._ros_arguments)
         if self._name is not None:
             yield from ("-r", f"__node:={text_of(context, self._name)}")
-        settings = context.launch_configurations
-        namespace = _joined(settings.get(_NAMESPACE, ""), text_of(context, self._namespace or ""))
+        settings, namespace = context.launch_configurations, self._full_namespace(context)
         if namespace:
             yield from ("-r", f"__ns:={namespace}")
         for parameters in (*settings.get(_PARAMETERS, ()), *self._parameters):
             yield from words_for(context, parameters)
         for old, new in (*settings.get(_REMAPS, ()), *self._remappings):
             yield from ("-r", f"{text_of(context, old)}:={text_of(context, new)}")
+
+    def _full_namespace(self, context: LaunchContext) -> str:
+        outer = context.launch_configurations.get(_NAMESPACE, "")
+        return _joined(outer, text_of(context, self._namespace or ""))
+
+
+class LifecycleNode(Node):
+    """Starts a node whose state the launch follows (StateTransition) and changes (ChangeState).
+
+    Args:
+        name: Its name; needed, because its topic and its service are named for it.
+        namespace: Its namespace, maybe "".
+        options: Those of Node.
+    """
+
+    def __init__(self, *, name: Some, namespace: Some, **options: Any) -> None:
+        super().__init__(name=name, namespace=namespace, **options)
+        self.node_name = ""  # with its namespace, once it was started
+        self._given_name = name
+
+    def _start(self, context: LaunchContext) -> None:
+        runner, ended = context.runner, OnProcessExit(target_action=self, on_exit=self._end)
+        self.node_name = f"{self._full_namespace(context)}/{text_of(context, self._given_name)}"
+        self._runs = True
+
+        def failed(number: int) -> None:
+            transition = f"'{ChangeState.valid_transitions[number]}' for LifecycleNode '{self.node_name}'"
+            runner.log(
+                "ERROR", "launch_ros.actions.lifecycle_node", f"Failed to make transition {transition}"
+            )
+
+        def hear(message: Any) -> None:
+            runner.emit(StateTransition(action=self, msg=message))
+
+        link = LifecycleLink(self.node_name, hear, failed)
+
+        def asked(event: Any, context: LaunchContext) -> Action:
+            return Action(lambda context: self._ask(context, link, event.transition_id))
+
+        context.handlers[:0] = [ended, BaseEventHandler(matcher=self._is_meant, entities=asked)]
+        super()._start(context)
+
+    def _is_meant(self, event: Any) -> bool:
+        return isinstance(event, ChangeState) and event.lifecycle_node_matcher(self)
+
+    def _ask(self, context: LaunchContext, link: LifecycleLink, transition: int) -> None:
+        """Ask for a transition, as soon as the node is there."""
+        if self._runs and not link.ask(transition):
+            again = Action(lambda context: self._ask(context, link, transition))
+            context.runner.later(_LOOK, again)
+
+    def _end(self, event: Any, context: LaunchContext) -> None:
+        self._runs = False
 
 
 class PushRosNamespace(Action):

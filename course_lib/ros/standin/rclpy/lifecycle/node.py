@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from lifecycle_msgs.msg import State, Transition, TransitionEvent
 
 from course_lib.ros.notices import say
+from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
 from rclpy.lifecycle.managed_entity import LifecycleState, ManagedEntity, TransitionCallbackReturn
@@ -150,8 +151,12 @@ class LifecycleNodeMixin(ManagedEntity):
         try:
             return cast("TransitionCallbackReturn", self._callbacks[number](before))
         except Exception as error:  # as in rclpy, which keeps silent about it
-            name = cast("Node", self).get_fully_qualified_name()
-            say(f"{name}: {_CALLBACKS[number]}() raised {type(error).__name__}: {error}")
+            name, place = (
+                cast("Node", self).get_fully_qualified_name(),
+                line_of_traceback(error.__traceback__),
+            )
+            text = f"{name}: {_CALLBACKS[number]}() raised {type(error).__name__}: {error}"
+            say(f"{text} ({place})" if place else text)
             return TransitionCallbackReturn.ERROR
 
 

@@ -1,0 +1,33 @@
+"""Events of lifecycle nodes: a wanted transition, and one that was made."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from launch.entities import Event
+from lifecycle_msgs.msg import Transition, TransitionEvent
+
+from launch_ros.events.matchers import matches_node_name as matches_node_name
+
+_NAMES = ("CREATE", "CONFIGURE", "CLEANUP", "ACTIVATE", "DEACTIVATE", "UNCONFIGURED_SHUTDOWN")
+_TRANSITIONS = [f"TRANSITION_{name}" for name in (*_NAMES, "INACTIVE_SHUTDOWN", "ACTIVE_SHUTDOWN", "DESTROY")]
+
+
+class ChangeState(Event):
+    """A transition that the matching lifecycle nodes are asked for."""
+
+    valid_transitions: ClassVar[dict[int, str]] = {getattr(Transition, name): name for name in _TRANSITIONS}
+
+    def __init__(self, *, lifecycle_node_matcher: Callable[[Any], bool], transition_id: int) -> None:
+        if transition_id not in self.valid_transitions:
+            valid = ", ".join(f"{name}: {number}" for number, name in self.valid_transitions.items())
+            raise ValueError(f"given transition_id of '{transition_id}', expected one of {{{valid}}}")
+        self.lifecycle_node_matcher, self.transition_id = lifecycle_node_matcher, transition_id
+
+
+class StateTransition(Event):
+    """A transition that a lifecycle node has made; `action` is its LifecycleNode."""
+
+    def __init__(self, *, action: Any, msg: TransitionEvent) -> None:
+        self.action, self.msg, self.timestamp = action, msg, msg.timestamp
+        self.transition = msg.transition.label
+        self.start_state, self.goal_state = msg.start_state.label, msg.goal_state.label

@@ -1,0 +1,15 @@
+from rosbag2_py._info import Info as Info
+from rosbag2_py._reader import SequentialCompressionReader as SequentialCompressionReader
+from rosbag2_py._reader import SequentialReader as SequentialReader
+from rosbag2_py._reader import get_registered_readers as get_registered_readers
+from rosbag2_py._storage import BagMetadata as BagMetadata
+from rosbag2_py._storage import ConverterOptions as ConverterOptions
+from rosbag2_py._storage import ReadOrder as ReadOrder
+from rosbag2_py._storage import ReadOrderSortBy as ReadOrderSortBy
+from rosbag2_py._storage import StorageFilter as StorageFilter
+from rosbag2_py._storage import StorageOptions as StorageOptions
+from rosbag2_py._storage import TopicInformation as TopicInformation
+from rosbag2_py._storage import TopicMetadata as TopicMetadata
+from rosbag2_py._storage import get_default_storage_id as get_default_storage_id
+from rosbag2_py._writer import SequentialWriter as SequentialWriter
+from rosbag2_py._writer import get_registered_writers as get_registered_writers

@@ -1,0 +1,135 @@
+"""Launch files with lifecycle nodes, in the style of ROS's lifecycle demo."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from launch.events import matches_action
+from launch_ros.actions import LifecycleNode
+from launch_ros.actions import Node as NodeAction
+from launch_ros.event_handlers import OnStateTransition
+from launch_ros.events.lifecycle import ChangeState, StateTransition
+from launch_ros.events.matchers import matches_node_name
+from lifecycle_msgs.msg import State, TransitionEvent
+
+from tests.ros.launch.run import recorded
+
+TALKER = """
+import rclpy
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from std_msgs.msg import String
+
+
+class Talker(LifecycleNode):
+    def __init__(self):
+        super().__init__("talker")
+        self.out = self.create_lifecycle_publisher(String, "chatter", 10)
+        self.create_timer(1.0, lambda: self.out.publish(String(data="hello")))
+
+    def on_cleanup(self, state):
+        return TransitionCallbackReturn.FAILURE
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Talker())
+"""
+SETUP = 'setup(name="my_robot", entry_points={"console_scripts": ["lc_talker = my_robot.lc_talker:main"]})'
+LAUNCH = """
+import launch
+import launch.actions
+import launch.events
+import launch_ros.actions
+import launch_ros.events.lifecycle
+from lifecycle_msgs.msg import Transition
+
+
+def generate_launch_description():
+    talker = launch_ros.actions.LifecycleNode(
+        name="lc_talker", namespace="NAMESPACE", package="my_robot", executable="lc_talker", output="screen")
+
+    def change(number):
+        return launch.actions.EmitEvent(event=launch_ros.events.lifecycle.ChangeState(
+            lifecycle_node_matcher=launch.events.matches_action(talker), transition_id=number))
+
+    def when(state, *entities):
+        return launch.actions.RegisterEventHandler(launch_ros.event_handlers.OnStateTransition(
+            target_lifecycle_node=talker, goal_state=state, entities=list(entities)))
+
+    return launch.LaunchDescription([
+        when("inactive", launch.actions.LogInfo(msg="talker is inactive"), THEN),
+        when("active", launch.actions.LogInfo(msg="talker is active")),
+        talker,
+        change(Transition.TRANSITION_CONFIGURE),
+    ])
+"""
+
+
+@pytest.fixture
+def demo(robot: Path) -> Any:
+    """Write the demo's launch file: what follows on `inactive`, and the node's namespace."""
+    (robot / "my_robot" / "lc_talker.py").write_text(TALKER)
+    (robot / "setup.py").write_text(SETUP)
+
+    def write(then: str, namespace: str = "") -> Path:
+        file = robot / "launch" / "lifecycle.launch.py"
+        file.write_text(LAUNCH.replace("THEN", then).replace("NAMESPACE", namespace))
+        return file
+
+    return write
+
+
+@pytest.mark.parametrize("namespace", ["", "front"])
+def test_a_launch_brings_its_node_from_state_to_state(
+    demo: Any, capsys: pytest.CaptureFixture[str], namespace: str
+) -> None:
+    file = demo("change(Transition.TRANSITION_ACTIVATE)", namespace)
+    recording, code = recorded(file, seconds=3.5)
+    topics = [one.topic for one in recording.samples if one.type_name == "std_msgs/msg/String"]
+    out = capsys.readouterr().out
+    assert code == 0
+    assert topics == [f"{namespace and '/front'}/chatter"] * 3
+    assert out.index("talker is inactive") < out.index("talker is active")
+
+
+def test_a_transition_that_the_node_refuses_is_logged(demo: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    recorded(demo("change(Transition.TRANSITION_CLEANUP)"), seconds=0.5)
+    text = "Failed to make transition 'TRANSITION_CLEANUP' for LifecycleNode '/lc_talker'"
+    assert f"[ERROR] [launch_ros.actions.lifecycle_node]: {text}\n" in capsys.readouterr().out
+
+
+def test_a_launch_ends_although_its_node_never_came_up(robot: Path, demo: Any) -> None:
+    file = demo("change(Transition.TRANSITION_ACTIVATE)")
+    (robot / "my_robot" / "lc_talker.py").write_text("def main():\n    return 3\n")
+    _, code = recorded(file, seconds=None)
+    assert code == 3
+
+
+def test_events_and_handlers_are_compared_as_in_launch_ros() -> None:
+    given = {"name": "a", "namespace": "", "package": "p", "executable": "e"}
+    node, other = LifecycleNode(**given), LifecycleNode(**given)
+    node.node_name = "/a"
+    message = TransitionEvent(start_state=State(label="activating"), goal_state=State(label="active"))
+    event = StateTransition(action=node, msg=message)
+    for handler, matches in (
+        (OnStateTransition(entities=[]), True),
+        (OnStateTransition(entities=[], target_lifecycle_node=node, goal_state="active"), True),
+        (OnStateTransition(entities=[], target_lifecycle_node=other), False),
+        (OnStateTransition(entities=[], start_state="inactive"), False),
+        (OnStateTransition(entities=[], goal_state="x", matcher=lambda event: True), True),
+    ):
+        assert handler.matches(event) is matches
+    assert matches_node_name("a")(node)
+    assert not matches_node_name("/a")(other)
+
+
+def test_wrong_targets_and_transitions_are_refused_in_ros_s_words() -> None:
+    node: Any = NodeAction(package="p", executable="e")
+    with pytest.raises(RuntimeError, match="requires a 'LifecycleNode' action as the target"):
+        OnStateTransition(entities=[], target_lifecycle_node=node)
+    with pytest.raises(
+        ValueError, match=r"given transition_id of '99', expected one of \{TRANSITION_CREATE: 0"
+    ):
+        ChangeState(lifecycle_node_matcher=matches_action(node), transition_id=99)
+    with pytest.raises(TypeError, match="namespace"):
+        LifecycleNode(package="p", executable="e", name="a")  # type: ignore[call-arg]
