@@ -37,14 +37,17 @@ def address(
 
 @robots.command()
 def robot(
+    kind: Annotated[
+        str, typer.Argument(help="driving: a base with a laser scanner; unknown: week 6's.")
+    ] = "driving",
     listen: Annotated[str, typer.Option(help="Where others connect.")] = "tcp/127.0.0.1:7447",
     domain: Annotated[int, typer.Option(min=0, max=232, help="Its ROS_DOMAIN_ID.")] = 0,
     with_parent: Annotated[bool, typer.Option("--with-parent", hidden=True)] = False,
 ) -> None:
-    """Run a driving robot with a laser scanner, for those who have no real one."""
+    """Run a robot for those who have no real one; all that it has is on the network."""
     from course_lib.gateway.robot import robot as run_robot
 
-    raise typer.Exit(run_robot(listen, domain, typer.echo, with_parent=with_parent))
+    raise typer.Exit(run_robot(kind, listen, domain, typer.echo, with_parent=with_parent))
 
 
 @robots.command()

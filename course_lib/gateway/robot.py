@@ -11,29 +11,39 @@ from course_lib.errors import CourseError
 from course_lib.gateway.zenoh_router import open_router
 from course_lib.ros.zenoh.connect import RobotAddress
 
-PROGRAM = Path(__file__).with_name("driving_robot.py")
-TOPICS = ("/robot_description", "/tf", "/tf_static", "/odom", "/scan")
+FOLDER = Path(__file__).parent
+PROGRAMS = {"driving": "driving_robot.py", "unknown": "unknown_robot.py"}
 READY = "The robot is ready"  # what the program logs
 
 
-def robot(listen: str, domain: int, write: Callable[[str], None], *, with_parent: bool = False) -> int:
-    """Run a router and a driving robot until Ctrl+C; return the program's exit code.
+def robot(
+    kind: str, listen: str, domain: int, write: Callable[[str], None], *, with_parent: bool = False
+) -> int:
+    """Run a router and a robot until Ctrl+C; return the program's exit code.
 
     Args:
+        kind: The robot, of PROGRAMS.
         listen: Where others connect, like `tcp/0.0.0.0:7447`.
         domain: Its ROS_DOMAIN_ID.
         write: Prints a line.
         with_parent: End when standard input does.
+
+    Raises:
+        CourseError: There is no such robot.
     """
     from course_lib.tools.run import run
 
+    if kind not in PROGRAMS:
+        raise CourseError(f"There is no robot {kind!r}: start one of {', '.join(PROGRAMS)}.")
     router = open_router({"listen/endpoints": [listen]})
     write(f"Its router listens at {listen}. Connect with: %ros2 connect {listen} --send /cmd_vel")
     if with_parent:
         _thread.start_new_thread(_end_with_input, ())
-    address = RobotAddress(f"tcp/127.0.0.1:{listen.rpartition(':')[2]}", domain, TOPICS)
+    address = RobotAddress(f"tcp/127.0.0.1:{listen.rpartition(':')[2]}", domain, everything=True)
     try:
-        return run([PROGRAM], seconds=None, seed=0, bag=None, args=(), real_time=False, robot=address)
+        return run(
+            [FOLDER / PROGRAMS[kind]], seconds=None, seed=0, bag=None, args=(), real_time=False, robot=address
+        )
     finally:
         router.close()  # type: ignore[no-untyped-call]  # untyped there
 

@@ -69,6 +69,26 @@ def test_an_unchanged_node_drives_through_the_gateway_only_while_its_student_may
     robot.stop()
 
 
+def test_all_of_the_unknown_robot_is_on_the_network(tmp_path: Path, started: Started) -> None:
+    place = f"tcp/127.0.0.1:{free_port()}"
+    says(started("robot", "unknown", "--listen", place), "The robot is ready")
+
+    def ros2(words: str, *options: str) -> str:
+        return course(tmp_path, "ros2", "--robot", place, *options, *words.split())
+
+    topics = set(ros2("topic list").splitlines())
+    assert {"/robot/scan", "/robot/front_cam/image_raw", "/robot/odom", "/tf"} <= topics
+    reset = "/robot/reset_odometry"
+    assert "success=True" in ros2(f"service call {reset} std_srvs/srv/Trigger", "--call", reset)
+    assert "/robot/gripper_cmd" in ros2("action list")
+
+
+def test_a_robot_that_does_not_exist_is_one_line(tmp_path: Path) -> None:
+    assert course(tmp_path, "robot", "flying").endswith(
+        "There is no robot 'flying': start one of driving, unknown.\n"
+    )
+
+
 def test_the_robot_ends_when_the_process_that_started_it_is_killed(tmp_path: Path) -> None:
     script = "from course_lib import start_robot\nprint(start_robot().router, flush=True)\ninput()\n"
     process = subprocess.Popen(

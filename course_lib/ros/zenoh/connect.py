@@ -32,12 +32,14 @@ class RobotAddress:
         domain: ROS_DOMAIN_ID; None takes the environment's, else 0.
         send: Topics that may be sent.
         call: Services and actions that may be called or offered.
+        everything: All may go out and be called: the programs are the robot.
     """
 
     router: str
     domain: int | None = None
     send: Sequence[str] = ()
     call: Sequence[str] = ()
+    everything: bool = False
 
 
 def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
@@ -56,7 +58,8 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
 
     tell = say if notebook else _tell_apart
     link = RobotLink(_router(robot.router), _domain(robot.domain))
-    graph = RobotGraph(link, Allowed.of(robot.send, robot.call), tell, notebook=notebook)
+    allowed = Allowed(everything=True) if robot.everything else Allowed.of(robot.send, robot.call)
+    graph = RobotGraph(link, allowed, tell, notebook=notebook)
     atexit.register(graph.close)
     begun = found = wall.monotonic()
     while wall.monotonic() < min(begun + DISCOVERY, found + SETTLED if graph.nodes() else begun + DISCOVERY):

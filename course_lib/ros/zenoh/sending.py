@@ -25,6 +25,7 @@ class Allowed:
 
     send: frozenset[str] = frozenset()
     call: frozenset[str] = frozenset()
+    everything: bool = False  # of a program that is the robot
 
     @classmethod
     def of(cls, send: Iterable[str], call: Iterable[str]) -> Self:
@@ -34,11 +35,17 @@ class Allowed:
 
     def topic(self, name: str) -> bool:
         """Return whether messages of a topic may go out; feedback of an allowed action may."""
-        return name in self.send or ("/_action/" in name and self.service(name))
+        return self.everything or name in self.send or ("/_action/" in name and self.service(name))
 
     def service(self, name: str) -> bool:
         """Return whether a service may be called or offered; those of an allowed action may."""
-        return name.split("/_action/")[0] in self.call
+        return self.everything or name.split("/_action/")[0] in self.call
+
+    def rows(self) -> list[tuple[str, object]]:
+        """Return what is allowed, as rows of `ros2 doctor`."""
+        others = "everything" if self.everything else "nothing: read-only"
+        names = (("may be sent", self.send), ("may be called", self.call))
+        return [(what, ", ".join(sorted(allowed)) or others) for what, allowed in names]
 
 
 class HeldBack:

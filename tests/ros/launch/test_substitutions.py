@@ -1,7 +1,9 @@
 from pathlib import Path
+from typing import Any
 
 import pytest
 from launch import LaunchContext
+from launch.conditions import LaunchConfigurationEquals, LaunchConfigurationNotEquals
 from launch.entities import SubstitutionFailure, text_of
 from launch.substitutions import (
     Command,
@@ -67,3 +69,21 @@ def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchCont
 
 def test_joined_parts_are_one_text(context: LaunchContext) -> None:
     assert text_of(context, ["a", TextSubstitution(text="b"), Path("c")]) == "abc"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected", "equal"),
+    [
+        ("n", "3", True),
+        ("n", [LaunchConfiguration("n")], True),
+        ("n", "4", False),
+        ("n", None, False),
+        ("other", "3", False),
+        ("other", None, True),
+    ],
+)
+def test_the_value_of_an_argument_is_a_condition(
+    context: LaunchContext, name: str, expected: Any, equal: bool
+) -> None:
+    assert LaunchConfigurationEquals(name, expected).evaluate(context) is equal
+    assert LaunchConfigurationNotEquals(name, expected).evaluate(context) is not equal

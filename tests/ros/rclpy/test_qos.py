@@ -6,6 +6,7 @@ from rclpy.qos import (
     HistoryPolicy,
     InvalidQoSProfileException,
     LivelinessPolicy,
+    QoSCompatibility,
     QoSDurabilityPolicy,
     QoSHistoryPolicy,
     QoSLivelinessPolicy,
@@ -13,6 +14,8 @@ from rclpy.qos import (
     QoSProfile,
     QoSReliabilityPolicy,
     ReliabilityPolicy,
+    qos_check_compatible,
+    qos_profile_parameter_events,
     qos_profile_sensor_data,
     qos_profile_system_default,
 )
@@ -130,3 +133,44 @@ def test_a_profile_becomes_what_the_graph_works_with_and_back() -> None:
 def test_system_default_is_what_dds_does_by_default() -> None:
     assert to_qos(qos_profile_system_default, "pub") == Qos(depth=1)
     assert to_qos(qos_profile_system_default, "sub") == Qos(depth=1, reliability="best_effort")
+
+
+@pytest.mark.parametrize(
+    ("offered", "requested", "level", "reason"),
+    [
+        ({}, {}, "OK", ""),
+        ({"durability": DurabilityPolicy.TRANSIENT_LOCAL}, {}, "OK", ""),
+        (
+            {"durability": DurabilityPolicy.VOLATILE},
+            {"durability": DurabilityPolicy.TRANSIENT_LOCAL, "deadline": Duration(seconds=1)},
+            "ERROR",
+            "ERROR: Volatile publisher and transient local subscription;"
+            "ERROR: Subscription has a deadline, but publisher does not;",
+        ),
+        (
+            {"liveliness_lease_duration": Duration(seconds=2)},
+            {"liveliness_lease_duration": Duration(seconds=1)},
+            "ERROR",
+            "ERROR: Subscription liveliness lease duration is less than publisher;",
+        ),
+        ({"deadline": Duration(seconds=1)}, {"deadline": Duration(seconds=2)}, "OK", ""),
+        (
+            {"reliability": ReliabilityPolicy.SYSTEM_DEFAULT},
+            {"reliability": ReliabilityPolicy.RELIABLE},
+            "WARNING",
+            "WARNING: Reliable subscription, but publisher is system default;",
+        ),
+    ],
+)
+def test_two_profiles_are_compared_as_ros_compares_them(
+    offered: dict[str, object], requested: dict[str, object], level: str, reason: str
+) -> None:
+    profiles = QoSProfile(depth=1, **offered), QoSProfile(depth=1, **requested)
+    assert qos_check_compatible(*profiles) == (QoSCompatibility[level], reason)
+
+
+def test_sensor_data_does_not_reach_a_reliable_subscription() -> None:
+    assert qos_check_compatible(qos_profile_sensor_data, qos_profile_parameter_events) == (
+        QoSCompatibility.ERROR,
+        "ERROR: Best effort publisher and reliable subscription;",
+    )

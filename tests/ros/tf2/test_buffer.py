@@ -178,3 +178,32 @@ def test_a_buffer_with_a_node_answers_the_service_tf2_frames(begun: Graph, node:
     answer = asked.result()
     assert answer is not None
     assert answer.frame_yaml == buffer.all_frames_as_yaml()
+
+
+class OnlyUp(tf2_ros.BufferInterface):
+    """A program's own buffer: every frame is 1 m above every other."""
+
+    def lookup_transform(
+        self,
+        target_frame: str,
+        source_frame: str,
+        time: object,
+        timeout: Duration = Duration(),  # noqa: B008
+    ) -> tf2_ros.TransformStamped:
+        transform = tf2_ros.TransformStamped()
+        transform.header.frame_id = target_frame
+        transform.transform.translation.z = 1.0
+        return transform
+
+
+def test_a_buffer_of_a_programs_own_transforms_by_its_own_lookup() -> None:
+    moved = OnlyUp().transform(PointStamped(header=Header(frame_id="a")), "b")
+    assert (moved.header.frame_id, moved.point.z) == ("b", 1.0)
+    assert isinstance(Buffer(), tf2_ros.BufferInterface)
+
+
+def test_a_buffer_without_a_lookup_says_so() -> None:
+    with pytest.raises(tf2_ros.NotImplementedException, match="LookupTransform not implemented"):
+        tf2_ros.BufferInterface().transform(PointStamped(), "b")
+    with pytest.raises(tf2_ros.NotImplementedException, match="CanTransform"):
+        tf2_ros.BufferInterface().can_transform("a", "b", Time())

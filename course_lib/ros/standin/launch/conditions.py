@@ -23,6 +23,29 @@ class UnlessCondition(Condition):
         super().__init__(predicate=lambda context: not is_true(context, predicate_expression))
 
 
+class LaunchConfigurationEquals(Condition):
+    """True where an argument's value is the text; with None, where it has no value."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
+        super().__init__(
+            predicate=lambda context: _equals(context, launch_configuration_name, expected_value)
+        )
+
+
+class LaunchConfigurationNotEquals(Condition):
+    """True where an argument's value is another text, or none; with None, where it has one."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
+        super().__init__(
+            predicate=lambda context: not _equals(context, launch_configuration_name, expected_value)
+        )
+
+
+def _equals(context: LaunchContext, name: str, expected: SomeSubstitutionsType | None) -> bool:
+    value: object = context.launch_configurations.get(name)
+    return value == (None if expected is None else text_of(context, expected))
+
+
 def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
     """Parse a text as true or false; any other raises an error with launch's text."""
     text = text_of(context, expression).strip().lower()

@@ -7,6 +7,8 @@ from enum import Enum, IntEnum
 from typing import Any
 
 from rclpy.duration import Duration
+from rclpy.impl.qos_compatibility import QoSCompatibility as QoSCompatibility
+from rclpy.impl.qos_compatibility import qos_check_compatible as qos_check_compatible
 
 
 class QoSPolicyKind(IntEnum):

@@ -11,6 +11,8 @@ from tf2_msgs.msg import TFMessage as TFMessage
 from tf2_py import *  # noqa: F403  # tf2's exceptions
 
 from tf2_ros.buffer import Buffer as Buffer
+from tf2_ros.buffer_interface import BufferInterface as BufferInterface
+from tf2_ros.buffer_interface import NotImplementedException as NotImplementedException
 from tf2_ros.buffer_interface import TransformRegistration as TransformRegistration
 from tf2_ros.buffer_interface import TypeException as TypeException
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster as StaticTransformBroadcaster

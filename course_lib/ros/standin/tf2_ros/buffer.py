@@ -1,7 +1,7 @@
 """The buffer in which programs look up transforms."""
 
 from collections.abc import Callable
-from typing import Any, TypeAlias, TypeVar
+from typing import Any
 
 import builtin_interfaces.msg
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
@@ -17,15 +17,12 @@ from tf2_msgs.srv import FrameGraph
 from course_lib.ros import tf2_core, tf2_transform
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
-from tf2_ros.buffer_interface import TransformRegistration
+from tf2_ros.buffer_interface import NO_WAIT, AnyTime, BufferInterface
 
-AnyTime: TypeAlias = Time | builtin_interfaces.msg.Time  # of any kind of clock: tf2 does not look
-Obj = TypeVar("Obj")
-NO_WAIT = Duration()
 _log = RcutilsLogger()  # C++ names none
 
 
-class Buffer:
+class Buffer(BufferInterface):
     """A buffer of transforms, which also waits for them and transforms messages from frame to frame.
 
     A lookup takes coordinates in the source frame to the target frame; the time zero, `Time()`, means the
@@ -110,17 +107,6 @@ class Buffer:
         """Await the transform and return it; otherwise as `lookup_transform`."""
         await self.wait_for_transform_async(target_frame, source_frame, time)
         return self.lookup_transform(target_frame, source_frame, time)
-
-    def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
-        """Transform a message with a header into another frame, at the time of its stamp.
-
-        Raises a TypeException for an unknown type; `import tf2_geometry_msgs` registers its types.
-        """
-        do_transform = TransformRegistration().get(type(object_stamped))
-        header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
-        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        carried: Obj = do_transform(object_stamped, found)
-        return carried
 
     def all_frames_as_yaml(self) -> str:
         """Describe all frames that have a parent, as YAML."""
