@@ -231,8 +231,8 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
         return own[package, executable]
     if found is not None and is_compiled(found, executable):
         raise CourseError(
-            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. Build "
-            "it with colcon on a computer with ROS 2, or write the node in Python."
+            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
+            "Build it with colcon on a computer with ROS 2, or write the node in Python."
         )
     names = [*found.executables] if found else [name for place, name in own if place == package]
     if not names and found is None:

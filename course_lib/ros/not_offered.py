@@ -52,7 +52,7 @@ _NOT_OFFERED = (
 
 
 def not_offered(package: str) -> str:
-    """Return in one sentence the reason for a package to be missing, and what to do; "" for other packages."""
+    """Return the reason for a package to be missing, and what to do; "" for other packages."""
     for one in _NOT_OFFERED:
         if re.fullmatch(one.names, package):
             return f"{one.reason}, which pip can't install. Here {one.instead}; {_ELSEWHERE}."
