@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from course_lib.ros.messages.definitions import type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
+from course_lib.ros.not_offered import not_offered
 
 MAX_TEXT = 2000  # characters of an error's text
 
@@ -172,6 +173,8 @@ def hint(error: BaseException) -> str:
     if types:
         package, kind, name = types[0].split("/")
         return f"import it: from {package}.{kind} import {name}; in a notebook run the first cells again."
+    if isinstance(error, ModuleNotFoundError) and (reason := not_offered((error.name or "").split(".")[0])):
+        return reason
     for one in _HINTS.get(type(error).__name__, ()):
         match = re.search(one.text, text)
         if match and one.mistake in (None, mistake):

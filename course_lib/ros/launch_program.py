@@ -25,7 +25,7 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
-from course_lib.ros.packages import Package, find_package, python_path, source, why_not_found
+from course_lib.ros.packages import Package, find_package, is_compiled, python_path, source, why_not_found
 from course_lib.ros.prefixed import Prefixes
 from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
 
@@ -229,6 +229,11 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
         return partial(_call, found, executable)
     if (package, executable) in own:
         return own[package, executable]
+    if found is not None and is_compiled(found, executable):
+        raise CourseError(
+            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
+            "Build it with colcon on a computer with ROS 2, or write the node in Python."
+        )
     names = [*found.executables] if found else [name for place, name in own if place == package]
     if not names and found is None:
         raise CourseError(why_not_found(package))

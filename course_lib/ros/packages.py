@@ -9,10 +9,14 @@ from importlib.metadata import distributions
 from pathlib import Path
 
 from course_lib.errors import CourseError
+from course_lib.ros.not_offered import not_offered
 
 SRC_WITHIN = 4  # folders up from a package, the workspace's src is looked for
 Executable = tuple[str, str] | Path  # a module and its function, or a script
 _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
+_COMPILED = re.compile(
+    r"add_executable\s*\(\s*([\w.-]+)|\bEXECUTABLE\s+([\w.-]+)"
+)  # of CMake, components too
 _SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
 
 
@@ -60,6 +64,8 @@ def _name(manifest: Path) -> str | None:
 
 def why_not_found(name: str) -> str:
     """Explain that a package is missing, which ones there are, and how to add it."""
+    if reason := not_offered(name):
+        return f"package '{name}' not found: {reason}"
     there = ", ".join(packages()) or "none"
     return (
         f"package '{name}' not found, searching: {[str(root) for root in _roots()]}. There is: {there}. Put "
@@ -138,6 +144,13 @@ def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
     texts = [str(node.value) for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     scripts = filter(None, map(_SCRIPT.fullmatch, texts))
     return {script[1]: (script[2], script[3]) for script in scripts}
+
+
+def is_compiled(package: Package, executable: str) -> bool:
+    """Return whether the CMakeLists.txt of a package's sources builds an executable, as of C++."""
+    cmake = package.share / "CMakeLists.txt"
+    text = re.sub(r"#.*", "", cmake.read_text("utf-8", errors="replace")) if cmake.is_file() else ""
+    return any(executable in names for names in _COMPILED.findall(text))
 
 
 def _programs(cmake: Path) -> dict[str, Executable]:

@@ -7,6 +7,9 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.hints import hint
+from course_lib.ros.not_offered import not_offered
+from course_lib.ros.packages import why_not_found
 from course_lib.ros.program import run_files
 from course_lib.tools.run import ros2_over
 
@@ -101,3 +104,38 @@ def test_an_executable_that_a_package_lacks_is_refused_with_those_it_has(
         CourseError, match=r"executable 'talk' not found in package .*: talker, fail, hello.py"
     ):
         shown(workspace / "my_robot:talk", capsys)
+
+
+def test_a_compiled_executable_is_refused_as_what_it_is(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cmake = workspace / "my_robot" / "CMakeLists.txt"
+    cmake.write_text(cmake.read_text() + "add_executable(driver src/driver.cpp)\n")
+    with pytest.raises(
+        CourseError, match=r"'driver' of package .* is a compiled program, and this kit runs Py"
+    ):
+        shown(workspace / "my_robot:driver", capsys)
+
+
+@pytest.mark.parametrize(
+    ("package", "reason"),
+    [
+        ("gazebo_ros", "Gazebo is a simulator"),
+        ("ros_gz_bridge", "Gazebo is a simulator"),
+        ("webots_ros2_driver", "Webots is a simulator"),
+        ("moveit", "MoveIt plans"),
+        ("nav2_bringup", "navigation runs"),
+        ("controller_manager", "ros2_control is made"),
+        ("usb_cam", "a driver runs"),
+    ],
+)
+def test_what_no_kit_without_ros_can_offer_says_so_and_what_to_do(package: str, reason: str) -> None:
+    text = why_not_found(package)
+    assert text.startswith(f"package '{package}' not found: {reason}")
+    assert text.endswith("course run FILE --robot tcp/HOST:7447.")
+    assert hint(ModuleNotFoundError(f"No module named '{package}.x'", name=f"{package}.x")) in text
+
+
+@pytest.mark.parametrize("package", ["nav2_msgs", "moveit_msgs", "gazebo_msgs", "my_moveit", "nav2_common"])
+def test_types_and_packages_of_ones_own_are_not_refused(package: str) -> None:
+    assert not_offered(package) == ""
