@@ -65,7 +65,7 @@ def read_bag(folder: str | Path) -> Recording:
             return Recording(tuple(_samples(reader)))
     # A damaged file makes rosbags, its decompressors and SQLite raise almost anything.
     except Exception as error:
-        damage = f"The bag {folder} is damaged or was cut off: {_reason(error)}"
+        damage = f"The bag {folder} is damaged or was cut off: {_reason(error, path)}"
         samples = salvage(path)
         if not samples:
             raise CourseError(damage) from error
@@ -91,7 +91,9 @@ def _check_bag(path: Path) -> None:
         raise CourseError(f"{path} is {what} but not a bag. Give a bag's folder: the one with a {METADATA}.")
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, path: Path) -> str:
+    if not (path / METADATA).is_file():
+        return f"it has no {METADATA}. If its program still runs, writer.close() completes it"
     return str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
 
 

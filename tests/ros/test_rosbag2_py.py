@@ -11,6 +11,7 @@ import rosbag2_py
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import String
 
+from course_lib.errors import CourseError
 from course_lib.recording import bag_info, read_bag
 from course_lib.ros.qos import Qos
 
@@ -205,6 +206,15 @@ def test_a_writer_that_nobody_holds_any_longer_completes_its_bag(tmp_path: Path)
     writer.write("/a", serialize_message(String(data="1")), 5)
     del writer
     assert len(read_bag(tmp_path / "bag").samples) == 1
+
+
+def test_who_reads_a_bag_that_is_still_written_learns_what_completes_it(tmp_path: Path) -> None:
+    writer = opened(tmp_path / "bag")
+    writer.create_topic(topic("/a"))
+    with pytest.raises(CourseError, match=r"it has no metadata\.yaml\. If .* writer\.close\(\) completes it"):
+        bag_info(tmp_path / "bag")
+    writer.close()
+    assert "Topic: /a |" in bag_info(tmp_path / "bag")
 
 
 def test_a_folder_that_exists_is_not_replaced(bag: Path) -> None:
