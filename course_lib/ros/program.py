@@ -10,6 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
@@ -57,7 +58,15 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
+_OTHER_LAUNCH_FILES = {".xml": "XML", ".yaml": "YAML", ".yml": "YAML"}
+
+
 def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
+    if file.suffix in _OTHER_LAUNCH_FILES:
+        raise CourseError(
+            f"{file} is in {_OTHER_LAUNCH_FILES[file.suffix]}, and this kit runs launch files in Python "
+            "only. Describe the same nodes in a file NAME.launch.py."
+        )
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     folder, _, executable = str(file).rpartition(":")

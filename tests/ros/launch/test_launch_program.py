@@ -203,6 +203,15 @@ def test_arguments_of_a_program_that_is_no_launch_file_are_an_error(tmp_path: Pa
         arguments_of(tmp_path / "program.py")
 
 
+@pytest.mark.parametrize(("name", "language"), [("robot.launch.xml", "XML"), ("robot.launch.yaml", "YAML")])
+def test_a_launch_file_in_another_language_is_refused(name: str, language: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("launch: []")
+    with pytest.raises(
+        CourseError, match=f"{name} is in {language}, and this kit runs launch files in Python"
+    ):
+        recorded(tmp_path / name)
+
+
 def test_a_file_with_the_name_of_a_launch_file_is_one_even_if_it_describes_nothing(tmp_path: Path) -> None:
     file = tmp_path / "empty.launch.py"
     file.write_text("import launch\n")
