@@ -3,9 +3,11 @@ from typing import Any
 import pytest
 import rclpy
 import rclpy.logging
-from rcl_interfaces.msg import Log
+from rcl_interfaces.msg import Log, LoggerLevel
+from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.clock import Clock
 from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -142,3 +144,29 @@ def test_the_place_of_a_cells_code_is_the_same_on_all_machines(node: Node, begun
     node.create_subscription(Log, "/rosout", got.append, latched)
     rclpy.spin_once(node)
     assert got[0].file == "cell"
+
+
+def call(executor: SingleThreadedExecutor, node: Node, kind: Any, verb: str, request: Any) -> Any:
+    future = node.create_client(kind, f"/robot/chatty/{verb}_logger_levels").call_async(request)
+    executor.spin_until_future_complete(future)
+    return future.result()
+
+
+def test_other_nodes_see_and_set_the_levels_of_a_node_that_serves_them(node: Node) -> None:
+    server = Node("chatty", namespace="robot", enable_logger_service=True)
+    executor = SingleThreadedExecutor()
+    executor.add_node(server)
+    executor.add_node(node)
+    wanted = [LoggerLevel(name="chatty.arm", level=10), LoggerLevel(name="chatty", level=7)]
+    done = call(executor, node, SetLoggerLevels, "set", SetLoggerLevels.Request(levels=wanted))
+    assert [result.successful for result in done.results] == [True, False]
+    assert done.results[1].reason == "7 is not a valid LoggingSeverity"
+    names = GetLoggerLevels.Request(names=["chatty.arm", "chatty"])
+    seen = call(executor, node, GetLoggerLevels, "get", names)
+    assert [(level.name, level.level) for level in seen.levels] == [("chatty.arm", 10), ("chatty", 0)]
+    assert get_logger("chatty.arm").debug("shown")
+
+
+def test_levels_are_not_served_by_default(node: Node) -> None:
+    names = [name for name, _ in node.get_service_names_and_types()]
+    assert [name for name in names if "logger_levels" in name] == []

@@ -16,6 +16,11 @@ def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bo
     RcutilsLogger(name).set_level(level)
 
 
+def get_logger_level(name: str) -> LoggingSeverity:
+    """Return the level that was set for a logger itself; UNSET if none was."""
+    return RcutilsLogger(name).level
+
+
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     """Return the severity of a name, in any letters; raises a RuntimeError for an unknown one."""
     try:

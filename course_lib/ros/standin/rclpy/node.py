@@ -18,6 +18,7 @@ from rclpy.impl.arguments import Arguments, joined, parse
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
+from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
@@ -61,6 +62,7 @@ class Node(node_parameters.Node):
         start_parameter_services: Whether other nodes may see and change its parameters.
         allow_undeclared_parameters: Whether parameters may be used that were not declared.
         enable_rosout: Whether its log is published on /rosout.
+        enable_logger_service: Whether other nodes may see and change the levels of its loggers.
 
     Raises:
         NotInitializedException: If `rclpy.init()` was not called.
@@ -107,6 +109,8 @@ class Node(node_parameters.Node):
                 self.declare_parameter(name, value)
         if start_parameter_services:
             ParameterService(self)
+        if enable_logger_service:
+            LoggingService(self)
 
     @property
     def context(self) -> Context:

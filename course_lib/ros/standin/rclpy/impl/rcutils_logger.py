@@ -85,6 +85,13 @@ class RcutilsLogger:
         """Set the lowest severity that is logged; UNSET goes back to the inherited level."""
         current_graph().part(LogLevels).by_logger[self.name] = LoggingSeverity(level)
 
+    @property
+    def level(self) -> LoggingSeverity:
+        """The level that was set here; UNSET if none was."""
+        return LoggingSeverity(
+            current_graph().part(LogLevels).by_logger.get(self.name, LoggingSeverity.UNSET)
+        )
+
     def get_effective_level(self) -> LoggingSeverity:
         """Return the level that was set here, or else nearest above; INFO if nowhere."""
         levels = current_graph().part(LogLevels).by_logger
