@@ -1,20 +1,16 @@
 """The services by which other nodes see and set the levels of a node's process."""
 
-from typing import TYPE_CHECKING
-
 from rcl_interfaces.msg import LoggerLevel, SetLoggerLevelsResult
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 
+from rclpy.impl.node_parameters import Node
 from rclpy.logging import get_logger_level, set_logger_level
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 
 class LoggingService:
     """The services `get_logger_levels` and `set_logger_levels` of a node."""
 
-    def __init__(self, node: "Node") -> None:
+    def __init__(self, node: Node) -> None:
         node.create_service(GetLoggerLevels, "~/get_logger_levels", self._get)
         node.create_service(SetLoggerLevels, "~/set_logger_levels", self._set)
 

@@ -104,13 +104,17 @@ class Node(node_parameters.Node):
         if automatically_declare_parameters_from_overrides:
             given = [(name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()]
             self.declare_parameters("", given, ignore_override=True)
-        for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
-            if not self.has_parameter(name):
-                self.declare_parameter(name, value)
+        self._declare_own_parameters()
         if start_parameter_services:
             ParameterService(self)
         if enable_logger_service:
             LoggingService(self)
+
+    def _declare_own_parameters(self) -> None:
+        """Declare what every node of ROS has, unless an override did."""
+        for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
+            if not self.has_parameter(name):
+                self.declare_parameter(name, value)
 
     @property
     def context(self) -> Context:
