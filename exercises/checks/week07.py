@@ -267,7 +267,7 @@ REPORT = Task(
     ),
 )
 
-FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 7.0]  # [m]
+FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 2.1]  # [m]; the last is as far as the first
 NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.0, 0.15]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
 EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR)
 CUT = expect_value([FRONT, [0.5, 0.5, 0.1]], call=0, unit="m", name="the part")
