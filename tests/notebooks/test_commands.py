@@ -52,6 +52,7 @@ NOT_RUN = {  # command -> why
             "course router --robot tcp/192.168.1.5:7447 --send /cmd_vel --students roster.csv",
             "course router --driver 20231234",
             "course robot",
+            "course robot unknown",
         ),
         "serves until it is stopped: tests/gateway",
     ),
