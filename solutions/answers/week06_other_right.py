@@ -14,13 +14,13 @@ from course_lib.grading import my_values
 
 
 def robot_facts() -> dict[str, Any]:
-    """As they are measured, and written by hand: those of the tests' student."""
+    """As they are measured, and written by hand: those of robot 11, the first option."""
     return {
-        "image_rate": np.float64(13.1),
-        "image_width": 88,
+        "image_rate": np.float64(14.0),
+        "image_width": 80,
         "scan_reliability": "RELIABLE",
-        "threshold": 0.7,
-        "trigger_service": "/robot/home_gripper",
+        "threshold": 0.4,
+        "trigger_service": "/robot/release_brakes",
         "scan_rate": 10.0,
     }
 
