@@ -33,8 +33,8 @@ GUESTS = {
     },
     "rclpy.lifecycle.node": {"rclpy.qos": "QoSProfile", "rclpy.service": "Service"},
     "rclpy.node": {
-        "rcl_interfaces.msg": "FloatingPointRange IntegerRange ListParametersResult ParameterType ParameterValue "
-        "SetParametersResult",
+        "rcl_interfaces.msg": "FloatingPointRange IntegerRange ListParametersResult ParameterType "
+        "ParameterValue SetParametersResult",
         "rcl_interfaces.srv": "ListParameters",
         "rclpy.callback_groups": _GROUPS,
         "rclpy.client": "Client",
