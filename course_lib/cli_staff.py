@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from course_lib.cli_author import authors
+from course_lib.cli_class import classes
 from course_lib.errors import CourseError
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ NOT_PASSED = 1  # exit code
 
 staff = typer.Typer()
 staff.add_typer(authors)
+staff.add_typer(classes)
 
 
 @staff.command()
