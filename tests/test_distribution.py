@@ -1,4 +1,4 @@
-"""What would be uploaded to a package index."""
+"""The sdist and the wheel, as an index would get them."""
 
 import os
 import subprocess
