@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from course_lib.cli_class import classes
 from course_lib.errors import CourseError
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 NOT_PASSED = 1  # exit code
 
 staff = typer.Typer()
+staff.add_typer(classes)
 
 
 @staff.command()
