@@ -3,14 +3,11 @@
 import re
 import time
 from argparse import ArgumentTypeError, Namespace
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
-from course_lib.ros.graph import Sample
+from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2 import log_line
@@ -43,7 +40,6 @@ READER = (
     value("-s", "--storage", choices=("mcap", "sqlite3"), help="Storage of the bag; it is found out anyway"),
 )
 
-CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 POLLING = 0.1  # [s] between two looks for new topics
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
 
@@ -59,51 +55,34 @@ def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
     if folder.is_dir():
         raise CourseError(f"[ERROR] [ros2bag]: Output folder '{folder}' already exists.")
     if isinstance(source, RecordingSource):
-        samples = source.recording.samples
+        samples = (s for s in source.recording.samples if _is_recorded(arguments, s.topic, s.type_name))
+        write_bag(Recording(tuple(samples)), folder)
     else:
-        samples = _listen(source, arguments, write)
-    write_bag(Recording(tuple(s for s in samples if _is_recorded(arguments, s.topic, s.type_name))), folder)
+        _record_live(source, arguments, write, folder)
 
 
-def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Sample]:
+def _record_live(source: Source, arguments: Namespace, write: Write, folder: Path) -> None:
     def say(text: str) -> None:
         write(log_line("rosbag2_recorder", source.graph.now_ns, text))
 
     limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
     say("Listening for topics...")
-    with record(source.graph) as recorder, until_interrupted():
-        while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
-            for topic, types in source.topics().items():
-                if topic not in known and _is_recorded(arguments, topic, types[0]):
-                    say(f"Subscribed to topic '{topic}'")
-                    known.add(topic)
-            if source.graph.now_ns == start_ns:
-                say("Recording...")
-                if arguments.use_sim_time:
-                    say("use_sim_time set, waiting for /clock before starting recording...")
-            source.wait(lambda: False, POLLING)
-    say("Recording stopped")
-    # What was latched before comes as the recorder begins to listen.
-    samples = [replace(s, stamp_ns=max(s.stamp_ns, start_ns)) for s in recorder.recording().samples]
-    return _in_sim_time(samples) if arguments.use_sim_time else samples
-
-
-def _in_sim_time(samples: Iterable[Sample]) -> list[Sample]:
-    """Stamp samples by /clock; of what came before its first message, only what is latched is kept."""
-    stamped: list[Sample] = []
-    early: list[Sample] = []
-    now_ns = None
-    for sample in samples:
-        if sample.topic == "/clock" and sample.type_name == CLOCK_TYPE:
-            clock: Any = sample.message()
-            now_ns = clock.clock.sec * 10**9 + clock.clock.nanosec
-        if now_ns is not None:
-            stamped += [replace(one, stamp_ns=now_ns) for one in (*early, sample)]
-            early = []
-        elif sample.qos.durability == "transient_local":
-            early.append(sample)
-    return sorted(stamped, key=lambda sample: sample.stamp_ns)  # a simulation may have been reset
+    chosen = partial(_is_recorded, arguments)
+    time_topic = {"/clock"} if arguments.use_sim_time else set[str]()
+    with recorded(source.graph, folder, chosen, lambda: known | time_topic, in_sim_time=bool(time_topic)):
+        with until_interrupted():
+            while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
+                for topic, types in source.topics().items():
+                    if topic not in known and _is_recorded(arguments, topic, types[0]):
+                        say(f"Subscribed to topic '{topic}'")
+                        known.add(topic)
+                if source.graph.now_ns == start_ns:
+                    say("Recording...")
+                    if arguments.use_sim_time:
+                        say("use_sim_time set, waiting for /clock before starting recording...")
+                source.wait(lambda: False, POLLING)
+        say("Recording stopped")
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:

@@ -12,11 +12,12 @@ from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.qos import Qos
-from course_lib.tools.bag import CLOCK_TYPE, READER, pattern, several
+from course_lib.tools.bag import READER, pattern, several
 from course_lib.tools.sources import PLAYER, Source
 from course_lib.tools.tf2 import log_line
 from course_lib.tools.verb import Verb, Write, flag, positive, value
 
+CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 _CLOCK_QOS = Qos(depth=1, reliability="best_effort")
 GRACE = 0.1  # [s] at the end, for the last message to arrive
 
