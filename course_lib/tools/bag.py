@@ -4,12 +4,12 @@ import re
 import time
 from argparse import ArgumentTypeError, Namespace
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
+from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros import pace
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.interrupts import until_interrupted
@@ -216,31 +216,31 @@ def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
     if folder.is_dir():
         raise CourseError(f"[ERROR] [ros2bag]: Output folder '{folder}' already exists.")
     if isinstance(source, RecordingSource):
-        samples = source.recording.samples
+        samples = (s for s in source.recording.samples if _is_recorded(arguments, s.topic, s.type_name))
+        write_bag(Recording(tuple(samples)), folder)
     else:
-        samples = _listen(source, arguments, write)
-    write_bag(Recording(tuple(s for s in samples if _is_recorded(arguments, s.topic, s.type_name))), folder)
+        _record_live(source, arguments, write, folder)
 
 
-def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Sample]:
+def _record_live(source: Source, arguments: Namespace, write: Write, folder: Path) -> None:
     def say(text: str) -> None:
         write(log_line("rosbag2_recorder", source.graph.now_ns, text))
 
     limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
     say("Listening for topics...")
-    with record(source.graph) as recorder, until_interrupted():
-        while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
-            for topic, types in source.topics().items():
-                if topic not in known and _is_recorded(arguments, topic, types[0]):
-                    say(f"Subscribed to topic '{topic}'")
-                    known.add(topic)
-            if source.graph.now_ns == start_ns:
-                say("Recording...")
-            source.wait(lambda: False, POLLING)
-    say("Recording stopped")
-    # What was latched before comes as the recorder begins to listen.
-    return [replace(s, stamp_ns=max(s.stamp_ns, start_ns)) for s in recorder.recording().samples]
+    chosen = partial(_is_recorded, arguments)
+    with recorded(source.graph, folder, chosen, lambda: known):
+        with until_interrupted():
+            while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
+                for topic, types in source.topics().items():
+                    if topic not in known and _is_recorded(arguments, topic, types[0]):
+                        say(f"Subscribed to topic '{topic}'")
+                        known.add(topic)
+                if source.graph.now_ns == start_ns:
+                    say("Recording...")
+                source.wait(lambda: False, POLLING)
+        say("Recording stopped")
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
