@@ -36,17 +36,17 @@ class WeekReport:
 
     Args:
         week: "week01", or the extras.
-        findings: What is wrong.
+        flaws: What is wrong.
         unknown: Aspects that could not be looked at.
     """
 
     week: str
-    findings: tuple[Flaw, ...]
+    flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
 
     def cell(self, aspect: str) -> str:
         """Return the mark of one aspect."""
-        if any(finding.aspect == aspect for finding in self.findings):
+        if any(flaw.aspect == aspect for flaw in self.flaws):
             return "✘"
         return "." if aspect in self.unknown else "✔"
 
@@ -70,7 +70,7 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
             yield _report(week, course, pool)
-    if not weeks and (found := list(page_findings(EXTRAS, course))):
+    if not weeks and (found := list(page_flaws(EXTRAS, course))):
         yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
 
 
@@ -82,7 +82,7 @@ def weeks_of(course: Course) -> list[str]:
 
 
 def _report(week: str, course: Course, pool: Executor) -> WeekReport:
-    found = [*page_findings(week, course), *_quizzes(week, course), *_fresh(week, course)]
+    found = [*page_flaws(week, course), *_quizzes(week, course), *_fresh(week, course)]
     try:
         tasks = catalog_of(course).of_week(week)
         if not tasks:
@@ -90,7 +90,7 @@ def _report(week: str, course: Course, pool: Executor) -> WeekReport:
         broken = list(missing_files(week, course))
         if not broken:
             found += _inputs(week, course)
-            found += WeekRehearsals(week, course, pool).findings()
+            found += WeekRehearsals(week, course, pool).flaws()
             return WeekReport(week, tuple(found))
     except CourseError as error:
         broken = [Flaw("files", str(error))]
@@ -105,7 +105,7 @@ def _inputs(week: str, course: Course) -> Iterator[Flaw]:
         yield from unbuildable(replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py")
 
 
-def page_findings(week: str, course: Course) -> Iterator[Flaw]:
+def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
     """Yield what the rules say of a week's notebooks, or of the extras."""
     if week == EXTRAS:
         for path in sorted(course.lessons.glob("extra_*.ipynb")):
@@ -185,12 +185,10 @@ def table(reports: Sequence[WeekReport]) -> "Table":
 
 
 def lines(reports: Sequence[WeekReport]) -> list[str]:
-    """Return every finding as one line, and a summary."""
-    found = [
-        f"{report.week}, {finding.aspect}: {finding}" for report in reports for finding in report.findings
-    ]
-    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.findings}
+    """Return every flaw as one line, and a summary."""
+    found = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
+    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     said = [f"{aspect}: {text}" for aspect, text in meant.items()]
-    bad = sum(bool(report.findings) for report in reports)
+    bad = sum(bool(report.flaws) for report in reports)
     end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
     return [*found, *["What must hold:"] * bool(said), *said, end]
