@@ -1,4 +1,4 @@
-"""What axe-core, the engine of the browsers' accessibility checks, finds in a page."""
+"""Faults that axe-core, the engine of browsers' accessibility checks, finds in a page."""
 
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
