@@ -66,7 +66,7 @@ class Kit:
         self.shown, self.bytes = self.shown + 1, self.bytes + size
 
     def drive(self, seconds: float) -> None:
-        """Take messages and look, for so long."""
+        """Receive messages and look, for so long."""
         end, look = time.monotonic() + seconds, 0.0
         while time.monotonic() < end:
             self.graph.advance()
