@@ -7,6 +7,8 @@ from course_lib.ros.zenoh.tokens import Entity
 
 HUMBLE = "TypeHashNotSupported"  # in the place of a hash
 MAX_SKEW = 0.5  # [s]
+STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
+NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
 
 
 def about_type(entity: Entity) -> str:
