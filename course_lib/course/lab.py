@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import psutil
+
 from course_lib.course.hand_out import DEFAULT_FOLDER, prepare
 from course_lib.course.progress import CONTENTS_FILE, write_contents
 from course_lib.errors import CourseError
@@ -57,6 +59,15 @@ def command(folder: Path, port: int) -> list[str]:
 @contextmanager
 def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]", str]]:
     """Start JupyterLab; yield its process and its address, and stop it at the end of the block."""
+    process, address = _started(folder, port)
+    try:
+        yield process, address
+    finally:
+        _stop(process)
+
+
+def _started(folder: Path, port: int) -> tuple["subprocess.Popen[bytes]", str]:
+    """Start JupyterLab on a port, or on another one if a program has taken the port meanwhile."""
     token = secrets.token_hex(24)
     settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
     environment = {
@@ -68,27 +79,46 @@ def server(folder: Path, port: int) -> Iterator[tuple["subprocess.Popen[bytes]",
         command(folder, port), env=os.environ | environment, cwd=folder, stdin=subprocess.DEVNULL
     )
     try:
-        yield process, f"{_wait_for_server(process)}lab/tree/{CONTENTS_FILE}?token={token}"
-    finally:
-        process.terminate()  # the server shuts its kernels down, then leaves
-        try:
-            process.wait(timeout=10)  # [s]
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        url = _url_when_it_listens(process)
+    except BaseException:  # Ctrl+C, too
+        _stop(process)
+        raise
+    if url is not None:
+        return process, f"{url}lab/tree/{CONTENTS_FILE}?token={token}"
+    other = free_port(port)
+    if process.poll() is None or other == port:
+        _stop(process)
+        raise CourseError("JupyterLab did not start; its own message stands above. Try: python -m jupyterlab")
+    say(f"Another program has taken port {port} meanwhile, using {other}.")
+    return _started(folder, other)
 
 
-def _wait_for_server(process: "subprocess.Popen[bytes]") -> str:
-    """Return the server's URL, from the file that Jupyter writes as soon as it listens."""
+def _stop(process: "subprocess.Popen[bytes]") -> None:
+    process.terminate()  # the server shuts its kernels down, then leaves
+    try:
+        process.wait(timeout=10)  # [s]
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _url_when_it_listens(process: "subprocess.Popen[bytes]") -> str | None:
+    """Return the URL of the server; None if it has ended or does not listen in time.
+
+    Jupyter writes the URL into a file before it listens, so another program can take the port in between.
+    """
     from jupyter_core.paths import jupyter_runtime_dir
 
     facts = Path(jupyter_runtime_dir()) / f"jpserver-{process.pid}.json"
     deadline = time.monotonic() + START_SECONDS
     while process.poll() is None and time.monotonic() < deadline:
-        with suppress(OSError, ValueError):  # not there yet, or half written
-            return str(json.loads(facts.read_text())["url"])
+        with suppress(OSError, ValueError, psutil.Error):  # not there yet, half written, or it ends just now
+            url = str(json.loads(facts.read_text())["url"])
+            sockets = psutil.Process(process.pid).net_connections("tcp")
+            if any(found.status == psutil.CONN_LISTEN for found in sockets):
+                return url
         time.sleep(0.1)  # [s]
-    raise CourseError("JupyterLab did not start; its own message stands above. Try: python -m jupyterlab")
+    return None
 
 
 def can_open_browser() -> bool:

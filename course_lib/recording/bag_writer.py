@@ -55,6 +55,10 @@ class BagWriter:
         named = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
         self._metadata.write_text(named, encoding="utf-8")
 
+    def abort(self) -> None:
+        """Leave a cut-off bag."""
+        self._writer.abort()
+
     def __enter__(self) -> "BagWriter":
         return self
 
@@ -62,4 +66,4 @@ class BagWriter:
         if kind is None:
             self.close()
         else:
-            self._writer.abort()
+            self.abort()

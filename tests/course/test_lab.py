@@ -60,6 +60,35 @@ def test_a_server_that_does_not_start_is_said_in_one_line(
         lab(tmp_path / "mine", browser=False)
 
 
+OVERTAKEN = """
+import json, pathlib, os, jupyter_core.paths
+folder = pathlib.Path(jupyter_core.paths.jupyter_runtime_dir())
+folder.mkdir(parents=True, exist_ok=True)
+(folder / f"jpserver-{os.getpid()}.json").write_text(json.dumps({"url": "http://localhost:8888/"}))
+raise SystemExit("ERROR: no available port could be found")
+"""
+
+
+@pytest.mark.slow
+def test_where_another_program_was_faster_the_next_port_serves(
+    taken: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Jupyter names its address in a file before it listens there."""
+    for name in HOME_DIRS:
+        monkeypatch.setenv(name, str(tmp_path / "home" / name.lower()))
+    real = lab_module.command
+
+    def first_time_overtaken(folder: Path, port: int) -> list[str]:
+        return [sys.executable, "-c", OVERTAKEN] if port == taken else real(folder, port)
+
+    monkeypatch.setattr(lab_module, "command", first_time_overtaken)
+    (tmp_path / "mine").mkdir()
+    with lab_module.server(tmp_path / "mine", taken) as (process, address):
+        assert process.poll() is None
+        assert get(address, "api/status")["kernels"] == 0
+    assert f"Another program has taken port {taken} meanwhile" in capsys.readouterr().out
+
+
 def get(address: str, path: str) -> Any:
     base, _, token = address.partition("lab/tree")
     with urllib.request.urlopen(f"{base}{path}?{token.partition('?')[2]}", timeout=60) as answer:

@@ -1,6 +1,6 @@
 """The stage `report`: from a result to the page that its student gets."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,12 @@ from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.reports.table import Row, fill, scored_rows
 from course_lib.grading.run.job import Run, plan
 from course_lib.grading.run.run import unpack
+from course_lib.viewer.html import bundle_script
 
 MAX_OUTPUT = 20_000  # characters
 MAX_SCENES = 800_000  # characters of all scenes: a report stays under 1 MB
+MAX_ALONE = 400_000  # [B] of a report with its viewer in it
+NOTE = 200  # [B] that a note on a smaller scene adds
 HEAD = 300  # characters of a page in which its digest is
 
 
@@ -31,12 +34,58 @@ def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalo
         out: The folder of records, which has the evidence for the scenes.
         catalog: The tasks with their hidden scenarios.
     """
+    tasks = _sections(result, marks, out, catalog)
+    script = shared_script(out / "reports") if any(task["figures"] for task in tasks) else ""
+    page = _page(result, marks, catalog, tasks, script=script)
+    submission = result.submission
+    write_whole(report_path(out, submission.student, submission.exercise), page)
+
+
+def standalone(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog) -> bytes:
+    """Return the page with its viewer in it, in at most `MAX_ALONE` bytes where its text leaves room.
+
+    Args:
+        result: As it is stored.
+        marks: The points of persons.
+        out: The folder of records, which has the evidence for the scenes.
+        catalog: The tasks with their hidden scenarios.
+    """
+    tasks, viewer = _sections(result, marks, out, catalog), bundle_script()
+    sizes = [len(figure.view) for task in tasks for figure in task["figures"] if figure.view]
+    if not sizes:
+        return _page(result, marks, catalog, tasks)
+    rest = len(_page(result, marks, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
+    if rest + sum(sizes) > MAX_ALONE:
+        tasks = _sections(result, marks, out, catalog, _share(sizes, MAX_ALONE - rest))
+    return _page(result, marks, catalog, tasks, viewer=viewer)
+
+
+def _share(sizes: Sequence[int], room: int) -> int:
+    """Return the most that each scene may have so that all fit: what small ones leave is for large ones."""
+    for place, size in enumerate(sorted(sizes)):
+        share = room // (len(sizes) - place)
+        if size > share:
+            return max(share, 0)
+        room -= size
+    return max(sizes)
+
+
+def _page(
+    result: Result,
+    marks: Sequence[HandMark],
+    catalog: Catalog,
+    tasks: Sequence[Mapping[str, Any]],
+    *,
+    script: str = "",
+    viewer: str = "",
+) -> bytes:
+    """Return the page of a result, with the name of the viewer's file or with the viewer itself."""
+    from markupsafe import Markup
+
     submission, shown = result.submission, result.with_marks(marks)
     week, course = submission.exercise.split("_")[0], catalog.course
     zone, time = course.zone, submission.received.time
     judged = shown.judgement
-    runs = _runs(result, out, catalog)
-    tasks = [_section(task, runs, catalog, len(judged.tasks)) for task in judged.tasks] if judged else []
     page = fill(
         "report.html",
         **vars(shown),
@@ -51,10 +100,11 @@ def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalo
         cell_errors=judged.cell_errors if judged else (),
         output=judged.output if judged else "",
         max_output=MAX_OUTPUT,
-        script=shared_script(out / "reports") if any(task["figures"] for task in tasks) else "",
+        script=script,
+        viewer=Markup(viewer),
         page_digest=page_digest(result.digest, marks),
     )
-    write_whole(report_path(out, submission.student, submission.exercise), page.encode("utf-8", "replace"))
+    return page.encode("utf-8", "replace")
 
 
 def page_digest(result: str, marks: Iterable[HandMark]) -> str:
@@ -83,11 +133,22 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
         return ()
 
 
-def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, tasks: int) -> dict[str, Any]:
-    """Return the values of a task's part of the page, which shares the room for scenes with others."""
+def _sections(
+    result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog, share: int | None = None
+) -> list[dict[str, Any]]:
+    """Return the values of the tasks' parts of the page; each scene has at most `share` characters."""
+    judged = result.with_marks(marks).judgement
+    if judged is None:
+        return []
+    runs = _runs(result, out, catalog)
+    share = MAX_SCENES // (2 * len(judged.tasks)) if share is None else share
+    return [_section(task, runs, catalog, share) for task in judged.tasks]
+
+
+def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, room: int) -> dict[str, Any]:
+    """Return the values of a task's part of the page, with the room that each of its scenes has."""
     own = [run for run in runs if run.evidence.task == result.task and not run.hidden]
     bonus = ", on top" if result.bonus else ""
-    drawn = figures(catalog.task(result.task), own, MAX_SCENES // (2 * tasks)) if own else []
     return {
         "id": result.task,
         "title": result.title,
@@ -96,7 +157,7 @@ def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, tasks: i
         "rows": _worst_first(result),
         "has_hidden": any(check.hidden for check in result.checks),
         "end": _by_hand(result, own),
-        "figures": drawn,
+        "figures": figures(catalog.task(result.task), own, room) if own else [],
     }
 
 
