@@ -68,6 +68,10 @@ class BagWriter:
         named = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
         self._metadata.write_text(named, encoding="utf-8")
 
+    def abort(self) -> None:
+        """Leave a cut-off bag."""
+        self._writer.abort()
+
     def __enter__(self) -> "BagWriter":
         return self
 
@@ -75,4 +79,4 @@ class BagWriter:
         if kind is None:
             self.close()
         else:
-            self._writer.abort()
+            self.abort()

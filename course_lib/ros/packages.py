@@ -17,20 +17,26 @@ _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?l
 _COMPILED = re.compile(
     r"add_executable\s*\(\s*([\w.-]+)|\bEXECUTABLE\s+([\w.-]+)"
 )  # of CMake, components too
-_SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
+_SCRIPT = re.compile(r"\s*([\w.:-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts, components too
 
 
 @dataclass(frozen=True)
 class Package:
     """A package: the folder with its launch/, config/ and rviz/, where Python finds it, and its executables.
 
-    `executables` gives (module, function) by name, or the file of a script.
+    `executables` gives (module, function) by name, or the file of a script; those whose name is a C++ name,
+    `package::Class`, are the `components`.
     """
 
     name: str
     share: Path
     python: tuple[Path, ...]
     executables: Mapping[str, Executable]
+
+    @property
+    def components(self) -> dict[str, tuple[str, str]]:
+        """The (module, class) of each component in Python."""
+        return {name: at for name, at in self.executables.items() if "::" in name and isinstance(at, tuple)}
 
 
 def find_package(name: str) -> Package | None:

@@ -5,7 +5,7 @@ import contextvars
 import json
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -187,10 +187,10 @@ class Processes:
             program.name = before
         return number
 
-    def interrupt(self) -> None:
-        """Interrupt each that runs, as Ctrl+C does."""
+    def interrupt(self, numbers: Collection[int] | None = None) -> None:
+        """Interrupt each that runs, or only those of some numbers, as Ctrl+C does."""
         for number, thread in enumerate(self._threads):
-            if number not in self.ended:
+            if number not in self.ended and (numbers is None or number in numbers):
                 baton.interrupt(thread)
 
     def wait(self) -> None:

@@ -7,6 +7,8 @@ from course_lib.ros.zenoh.tokens import Entity
 
 HUMBLE = "TypeHashNotSupported"  # in the place of a hash
 MAX_SKEW = 0.5  # [s]
+STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
+NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
 
 
 def about_type(entity: Entity) -> str:
@@ -18,8 +20,8 @@ def about_type(entity: Entity) -> str:
         )
     if entity.topic == "/clock" and entity.kind == "MP":
         return (
-            "The robot publishes /clock: its time is simulated. The kit stays on the wall clock, so set "
-            "use_sim_time to false there, or stamps and tf do not fit together."
+            "The robot publishes /clock: its time is simulated. Set use_sim_time to true in your nodes, as "
+            "there: -p use_sim_time:=true behind --ros-args. Else stamps and tf do not fit together."
         )
     if entity.kind == "NN" or not is_known(entity.type_name):
         return ""

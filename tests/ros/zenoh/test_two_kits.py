@@ -12,9 +12,9 @@ from course_lib.ros import wall
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER
-from course_lib.ros.zenoh.link import open_session
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import STALE
+from course_lib.ros.zenoh.session import open_session
 from tests.ros.zenoh.conftest import Kits
 
 STRING = "std_msgs/msg/String"
