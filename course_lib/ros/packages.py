@@ -103,6 +103,18 @@ def python_path(file: Path) -> list[str]:
     return [str(place) for place in (*own, *packages, *places)]
 
 
+def python_package(file: Path) -> str | None:
+    """Return the Python package of a file in a package's sources: console scripts import relative to it."""
+    names: list[str] = []
+    for folder in file.resolve().parents:
+        if (folder / "package.xml").is_file():
+            return ".".join(reversed(names)) or None
+        if not (folder / "__init__.py").is_file():
+            return None
+        names.append(folder.name)
+    return None
+
+
 def _workspace(package: Path) -> list[Path]:
     """List the folders that hold packages: the package's own, and those of its workspace.
 
