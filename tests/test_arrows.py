@@ -50,7 +50,8 @@ ARROWS = {
 }
 # The modules of ros above the stand-in, which run nodes, programs and launch files; the others are below it.
 ABOVE_THE_STANDIN = {
-    f"course_lib.ros.{name}" for name in ("connecting", "driving", "live", "launch_program", "program")
+    f"course_lib.ros.{name}"
+    for name in ("connecting", "driving", "live", "launch_program", "package_programs", "program")
 }
 
 
