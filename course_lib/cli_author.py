@@ -50,7 +50,7 @@ def verify(
         reports.append(report)
     remember(course, reports)
     Console().print(table(reports))
-    typer.echo("\n".join(lines(reports)))
+    typer.echo("\n".join(lines(reports, course)))
     raise typer.Exit(NOT_READY if any(report.flaws for report in reports) else 0)
 
 

@@ -5,7 +5,7 @@ import json
 from collections.abc import Iterable
 from contextlib import suppress
 
-from course_lib.authoring.verify import WeekReport, lines, verify, weeks_of
+from course_lib.authoring.verify import EXTRAS, WeekReport, lines, page_flaws, verify, weeks_of
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.records import Course, kit_digest
@@ -32,9 +32,10 @@ def refuse_broken(course: Course) -> None:
     changed = [week for week in weeks_of(course) if digest_of_week(course, week) not in known]
     reports = list(verify(course, changed)) if changed else []
     remember(course, reports)
+    reports.append(WeekReport(EXTRAS, tuple(page_flaws(EXTRAS, course))))
     broken = [report for report in reports if report.flaws]
     if broken:
-        said = lines(broken)
+        said = lines(broken, course)
         shown = " | ".join(said[:MOST_SHOWN])
         raise CourseError(f"nothing is released. {shown} … To see all of it: course verify")
 

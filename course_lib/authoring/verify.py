@@ -26,6 +26,7 @@ from course_lib.grading.records import Course, catalog_of
 if TYPE_CHECKING:
     from rich.table import Table
 
+LEFT = "REPLACE"  # in the texts of templates
 EXTRAS = "extras"  # the row of pages that belong to no week
 UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
 
@@ -38,11 +39,13 @@ class WeekReport:
         week: "week01", or the extras.
         flaws: What is wrong.
         unknown: Aspects that could not be looked at.
+        replace: How many places of a template are left.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
+    replace: int = 0
 
     def cell(self, aspect: str) -> str:
         """Return the mark of one aspect."""
@@ -69,7 +72,7 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
             raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{meant}")
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
-            yield _report(week, course, pool)
+            yield replace(_report(week, course, pool), replace=_left_of_template(week, course))
     if not weeks and (found := list(page_flaws(EXTRAS, course))):
         yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
 
@@ -184,9 +187,22 @@ def table(reports: Sequence[WeekReport]) -> "Table":
     return made
 
 
-def lines(reports: Sequence[WeekReport]) -> list[str]:
-    """Return every flaw as one line, and a summary."""
-    found = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
+def _left_of_template(week: str, course: Course) -> int:
+    tops = (course.lessons, course.exercises / "quizzes", course.solutions)
+    files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
+    return sum(path.read_text(encoding="utf-8", errors="replace").count(LEFT) for path in files)
+
+
+def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
+    """Return every flaw as one line, with paths from the top of the course, and a summary."""
+    top = f"{course.exercises.parent}{os.sep}"
+    flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
+    found = [flaw.replace(top, "") for flaw in flaws]
+    found += [
+        f"{r.week}: {counted(r.replace, 'place')} of the template left, look for {LEFT}"
+        for r in reports
+        if r.replace
+    ]
     meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     said = [f"{aspect}: {text}" for aspect, text in meant.items()]
     bad = sum(bool(report.flaws) for report in reports)

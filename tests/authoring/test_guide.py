@@ -87,7 +87,7 @@ def test_the_example_of_the_page_is_made_verified_released_and_graded(tmp_path: 
     (row,) = csv.DictReader((tmp_path / "graded" / "gradebook.csv").read_text().splitlines())
     assert (row["student"], row["score"], row["max_score"]) == ("ada", "100.0", "100.0")
     (result,) = (tmp_path / "graded" / "results").rglob("week09_exercise.json")
-    tasks = {task["task"]: task["score"] for task in json.loads(result.read_text())["judgement"]["tasks"]}
+    tasks = {task["task"]: task["score"] for task in json.loads(result.read_text())["tasks"]}
     assert tasks == {"week09.post": 60.0, "week09.cell_of": 40.0}
 
 

@@ -25,7 +25,7 @@ def install(home: Path, project: Path) -> Path:
     # The kit and its dependencies come from this environment; the course itself does not.
     (packages / "kit.pth").write_text(f"{sysconfig.get_path('purelib')}\n{ROOT}\n")
     python = home / "bin" / "python"
-    options = ("-q", "--no-deps", "--no-build-isolation", "--no-index")
+    options = ("-q", "--no-deps")
     run(python, "-m", "pip", "install", *options, "-e", project, cwd=home)
     return python
 
@@ -53,7 +53,8 @@ def python(project: Path) -> Path:
 def test_a_new_course_is_verified_released_installed_and_graded(project: Path, python: Path) -> None:
     said = run(python, "-m", "course_lib", "verify", cwd=project)
     assert "All of it is right." in said
-    assert {"week00", "week01"} <= set(said.split())
+    assert "week00: nothing to correct" in said
+    assert "week01: nothing to correct" in said
     students = project.parent / "students"
     assert "Released" in run(python, "-m", "course_lib", "release", students, cwd=project)
     names = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
@@ -92,7 +93,7 @@ def test_its_lessons_run_and_its_own_test_passes(project: Path, python: Path) ->
 @pytest.mark.slow
 def test_of_two_courses_the_one_of_the_current_folder_counts(project: Path, python: Path) -> None:
     other = new_course("Maps", project.parent)
-    options = ("-q", "--no-deps", "--no-build-isolation", "--no-index")
+    options = ("-q", "--no-deps")
     run(python, "-m", "pip", "install", *options, "-e", other, cwd=project.parent)
     code = "from course_lib.course.installation import exercises_dir; print(exercises_dir())"
     assert run(python, "-c", code, cwd=other).strip() == str(other / "exercises")

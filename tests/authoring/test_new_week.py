@@ -8,7 +8,7 @@ import pytest
 
 from course_lib.authoring.flaw import ASPECTS
 from course_lib.authoring.new_week import new_week
-from course_lib.authoring.verify import verify
+from course_lib.authoring.verify import lines, verify
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.records import Course
@@ -20,6 +20,10 @@ def test_a_new_week_is_right_in_every_aspect(course: Course) -> None:
     (report,) = verify(course, ["week09"], jobs=2)
     assert [str(flaw) for flaw in report.flaws] == []
     assert {report.cell(aspect) for aspect in ASPECTS} == {"✔"}
+    assert f"week09: {report.replace} places of the template left, look for REPLACE" in lines(
+        [report], course
+    )
+    assert report.replace >= 8
 
 
 def test_it_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points(course: Course) -> None:
