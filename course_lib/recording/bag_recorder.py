@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.recording.bag import check_free, write_bag
@@ -12,6 +14,8 @@ from course_lib.recording.recording import Recording, record
 from course_lib.ros.graph import Graph, Sample, Wanted
 
 Chosen = Callable[[str, str], bool]  # topic, type
+Stamped = Callable[[Sample], list[Sample]]
+CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
 
 
 def _all(topic: str, type_name: str) -> bool:
@@ -20,7 +24,12 @@ def _all(topic: str, type_name: str) -> bool:
 
 @contextmanager
 def recorded(
-    graph: Graph, folder: Path, chosen: Chosen = _all, wanted: Wanted | None = None
+    graph: Graph,
+    folder: Path,
+    chosen: Chosen = _all,
+    wanted: Wanted | None = None,
+    *,
+    in_sim_time: bool = False,
 ) -> Iterator[None]:
     """Record a graph into a bag for the length of a `with` block.
 
@@ -29,36 +38,59 @@ def recorded(
             equal bytes.
         folder: The bag's folder.
         chosen: Selects topics.
-        wanted: The topics that a robot has to send for it; None means all.
+        wanted: The topics that a robot has to send for it, in sim time /clock as well; None means all.
+        in_sim_time: Whether messages get the time on /clock. Of what came before, only latched ones are kept.
 
     Raises:
         CourseError: The bag can't be written.
     """
+    stamped = _SimTime().stamped if in_sim_time else partial(_from, graph.now_ns)
     if graph.keeps_wall_time:
-        growing = _GrowingBag(graph, folder, chosen, wanted)
+        growing = _GrowingBag(graph, folder, chosen, wanted, stamped)
         try:
             yield
         finally:
             growing.close()
         return
-    start_ns = graph.now_ns
     with record(graph) as recorder:
         yield
-    samples = (sample for sample in recorder.recording().samples if chosen(sample.topic, sample.type_name))
-    write_bag(Recording(tuple(_from(start_ns, sample) for sample in samples)), folder)
+    samples = [one for sample in recorder.recording().samples for one in stamped(sample)]
+    samples.sort(key=lambda sample: sample.stamp_ns)  # a simulation may have been reset
+    write_bag(Recording(tuple(s for s in samples if chosen(s.topic, s.type_name))), folder)
 
 
-def _from(start_ns: int, sample: Sample) -> Sample:
+def _from(start_ns: int, sample: Sample) -> list[Sample]:
     """Return a sample; what was latched before comes as the recording begins."""
-    return sample if sample.stamp_ns >= start_ns else replace(sample, stamp_ns=start_ns)
+    return [sample if sample.stamp_ns >= start_ns else replace(sample, stamp_ns=start_ns)]
+
+
+class _SimTime:
+    """Stamps samples by the last message on /clock."""
+
+    def __init__(self) -> None:
+        self._now_ns: int | None = None
+        self._latched: list[Sample] = []  # before the first message on /clock
+
+    def stamped(self, sample: Sample) -> list[Sample]:
+        """Return the samples that can be stamped now that one more has come."""
+        if (sample.topic, sample.type_name) == CLOCK:
+            message: Any = sample.message()
+            self._now_ns = message.clock.sec * 10**9 + message.clock.nanosec
+        if self._now_ns is None:
+            self._latched += [sample] if sample.qos.durability == "transient_local" else []
+            return []
+        ready, self._latched = [*self._latched, sample], []
+        return [replace(one, stamp_ns=self._now_ns) for one in ready]
 
 
 class _GrowingBag:
     """A bag that is written as messages come; what can't be written ends it, and is told at the end."""
 
-    def __init__(self, graph: Graph, folder: Path, chosen: Chosen, wanted: Wanted | None) -> None:
+    def __init__(
+        self, graph: Graph, folder: Path, chosen: Chosen, wanted: Wanted | None, stamped: Stamped
+    ) -> None:
         check_free(folder.absolute(), force=False)
-        self._folder, self._chosen, self._start_ns = folder, chosen, graph.now_ns
+        self._folder, self._chosen, self._stamped = folder, chosen, stamped
         self._known = dict[tuple[str, str], bool]()  # topic and type -> whether it is recorded
         self._problem: CourseError | None = None
         try:
@@ -69,8 +101,8 @@ class _GrowingBag:
         except OSError as error:
             raise self._told(error) from error
         for sample in graph.latched():
-            self._take(sample)
-        self._untap = graph.tap(self._take, wanted)
+            self._hear(sample)
+        self._untap = graph.tap(self._hear, wanted)
 
     def close(self) -> None:
         """Complete the bag; raises a CourseError if it could not be written."""
@@ -83,6 +115,10 @@ class _GrowingBag:
         if self._problem is not None:
             raise self._problem
 
+    def _hear(self, sample: Sample) -> None:
+        for one in self._stamped(sample):
+            self._take(one)
+
     def _take(self, sample: Sample) -> None:
         if self._problem is not None:
             return
@@ -93,7 +129,7 @@ class _GrowingBag:
                 if self._known[name]:
                     self._writer.add(*name, [sample.qos])
             if self._known[name]:
-                self._writer.write(*name, max(sample.stamp_ns, self._start_ns), sample.cdr)
+                self._writer.write(*name, sample.stamp_ns, sample.cdr)
         except OSError as error:
             self._problem = self._told(error)
             self._writer.abort()

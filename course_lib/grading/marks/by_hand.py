@@ -4,11 +4,18 @@ from collections.abc import Collection
 from pathlib import Path
 
 from course_lib.course.identity import normalise
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.marks.mark import Result, read_result
 from course_lib.grading.marks.marks import add_mark, read_marks
-from course_lib.grading.records import Course, catalog_of, marks_path, result_path, sole_use, writing
+from course_lib.grading.records import (
+    Course,
+    catalog_of,
+    marks_path,
+    result_path,
+    sole_use,
+    this_course,
+    writing,
+)
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
 
@@ -39,7 +46,7 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
-    number, catalog = _number(points), catalog_of(course or Course(exercises_dir(), solutions_dir()))
+    number, catalog = _number(points), catalog_of(course or this_course())
     student = known_name(student, out / "results", "student")
     exercise = known_name(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)

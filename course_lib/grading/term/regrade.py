@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.notebook import exercise_named
 from course_lib.grading.marks.by_hand import known_name
@@ -17,7 +16,15 @@ from course_lib.grading.marks.requests import (
     read_requests,
     requests_path,
 )
-from course_lib.grading.records import Course, catalog_of, marks_path, result_path, sole_use, writing
+from course_lib.grading.records import (
+    Course,
+    catalog_of,
+    marks_path,
+    result_path,
+    sole_use,
+    this_course,
+    writing,
+)
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.table import printable
 
@@ -107,7 +114,7 @@ def _change(
     reply: str = "",
 ) -> None:
     """Store a request or an answer, and write the report again."""
-    catalog = catalog_of(course or Course(exercises_dir(), solutions_dir()))
+    catalog = catalog_of(course or this_course())
     path = requests_path(out, student, exercise)
     with sole_use(out), writing(out):
         if request is not None:
