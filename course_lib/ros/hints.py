@@ -128,7 +128,9 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("is not loaded or supported", "import tf2_geometry_msgs: it knows points and poses."),
     ),
     "ImportError": (
-        Hint("cannot import name 'WString'", "the kit has no wide strings; String holds all characters, too."),
+        Hint(
+            "cannot import name 'WString'", "the kit has no wide strings; String holds all characters, too."
+        ),
         Hint(
             r"cannot import name '(\w+)' from '(\w+_(msgs|srvs|interfaces))'",
             "write from {2}.msg import {1}, or .srv, or .action.",

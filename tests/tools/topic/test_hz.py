@@ -58,7 +58,7 @@ def test_it_waits_for_a_topic_and_names_those_there_are(run: Run, talker: Node) 
 @pytest.mark.parametrize("verb", ["hz", "bw", "delay", "echo"])
 def test_hidden_topics_are_not_among_those_that_are_named(run: Run, talker: Node, verb: str) -> None:
     talker.create_publisher(String, "_hidden/status", 10)
-    with pytest.raises(CourseError, match=r"Topics here: /chatter, /parameter_events, /rosout\.$"):
+    with pytest.raises(CourseError, match=r"Topics here: /chatter, /parameter_events, /place, /rosout\.$"):
         run(f"topic {verb} /unknown")
 
 
