@@ -135,7 +135,7 @@ def test_a_component_in_python_is_started_and_one_of_cpp_is_left_out_with_a_line
 def test_a_component_of_a_package_that_is_not_there_is_left_out_with_a_line(
     launch_file: Write, capsys: pytest.CaptureFixture[str], package: str, plugin: str, why: str
 ) -> None:
-    load = f"[ComposableNode(package='{package}', plugin='{plugin}')], target_container='box'"
+    load = f"[ComposableNode(package='{package}', plugin='{plugin}')]"
     file = launch_file(
         f"LoadComposableNodes(composable_node_descriptions={load}, target_container='box')",
         "LogInfo(msg='on')",

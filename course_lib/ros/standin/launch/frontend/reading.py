@@ -68,7 +68,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # it ships no types
         self.lines: dict[int, int] = {}  # by the identity of the mapping
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
-        """Make the value of a node."""
+        """Return the value of a node."""
         value = super().construct_object(node, deep)
         if isinstance(node, yaml.MappingNode):
             self.lines[id(value)] = node.start_mark.line + 1
