@@ -1,6 +1,6 @@
 """A bag that grows message by message."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,13 +21,26 @@ class BagWriter:
     Args:
         folder: The bag's folder, which is made.
         storage: "mcap" or "sqlite3".
+        compression: What is compressed by zstd: "none", the whole "file", each "message", or the chunks that
+            the "storage" makes of messages, in MCAP.
+        custom_data: Texts by name for the metadata.
     """
 
-    def __init__(self, folder: Path, storage: str = "mcap") -> None:
-        from rosbags.rosbag2 import StoragePlugin, Writer
+    def __init__(
+        self,
+        folder: Path,
+        storage: str = "mcap",
+        *,
+        compression: str = "none",
+        custom_data: Mapping[str, str] | None = None,
+    ) -> None:
+        from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
         self._metadata = folder / METADATA
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin[storage.upper()])
+        self._writer.set_compression(CompressionMode[compression.upper()], CompressionFormat.ZSTD)
+        for name, text in (custom_data or {}).items():
+            self._writer.set_custom_data(name, text)
         self._writer.open()
         self._connections: dict[tuple[str, str], Connection] = {}
 

@@ -10,11 +10,12 @@ import itertools
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.program_thread import AtEnd, ProgramThread, Wait, always
+from course_lib.ros.program_thread import AtEnd, CtrlC, ProgramThread, Wait, always
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -92,10 +93,17 @@ class Baton:
         me = self._threads[_thread.get_ident()]
         before, me.at_end = me.at_end, at_end
         me.waits_after_end = me.sleeps_after_end = 0
+        me.handlers = {}
         try:
             yield
         finally:
             me.at_end = before
+            me.handlers = {}
+
+    def handlers(self) -> dict[int, Any] | None:
+        """Return the handlers of signals of the calling thread, if it is the main thread of a program."""
+        me = self._threads.get(_thread.get_ident())
+        return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
 
     def is_shut_down(self) -> bool:
         """Return whether the run has ended and the calling thread is of a program."""
@@ -198,7 +206,7 @@ class Baton:
             return
         for ident, program_thread in list(self._threads.items()):
             if ident == thread.ident:
-                program_thread.raises = KeyboardInterrupt()
+                program_thread.raises = CtrlC()
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         yielded = False
@@ -276,7 +284,9 @@ def _raise_pending(me: ProgramThread) -> None:
     """Raise what another thread, or an interrupt, left for this one."""
     if me.raises is not None:
         error, me.raises = me.raises, None
-        raise error
+        if not isinstance(error, CtrlC):
+            raise error
+        me.interrupt()
 
 
 def _never() -> bool:

@@ -16,11 +16,14 @@ from course_lib.ros.guests import GUESTS
 FOLDERS = (
     *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.events"),
     *("launch.launch_description_sources", "launch.substitutions"),
-    *("launch_ros.actions", "launch_ros.event_handlers", "launch_ros.events.lifecycle"),
+    *("launch_ros.actions", "launch_ros.descriptions", "launch_ros.event_handlers"),
+    *("launch_ros.events.lifecycle", "launch_xml.launch_description_sources"),
+    "launch_yaml.launch_description_sources",
     "launch_ros.substitutions",
 )
 HOMES = {
     "launch.actions.shutdown_action": "launch.actions",
+    "launch.descriptions": "launch.processes",
     "launch.events.matchers": "launch.events",
     "launch.events.process": "launch.events",
     "launch.launch_description_entity": "launch.entities",

@@ -17,20 +17,26 @@ _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?l
 _COMPILED = re.compile(
     r"add_executable\s*\(\s*([\w.-]+)|\bEXECUTABLE\s+([\w.-]+)"
 )  # of CMake, components too
-_SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
+_SCRIPT = re.compile(r"\s*([\w.:-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts, components too
 
 
 @dataclass(frozen=True)
 class Package:
     """A package: the folder with its launch/, config/ and rviz/, where Python finds it, and its executables.
 
-    `executables` gives (module, function) by name, or the file of a script.
+    `executables` gives (module, function) by name, or the file of a script; those whose name is a C++ name,
+    `package::Class`, are the `components`.
     """
 
     name: str
     share: Path
     python: tuple[Path, ...]
     executables: Mapping[str, Executable]
+
+    @property
+    def components(self) -> dict[str, tuple[str, str]]:
+        """The (module, class) of each component in Python."""
+        return {name: at for name, at in self.executables.items() if "::" in name and isinstance(at, tuple)}
 
 
 def find_package(name: str) -> Package | None:
@@ -95,6 +101,18 @@ def python_path(file: Path) -> list[str]:
     places = _beside_checked_out(file) if package is None else _workspace(package)
     packages = (path.parent for place in places for path in sorted(place.glob("*/package.xml")))
     return [str(place) for place in (*own, *packages, *places)]
+
+
+def python_package(file: Path) -> str | None:
+    """Return the Python package of a file in a package's sources: console scripts import relative to it."""
+    names: list[str] = []
+    for folder in file.resolve().parents:
+        if (folder / "package.xml").is_file():
+            return ".".join(reversed(names)) or None
+        if not (folder / "__init__.py").is_file():
+            return None
+        names.append(folder.name)
+    return None
 
 
 def _workspace(package: Path) -> list[Path]:

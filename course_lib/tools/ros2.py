@@ -33,7 +33,7 @@ from course_lib.tools.verb import Verb, Write
 from course_lib.tools.view_frames import VIEW_FRAMES
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables
+    from course_lib.ros.package_programs import Executables
 
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 

@@ -12,6 +12,7 @@ from course_lib.grading.marks.mark import Result, read_result
 from course_lib.grading.records import Course, catalog_of
 from course_lib.grading.reports.report import standalone
 from course_lib.viewer.picture import find_browser
+from tests.browser.axe import faults
 from tests.browser.fake_host import chromium
 from tests.browser.test_page import pixels_of
 
@@ -55,6 +56,12 @@ def reports(course: Course, right: str, tmp_path: Path, write_notebook: Callable
 def yours(page: Page) -> np.ndarray:
     page.evaluate(FRAMES)
     return pixels_of(page.locator("figure canvas").first.screenshot())
+
+
+def test_reports_and_their_index_serve_a_screen_reader(page: Page, reports: Path) -> None:
+    for name in ("ada/week01_exercise.html", "bob/week01_exercise.html", "index.html"):
+        page.goto((reports / name).as_uri())
+        assert faults(page) == []
 
 
 def test_a_report_plays_offline_from_a_file(page: Page, reports: Path) -> None:

@@ -33,6 +33,7 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
         "mode": "client",
         "connect/endpoints": [address],
         "connect/timeout_ms": round(OPEN_SECONDS * 1000),
+        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "listen/endpoints": [],

@@ -104,7 +104,7 @@ class Buffer(BufferInterface):
         future: Future[TransformStamped] = Future()
 
         def look() -> None:
-            if not future.done() and self._core.can_transform(*asked) is None:
+            if not future.arrived() and self._core.can_transform(*asked) is None:
                 future.set_result(_message(self._core.lookup(*asked)))
 
         self._on_new_data[look] = None
