@@ -140,6 +140,10 @@ class RobotGraph(Graph):
         if endpoint in self._announced:
             self._announced.pop(endpoint).withdraw()
 
+    def apart(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+        """Return the policy that keeps two ends of the kit apart; over the link Zenoh lets all pass."""
+        return None if self._is_over_link(publisher, subscription) else super().apart(publisher, subscription)
+
     def publish(self, endpoint: int, cdr: bytes) -> None:
         """Publish here, and on the network if that is allowed."""
         super().publish(endpoint, cdr)
@@ -166,7 +170,7 @@ class RobotGraph(Graph):
             *self._allowed.rows(),
             *self._wheel.rows(),
             ("held back", ", ".join(held) or "nothing"),
-            ("robot's clock", "not measured yet" if skew is None else f"{skew:+.3f} s from this computer's"),
+            ("robot's clock", explain.NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
             *(ear.row() for ear in self._ears),
         ]
 
@@ -226,8 +230,11 @@ class RobotGraph(Graph):
         ends = [info for info in self._topics.endpoints() if info.topic == topic]
         for publisher in (info for info in ends if info.kind == "pub"):
             for heard in (info for info in ends if info.kind == "sub"):
-                if (publisher.node in self._own) != (heard.node in self._own):
+                if self._is_over_link(publisher, heard):
                     self._tell_once(f"qos {topic}", explain.about_qos(publisher, heard))
+
+    def _is_over_link(self, publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+        return (publisher.node in self._own) != (subscription.node in self._own)
 
     def _look(self) -> None:
         """Now and then: subscribe to what taps want, and tell what is wrong with the link."""
