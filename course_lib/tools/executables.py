@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,8 @@ from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
     from course_lib.displays.viewer import Viewer
+    from course_lib.robots.teleop import TwistTeleop
+    from course_lib.robots.turtlesim.programs import TurtleTeleop
     from course_lib.ros.package_programs import Executables
 
 SETTLED = 1.0  # [s] of robot time after which the first messages of all nodes have arrived
@@ -92,17 +94,40 @@ def _turtle_program(name: str) -> None:
 
 
 def _turtle_teleop() -> None:
-    """Run the node that steers a turtle, with its keys as buttons in a notebook's cell."""
-    from course_lib.robots.turtlesim.programs import TurtleTeleop, teleop_buttons
+    from course_lib.robots.turtlesim.programs import KEYS, TurtleTeleop
 
-    node = TurtleTeleop()
+    _spin_with_keys(TurtleTeleop(), KEYS)
+
+
+def _twist_teleop() -> None:
+    from course_lib.robots.teleop import KEYS, TwistTeleop
+
+    _spin_with_keys(TwistTeleop(), KEYS)
+
+
+def _spin_with_keys(node: "TurtleTeleop | TwistTeleop", keys: Sequence[str]) -> None:
+    """Run a node that is steered by keys, with its keys as buttons in a notebook's cell."""
     if current_graph().notebook and pace.wanted() != "fast":
         from IPython.display import display
 
-        display(teleop_buttons(node))  # type: ignore[no-untyped-call]  # untyped there
+        from course_lib.robots.teleop import key_buttons
+
+        display(key_buttons(node.press, keys))  # type: ignore[no-untyped-call]  # untyped there
     else:
         node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
     spin(node)
+
+
+def _demo_node(name: str) -> None:
+    from course_lib.tools import demo_nodes
+
+    spin(getattr(demo_nodes, name)())
+
+
+def _add_two_ints() -> None:
+    from course_lib.tools.demo_nodes import add_two_ints
+
+    add_two_ints()
 
 
 def _robot_state_publisher() -> None:
@@ -214,6 +239,11 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("turtlesim", "turtlesim_node"): _turtlesim,
     ("turtlesim", "turtle_teleop_key"): _turtle_teleop,
+    ("teleop_twist_keyboard", "teleop_twist_keyboard"): _twist_teleop,
+    ("demo_nodes_py", "talker"): partial(_demo_node, "Talker"),
+    ("demo_nodes_py", "listener"): partial(_demo_node, "Listener"),
+    ("demo_nodes_py", "add_two_ints_server"): partial(_demo_node, "AddTwoIntsServer"),
+    ("demo_nodes_py", "add_two_ints_client"): _add_two_ints,
     ("turtlesim", "mimic"): partial(_turtle_program, "TurtleMimic"),
     ("turtlesim", "draw_square"): partial(_turtle_program, "DrawSquare"),
     ("unknown_robot", "robot"): _unknown_robot,
