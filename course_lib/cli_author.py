@@ -15,7 +15,7 @@ def new(
     kind: Annotated[str, typer.Argument(help="week09, or the word course.")],
     title: Annotated[str, typer.Argument(help='Its title: "Occupancy maps".')],
 ) -> None:
-    """Make a week, or a course of your own, from templates that already run."""
+    """Write the files of a week, or of a course of your own, which already run."""
     from course_lib.authoring.new_course import new_course
     from course_lib.authoring.new_week import new_week
     from course_lib.grading.records import this_course

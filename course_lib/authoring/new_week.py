@@ -85,7 +85,7 @@ def _files(week: str, title: str, course: Course) -> Iterator[tuple[Path, bytes]
     about = {"learn": "REPLACE: what students can do then, in a few words", "minutes": 32, "week": number}
     yield course.lessons / str(values["lesson"]), lesson(TEMPLATE, values, about)
     about = {"exercise": f"{week}_exercise", "minutes": 15, "week": number}
-    solution = notebook_of(filled(TEMPLATE, "solution.py", values), about)
+    solution = notebook_of(filled(TEMPLATE, "solved.py", values), about)
     yield course.solutions / f"{week}_solution.ipynb", notebook_text(solution).encode()
     exercise = notebook_text(exercise_from(solution))
     yield course.exercises / f"{week}_exercise.ipynb", exercise.encode()
