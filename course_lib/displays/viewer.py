@@ -44,14 +44,16 @@ class Viewer:
 
     Args:
         fixed_frame: RViz's Fixed Frame: where everything is placed.
+        use_sim_time: RViz's parameter: whether its time is that on the topic /clock.
     """
 
-    def __init__(self, fixed_frame: str = "map") -> None:
+    def __init__(self, fixed_frame: str = "map", *, use_sim_time: bool = False) -> None:
         self._graph = graph = current_graph()
         self.scene = Scene()
-        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
+        matching = not graph.keeps_wall_time
+        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, matching, use_sim_time)
         self.session.latched = graph.latched
-        self.session.context.node = node = RvizNode(graph)
+        self.session.context.node = node = RvizNode(graph, self.session.time)
         self._film = Film(self.scene, lambda: graph.now_ns / NS)
         self._cell = ViewerCell(self.session, graph)
         stops = (
@@ -61,18 +63,18 @@ class Viewer:
         )
         self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
-        self.session.catch_up(self.session.transforms)
+        self.session.catch_up(self.session.interests)
         self.add("Grid")
 
     @classmethod
-    def from_rviz(cls, path: str | Path) -> Self:
+    def from_rviz(cls, path: str | Path, *, use_sim_time: bool = False) -> Self:
         """Create a viewer with the displays, options and view of an .rviz file.
 
         Raises:
             CourseError: If it is not an .rviz file; with line and column.
         """
         layout = read_layout(path)
-        viewer = cls()
+        viewer = cls(use_sim_time=use_sim_time)
         viewer.session.apply(layout)
         return viewer
 
@@ -142,6 +144,15 @@ class Viewer:
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
         self.session.fixed_frame = frame
+
+    @property
+    def use_sim_time(self) -> bool:
+        """RViz's parameter: whether its time is that on the topic /clock; a change resets all displays."""
+        return self.session.time.use_sim_time
+
+    @use_sim_time.setter
+    def use_sim_time(self, use_sim_time: bool) -> None:
+        self.session.follow_clock(use_sim_time)
 
     @property
     def options(self) -> Options:

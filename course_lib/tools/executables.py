@@ -31,10 +31,22 @@ def _rviz2() -> None:
     if current_graph().notebook:
         from course_lib.displays.viewer import Viewer
 
-        _show(Viewer.from_rviz(layout) if layout else Viewer())
+        sim = _uses_sim_time("rviz2")
+        _show(Viewer.from_rviz(layout, use_sim_time=sim) if layout else Viewer(use_sim_time=sim))
     else:
         _print_how_to_look(layout)
     spin()
+
+
+def _uses_sim_time(name: str) -> bool:
+    """Return a node's parameter `use_sim_time` of the command line, for one that is not rclpy's."""
+    from rclpy.context import get_default_context
+    from rclpy.impl import names
+
+    arguments = get_default_context().arguments
+    namespace, name = (arguments.renamed(name, what, old) for what, old in (("__ns", "/"), ("__node", name)))
+    given = arguments.parameters(names.join(namespace, name)).get("use_sim_time")
+    return given is not None and given.value is True
 
 
 def _show(viewer: "Viewer") -> None:

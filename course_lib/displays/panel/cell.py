@@ -111,7 +111,7 @@ class ViewerCell:
     def _furnish(self, link: PageLink, close: Callable[[], None]) -> None:
         """Put RViz's panels around the view of a page."""
         desk = Desk(self._session, link, self._graph)
-        time_panel = TimePanel(self._session, link, LiveTime(self._graph))
+        time_panel = TimePanel(self._session, link, LiveTime(self._graph, self._session.time))
         link.on_click.append(self._click)
         self._ends += [desk.close, time_panel.close, close]
 
