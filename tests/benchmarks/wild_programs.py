@@ -28,13 +28,15 @@ LACKS = re.compile(r"No module named '([^'.]+)")
 class Row:
     """One program: its place, what it is given, what became of it and why.
 
-    `result` is `runs`, `needs` (a module that is not there, `reason`), or `fails`; `theirs`: the reason is a
-    mistake in the program, which fails in ROS, too.
+    `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs`,
+    `needs` (a module that is not there, `reason`), or `fails`; `theirs`: the reason is the program's mistake,
+    which fails in ROS, too.
     """
 
     repository: str
     commit: str
     path: str
+    beside: str = ""
     args: str = ""
     input: str = ""
     result: str = ""
@@ -91,7 +93,8 @@ def is_program(clone: Path, file: Path) -> bool:
 
 def outcome(file: Path, row: Row) -> tuple[str, str]:
     """Run a program alone; return its result and the reason."""
-    words = [str(file.resolve()), "--seconds", SECONDS, "--", *row.args.split()]
+    files = [str(file.resolve().parent / name) for name in (file.name, *row.beside.split())]
+    words = [*files, "--seconds", SECONDS, "--", *row.args.split()]
     command = [sys.executable, "-m", "course_lib", "run", *words]
     with tempfile.TemporaryDirectory() as folder:
         try:
