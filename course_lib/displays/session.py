@@ -157,8 +157,7 @@ class RvizSession:
 
     def group(self, name: str) -> Group:
         """Return the first group with a name, which is made if there is none."""
-        found = (group for group in self.tree.groups() if group.name == name)
-        return next(found, None) or self.add_group(name)
+        return next((g for g in self.tree.groups() if g.name == name), None) or self.add_group(name)
 
     def add_group(self, name: str, group: Group | None = None) -> Group:
         """Add a group of displays, in another one or at the end of the tree."""
@@ -211,7 +210,7 @@ class RvizSession:
         if sample.stamp_ns < self._last_ns:
             self._jump_back()
         if self._due_ns is not None and self._due_ns <= sample.stamp_ns:
-            self.update(self._due_ns)
+            self.update(self._due_ns, is_look=False)
         self.context.now_ns = self._last_ns = sample.stamp_ns
         self.types[sample.topic] = sample.type_name
         self._deliver(sample, chain(self.transforms, *(display.interests for display in self.displays)))
@@ -220,21 +219,22 @@ class RvizSession:
         """Update the scene if a frame is due at a robot time, [ns]; things expire without a message."""
         due_ns = self._frame_ns + NS // self.frame_rate if self._due_ns is None else self._due_ns
         if now_ns >= due_ns:
-            self.update(now_ns)
+            self.update(now_ns, is_look=False)
 
     def refresh(self) -> None:
         """Update the scene now."""
         self.update(self.context.now_ns)
 
-    def update(self, now_ns: int) -> None:
-        """Update the scene at a robot time, [ns]."""
+    def update(self, now_ns: int, *, is_look: bool = True) -> None:
+        """Update the scene at a robot time, [ns]: when somebody looks, or when a frame is due."""
+        self.context.draws = is_look or self.context.is_seen
         self.context.now_ns = self._frame_ns = max(now_ns, self.context.now_ns)
         self._due_ns = None
         for display in self.displays:
             if display.enabled:
                 display.update()
-        camera = self.view.camera(self.context.frames)
-        if camera != self._camera:  # a camera set in the scene itself stays
+        camera = self._view.camera(self.context.frames) if self.context.draws else None
+        if camera not in (None, self._camera):  # a camera set in the scene itself stays
             self._camera = self.context.scene.camera = camera
         self._tell()
 
@@ -286,8 +286,7 @@ class RvizSession:
             self._due_ns = self.context.now_ns + NS // self.frame_rate
 
     def _take_transforms(self, message: Any, *, is_static: bool) -> None:
-        complaints = self.context.frames.take(message.transforms, is_static)
-        if complaints:
+        if complaints := self.context.frames.take(message.transforms, is_static):
             self.statuses.hint("TF", *complaints)
 
     def _jump_back(self) -> None:

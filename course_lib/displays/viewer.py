@@ -46,23 +46,27 @@ class Viewer:
         fixed_frame: RViz's Fixed Frame: where everything is placed.
     """
 
+    is_seen = True  # False where no page can show a viewer: when graded
+
     def __init__(self, fixed_frame: str = "map") -> None:
         self._graph = graph = current_graph()
-        self.scene = Scene()
-        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
-        self.session.latched = graph.latched
-        self.session.context.node = node = RvizNode(graph)
-        self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._cell = ViewerCell(self.session, graph)
-        stops = (
-            graph.tap(self.session.receive, self.session.topics),
-            graph.watch_time(self.session.tick),
-            node.close,
-        )
+        scene = Scene()
+        session = RvizSession(scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
+        session.context.is_seen, session.latched = self.is_seen, graph.latched
+        session.context.node = node = RvizNode(graph)
+        self.session, self._film = session, Film(scene, lambda: graph.now_ns / NS)
+        self._cell = ViewerCell(session, graph)
+        stops = (graph.tap(session.receive, session.topics), graph.watch_time(session.tick), node.close)
         self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
-        self.session.catch_up(self.session.transforms)
+        session.catch_up(session.transforms)
         self.add("Grid")
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, drawn if it was not yet."""
+        self.session.context.show()
+        return self.session.context.scene
 
     @classmethod
     def from_rviz(cls, path: str | Path) -> Self:
@@ -205,7 +209,7 @@ class Viewer:
             path: The page's file.
             playback: Whether the page plays what was seen so far; it says so if that is not all.
         """
-        self.look()
+        self._show()
         save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
@@ -232,7 +236,7 @@ class Viewer:
         Args:
             seconds: How much of what was seen before its bar can play, [s] of robot time.
         """
-        self.look()
+        self._show()
         return self._cell.at_rest(self._film, seconds)
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
@@ -246,6 +250,7 @@ class Viewer:
         Returns:
             The address.
         """
+        self._show()
         url = self._cell.opened(port, token)
         sys.stdout.write(f"The viewer is at {url}\n")
         if browser:
@@ -254,7 +259,7 @@ class Viewer:
 
     def summary(self) -> str:
         """Describe in words the objects drawn, their places in the fixed frame, and the statuses."""
-        self.look()
+        self._show()
         return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
@@ -274,12 +279,16 @@ class Viewer:
         """Bring the scene up to date, as robot time stands."""
         self.session.update(self._graph.now_ns)
 
+    def _show(self) -> None:
+        self.session.context.show()
+        self.look()
+
     def close(self) -> None:
         """Stop listening, and take the viewer out of all cells."""
         self._end()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        self.look()
+        self._show()
         return self._cell.shown(self, **kwargs)
 
 
