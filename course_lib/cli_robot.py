@@ -72,6 +72,9 @@ def router(
     certificate: Annotated[Path | None, typer.Option(help="PEM file for --listen tls/…, with --key.")] = None,
     key: Annotated[Path | None, typer.Option(help="The certificate's private key, PEM.")] = None,
     domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
+    robot_port: Annotated[
+        int, typer.Option(min=1, max=65535, help="Without --robot: where a robot on this computer connects.")
+    ] = 7447,
     folder: Annotated[Path, typer.Option(help="Where tokens are kept.")] = Path("course_router"),
 ) -> None:
     """Run a gateway: a class hears a robot, and one student at a time drives it."""
@@ -80,5 +83,6 @@ def router(
     from course_lib.gateway.router import router as run
 
     sends, calls = checked_names(send or (), "--send"), checked_names(call or (), "--call")
-    settings = Settings(listen, robot, sends, calls, domain, certificate, key)
+    there = f"tcp/127.0.0.1:{robot_port}"
+    settings = Settings(listen, robot, sends, calls, domain, certificate, key, there)
     run(settings, folder, students, id_column, driver, typer.echo)

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from course_lib.cli_author import authors
+from course_lib.cli_class import classes
 from course_lib.errors import CourseError
 
 if TYPE_CHECKING:
@@ -13,15 +15,8 @@ if TYPE_CHECKING:
 NOT_PASSED = 1  # exit code
 
 staff = typer.Typer()
-
-
-@staff.command()
-def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
-    """Write the students' copy: installable, without solutions and hidden checks."""
-    from course_lib.course.hand_out import release as write
-
-    paths = write(out)
-    typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
+staff.add_typer(authors)
+staff.add_typer(classes)
 
 
 @staff.command()

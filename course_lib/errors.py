@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
 
 
 class CourseError(Exception):
@@ -17,3 +18,13 @@ def did_you_mean(name: str, there: Iterable[str], most: int = 1) -> str:
 def counted(count: int, noun: str) -> str:
     """Return a number with its noun: "1 message", "2 messages"."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def place_of(path: Path, text: str) -> str:
+    """Return "path line 12" for the first line of a file with a text in it, else the path."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return str(path)
+    number = next((number for number, line in enumerate(lines, 1) if text in line), 0) if text else 0
+    return f"{path} line {number}" if number else str(path)

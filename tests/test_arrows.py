@@ -20,7 +20,7 @@ ROOMS = {
     "export",
     "grading",
 }
-ALL = ROOMS | {"gateway"}
+ALL = ROOMS | {"gateway", "authoring"}
 # room -> the rooms it may import; `errors` and `arrays` are known to all
 ARROWS = {
     "arrays": set[str](),
@@ -37,17 +37,21 @@ ARROWS = {
     "export": {"ros", "course"},
     "gateway": {"ros", "course", "grading", "tools", "robots", "sensors"},  # grading: platforms' rosters
     "grading": ROOMS,
+    "authoring": {"course", "grading", "ros"},
     "demo": ALL | {"demo"},
     "cli": ALL | {"demo", "cli_robot", "cli_staff"},
+    "cli_author": {"course", "authoring", "grading"},
     "cli_robot": {"ros", "gateway"},
-    "cli_staff": ALL,
+    "cli_staff": ALL | {"cli_author", "cli_class"},
+    "cli_class": ALL,
     "extension": ALL,
     "__main__": {"cli"},
     "__init__": ALL | {"extension"},
 }
 # The modules of ros above the stand-in, which run nodes, programs and launch files; the others are below it.
 ABOVE_THE_STANDIN = {
-    f"course_lib.ros.{name}" for name in ("connecting", "driving", "live", "launch_program", "program")
+    f"course_lib.ros.{name}"
+    for name in ("connecting", "driving", "live", "launch_program", "package_programs", "program")
 }
 
 

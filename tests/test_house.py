@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 TOP_LEVEL = {
     "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
-    "CHANGELOG.md", "CONTRIBUTING.md",
+    "CHANGELOG.md", "docs", "CONTRIBUTING.md",
 }  # fmt: skip
 PUBLIC = {"course_lib"} | {
     f"course_lib.{room}" for room in ("displays", "export", "grading", "robots", "sensors")

@@ -71,6 +71,29 @@ class WeekSettings:
 
 
 @dataclass(frozen=True)
+class Term:
+    """The way from the marks of weeks to a total.
+
+    Args:
+        weights: Of weeks; 1 for each that is not named.
+        drop_lowest: The number of lowest weeks of each student that do not count.
+        group_weeks: In these the hand-in of one student counts for the whole group.
+        quiz_percent: The share of the quizzes in the total.
+    """
+
+    weights: Mapping[str, float] = field(default_factory=dict)
+    drop_lowest: float = 0.0
+    group_weeks: tuple[str, ...] = ()
+    quiz_percent: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.drop_lowest % 1:
+            raise CourseError(f"drop_lowest: {self.drop_lowest:g}, expected a whole number of weeks")
+        if self.quiz_percent > 100:
+            raise CourseError(f"quiz_percent: {self.quiz_percent:g}, expected 0 to 100")
+
+
+@dataclass(frozen=True)
 class CourseFile:
     """All of course.toml."""
 
@@ -80,8 +103,12 @@ class CourseFile:
     late: Late = Late()
     limits: Limits = Limits()
     counts: Counts = "last"  # of several submissions
+    term: Term = Term()
 
     def __post_init__(self) -> None:
+        for week in (*self.term.weights, *self.term.group_weeks):
+            if week not in self.weeks or not self.weeks[week].points:
+                raise CourseError(f"term: {week!r} is not a week with points")
         if strange := [week for week in self.weeks if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
@@ -166,6 +193,11 @@ KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     float: (lambda v: type(v) in (int, float) and 0 <= v < math.inf, "a number of at least 0", float),
     ZoneInfo: (lambda v: str(v) in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
     Counts: (lambda v: v in get_args(Counts), '"last" or "best"', str),
+    tuple[str, ...]: (
+        lambda v: isinstance(v, list) and all(isinstance(item, str) for item in v),
+        "a list of texts",
+        tuple,
+    ),
     datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
 }
 KINDS[datetime | None] = KINDS[datetime]

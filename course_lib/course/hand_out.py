@@ -21,6 +21,7 @@ RELEASED = (
     "course_lib",
     "notebooks",
     "exercises",
+    "docs/images",  # of README.md
     "pyproject.toml",
     "README.md",
     "LICENSE",
@@ -29,12 +30,7 @@ RELEASED = (
 # Who got more time concerns nobody else: a table of its own in course.toml, up to the next one.
 EXTENSIONS = re.compile(r"^\[weeks\.\w+\.extensions\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
-LESSONS = (
-    "week*.ipynb",
-    "week*.py",
-    "images",
-    "coverage.toml",
-)  # else lessons have written it
+LESSONS = ("week*.ipynb", "extra_*.ipynb", "week*.py", "coverage.toml")  # else lessons have written it
 
 
 @dataclass(frozen=True)

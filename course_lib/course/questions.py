@@ -5,11 +5,12 @@ import textwrap
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from course_lib.course.installation import exercises_dir
 from course_lib.course.state import student_state
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, place_of
 
 SECTION = "predictions"
 WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
@@ -93,17 +94,34 @@ def _load(name: str, kind: str) -> tuple[Question, ...]:
     if not path.is_file():
         known = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
         raise CourseError(f"there is no quiz {name!r}. Quizzes: {known}")
+    return read_questions(path, kind)
+
+
+def read_questions(path: Path, kind: str) -> tuple[Question, ...]:
+    """Read the questions of a file, of the kind "question" or "prediction".
+
+    Raises:
+        CourseError: The file is malformed, or a question has not exactly one right answer.
+    """
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8")).get(kind, [])
-        questions = tuple(_question_of(table) for table in tables)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise CourseError(f"{path} is not TOML: {error}") from error
-    except KeyError as error:
-        raise CourseError(f"{path}: a {kind} or one of its answers has no {error}") from error
-    for question in questions:
-        if sum(answer.right for answer in question.answers) != 1:
-            raise CourseError(f"{path}: {question.text!r} needs exactly one answer with right = true")
-    return questions
+    return tuple(_checked(path, kind, table) for table in tables)
+
+
+def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
+    place = place_of(path, str(table.get("text", ""))[:40])
+    try:
+        question = _question_of(table)
+    except (KeyError, TypeError) as error:
+        raise CourseError(f"{place}: a {kind} or one of its answers has no {error}") from error
+    count = sum(answer.right for answer in question.answers)
+    if count != 1:
+        raise CourseError(
+            f"{place}: {question.text!r} needs exactly one answer with right = true, it has {count}"
+        )
+    return question
 
 
 def _question_of(table: dict[str, Any]) -> Question:

@@ -2,10 +2,11 @@
 
 import rclpy
 from nav_msgs.msg import Odometry
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from course_lib.arrays import Floats
+from course_lib.gateway.spinning import spin_all
 from course_lib.robots import OmniBase, RobotStatePublisher
 from course_lib.sensors import LaserScanNode, Thing, World, box, cylinder, placed
 
@@ -58,16 +59,8 @@ def main() -> None:
     rclpy.init()
     mount = Mount()
     scanner = LaserScanNode(room(), mount.transform_laser_to_odom, beams=360, range_max=10.0, noise=0.005)
-    executor = SingleThreadedExecutor()
-    for node in (OmniBase(), RobotStatePublisher(URDF), mount, scanner):
-        executor.add_node(node)
-    mount.get_logger().info("The robot is ready. It drives by /cmd_vel.")
-    try:
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+    nodes = (mount, OmniBase(), RobotStatePublisher(URDF), scanner)
+    spin_all(SingleThreadedExecutor(), nodes, "The robot is ready. It drives by /cmd_vel.")
 
 
 if __name__ == "__main__":

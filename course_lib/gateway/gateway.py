@@ -2,7 +2,6 @@
 
 import json
 import re
-import struct
 import tempfile
 import threading
 import time
@@ -15,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from course_lib.gateway.access import INNER, access_control
 from course_lib.gateway.students import Access
 from course_lib.gateway.zenoh_router import open_router
-from course_lib.ros.zenoh.login import PRESENCE, ROBOT, STUDENTS
+from course_lib.ros.zenoh.commands import moves, still
+from course_lib.ros.zenoh.login import PRESENCE, ROBOT, STUDENTS, gateway_key
 from course_lib.ros.zenoh.tokens import Entity, attachment, ros_name
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 SILENCE = 0.5  # [s] without a command, after which a moving robot is stopped
 TURN = 0.05  # [s] between two looks at the driver
 MOST_KEYS = 8  # that one driver's commands may use, so that nobody fills the memory
-TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
-CDR = b"\0\1\0\0"  # little endian
-STILL = bytes(48)  # the numbers of a Twist
 STUCK_US = 500_000  # [µs] after which a student's link that takes no more answers is closed
 NOBODY_WAITS = {  # a link that is full loses messages; otherwise one stuck student would hold up all
     "messages": ["put", "delete"],
@@ -95,9 +92,7 @@ class Gateway:
         self._lock = threading.RLock()
         self._folder = tempfile.TemporaryDirectory(prefix="gateway_")  # only this user may enter it
         inner = f"{INNER}/{self._folder.name}/robot.sock"
-        here = [] if settings.robot else [settings.robot_listen]
-        there = [settings.robot] if settings.robot else []
-        self.robot_side = open_router({"listen/endpoints": [inner, *here], "connect/endpoints": there})
+        self.robot_side = open_router(_robots(settings, inner), "--robot-port")
         self.class_side = open_router(
             {
                 "listen/endpoints": [settings.listen],
@@ -111,6 +106,7 @@ class Gateway:
         )
         self._node = Entity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
         self._kept: list[Any] = [self._announced(self._node), *map(self._subscribed, settings.sends)]
+        self._shown = self._show_driver()
 
     def drive(self, driver: Access | None) -> None:
         """Change the driver; the robot stops first."""
@@ -121,6 +117,8 @@ class Gateway:
                     stream.token.undeclare()
                 self._streams.clear()
                 self.driver = driver
+                before, self._shown = self._shown, self._show_driver()
+                before.undeclare()
 
     def turn(self) -> None:
         """Stop the robot where its driver has fallen silent; call it every TURN seconds."""
@@ -182,9 +180,14 @@ class Gateway:
             if stream is None:
                 self.held[name] += 1
                 return
-            stream.moving, stream.last = any(payload[4:]), time.monotonic()
+            stream.moving, stream.last = moves(payload, stream.entity.type_name), time.monotonic()
             self.passed[name] += 1
             self._put(stream, payload)
+
+    def _show_driver(self) -> Any:
+        """Declare the token by which students' kits know who drives."""
+        name = self.driver.name if self.driver is not None else ""
+        return self.class_side.liveliness().declare_token(gateway_key(name, self.settings.sends))
 
     def _drives(self, name: str) -> bool:
         return self.driver is not None and self.driver.name == name
@@ -213,17 +216,15 @@ class Gateway:
         self.robot_side.put(stream.entity.key, payload, attachment=note)
 
 
-def still(type_name: str, now_ns: int) -> bytes | None:
-    """Return the message that stops a robot; None for types that do not move it by their last message."""
-    if type_name == TWIST:
-        return CDR + STILL
-    if type_name == TWIST_STAMPED:  # stamp, an empty frame and what aligns the numbers
-        return CDR + struct.pack("<iII4x", *divmod(now_ns, 10**9), 1) + STILL
-    return None
-
-
 def _nothing() -> None:
     """Do nothing: Zenoh 1.5 wants to tell that a callback will not come any more."""
+
+
+def _robots(settings: Settings, inner: str) -> dict[str, Any]:
+    """Return the robot's side: a router to connect to, or a place where the robot's nodes find each other."""
+    if settings.robot:
+        return {"listen/endpoints": [inner], "connect/endpoints": [settings.robot]}
+    return {"listen/endpoints": [inner, settings.robot_listen], "scouting/gossip/enabled": True}
 
 
 def _tls(settings: Settings) -> dict[str, Any]:

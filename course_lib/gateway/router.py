@@ -10,8 +10,18 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.gateway.gateway import TURN, Gateway, Settings
 from course_lib.gateway.page import StatusPage, page_text
-from course_lib.gateway.students import DRIVER, GUEST, PASSWORDS, PRIVATE, TOKENS, Access, class_of, named
-from course_lib.ros.zenoh.login import STUDENTS
+from course_lib.gateway.students import (
+    DRIVER,
+    GUEST,
+    PASSWORDS,
+    PRIVATE,
+    THE_ROBOT,
+    TOKENS,
+    Access,
+    class_of,
+    named,
+)
+from course_lib.ros.zenoh.login import ROBOT, STUDENTS
 
 NOBODY = "nobody"
 PAGE_ADDRESS = "page.txt"  # in the folder, while a gateway runs
@@ -59,13 +69,31 @@ def _introduce(
     one = users[-1]
     write(f"Students connect to {one.address(place) if one.student == GUEST else place}")
     write(f"Tokens to hand out: {folder / TOKENS}")
-    write(f"Robot: {settings.robot or f'connects to {settings.robot_listen}'}")
+    for line in [f"Robot: {settings.robot}"] if settings.robot else _about_robot(settings, folder, place):
+        write(line)
     for topic in settings.sends:
         write(f"/{STUDENTS}/NAME/{topic} goes to /{topic} while NAME drives")
     for service in settings.calls:
         write(f"Everybody may call /{service}")
     write(f"Status: {page.address}")
     write("Change the driver in another terminal: course router --driver NAME (or: nobody)")
+
+
+def _about_robot(settings: Settings, folder: Path, place: str) -> list[str]:
+    """Return what to set on a robot that connects to the gateway."""
+    login = f'transport/auth/usrpwd/user="{ROBOT}";transport/auth/usrpwd/password="TOKEN"'
+    return [
+        "Robot: none is named by --robot, so it connects to this gateway. Set one of these for it:",
+        f"  on this computer, for its nodes:  {_override(settings.robot_listen)}",
+        f"  on another one, for rmw_zenohd:   {_override(place, login)}",
+        f"  (TOKEN is in the row {THE_ROBOT} of {folder / TOKENS}; programs of the course: --robot "
+        f"{settings.robot_listen})",
+    ]
+
+
+def _override(place: str, *more: str) -> str:
+    """Return the line for the shell by which rmw_zenoh connects to a place."""
+    return "export ZENOH_CONFIG_OVERRIDE='" + ";".join([f'connect/endpoints=["{place}"]', *more]) + "'"
 
 
 def _serve(gateway: Gateway, wanted: Path, write: Write) -> None:

@@ -9,11 +9,12 @@ if TYPE_CHECKING:
     import zenoh
 
 
-def open_router(settings: dict[str, Any]) -> "zenoh.Session":
+def open_router(settings: dict[str, Any], option: str = "--listen") -> "zenoh.Session":
     """Open a router in this process; it keeps trying to connect.
 
     Args:
         settings: Of Zenoh, by their keys; `listen/endpoints` among them.
+        option: That chooses another port.
 
     Raises:
         CourseError: Zenoh is missing, or refuses an address or a file.
@@ -37,6 +38,8 @@ def open_router(settings: dict[str, Any]) -> "zenoh.Session":
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        places = " and ".join(settings["listen/endpoints"])
+        place = settings["listen/endpoints"][-1]
         said = str(error).split(" at /")[0]  # the rest names Zenoh's own source
-        raise CourseError(f"Zenoh can't listen at {places}: {said}. Is the port taken?") from error
+        raise CourseError(
+            f"Zenoh can't listen at {place}: {said}. Is the port taken? {option} takes another."
+        ) from error

@@ -120,6 +120,15 @@ def failed(message: str, mistake: str) -> Verdict:
 
 
 @dataclass(frozen=True)
+class Origin:
+    """The place in a check file where a word was written, and what was given to it."""
+
+    word: str
+    arguments: Mapping[str, Any]
+    place: str  # "exercises/checks/week01.py line 12"
+
+
+@dataclass(frozen=True)
 class Check:
     """A pure function from evidence to a verdict.
 
@@ -128,12 +137,14 @@ class Check:
         judge: Returns the verdict; it must not depend on anything but the evidence.
         weight: Share of the task's points; 0 only reports.
         requires: Checks that must have full score on the same evidence, otherwise this check scores 0.
+        origin: Where it was written; None for a check of one's own.
     """
 
     title: str
     judge: Callable[[Evidence], Verdict]
     weight: float = 1.0
     requires: tuple[Check, ...] = ()
+    origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def titled(self, title: str) -> Check:
         """Return the check under another title."""

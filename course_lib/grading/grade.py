@@ -19,7 +19,6 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, counted
 from course_lib.grading.executors import executors, flow
 from course_lib.grading.handin.copies import compare_class
@@ -40,9 +39,10 @@ from course_lib.grading.records import (
     report_path,
     result_path,
     sole_use,
+    this_course,
     writing,
 )
-from course_lib.grading.reports.report import is_current, page_digest, report
+from course_lib.grading.reports.report import is_current, page_digest, report, requests_of
 from course_lib.grading.reports.table import (
     NO_REPORT,
     Line,
@@ -90,7 +90,7 @@ def grade(
         OutError: `out` can't be written.
         CourseError: Nothing can be graded.
     """
-    course = course or Course(exercises_dir(), solutions_dir())
+    course = course or this_course()
     course = replace(course, sandbox=need, handed_in=(submissions, out))
     found = _found(submissions, course)
     line = hand_in(found, course, only)
@@ -152,7 +152,7 @@ def _is_done(attempts: Attempts, out: Path) -> bool:
         return False
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     page = report_path(out, attempts.student, attempts.exercise)
-    return is_current(page, page_digest(result.digest, marks))
+    return is_current(page, page_digest(result.digest, marks, requests_of(result, out)))
 
 
 def _kept(attempts: Attempts, out: Path) -> Result | None:

@@ -2,9 +2,11 @@
 
 import signal
 import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_lib.grading.catalog import Catalog
@@ -231,9 +233,20 @@ class _Judge:
             slow = evidence.large_message if isinstance(error, TimeoutError) else ""
             message = f"{TOO_LARGE}: {slow}; publish fewer points" if slow else CANNOT_JUDGE
             kind = TOO_LARGE if slow else CANNOT_JUDGE
-            return Verdict(0.0, message, kind, f"{type(error).__name__}: {error}"[:LONGEST])
+            return Verdict(
+                0.0, message, kind, f"{_place(check, error)}{type(error).__name__}: {error}"[:LONGEST]
+            )
         finally:
             self._left -= time.process_time() - begin
+
+
+def _place(check: Check, error: Exception) -> str:
+    """Return "week01.py line 12: " for an exception in a check: where its own code or its word stands."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if Path(frame.filename).parent.name == "checks"]
+    if own:
+        return f"{own[-1].filename} line {own[-1].lineno}: "
+    return f"{check.origin.place}: " if check.origin else ""
 
 
 def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:

@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import course_lib
+from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.jail.isolation import Need
 
 LOCK = ".lock"
-KEPT = ("results", "evidence", "marks", "reports", "copies", "preflight")
+KEPT = ("results", "evidence", "marks", "requests", "reports", "copies", "preflight")
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,23 @@ class Course:
     handed_in: tuple[Path, ...] = ()
 
     @property
+    def lessons(self) -> Path:
+        """The folder of the lessons, beside the exercises."""
+        return self.exercises.parent / "notebooks"
+
+    @property
     def refused(self) -> tuple[str, ...]:
         """Paths that no submission may read."""
         return tuple(str(path.resolve()) for path in (self.exercises, self.solutions, *self.handed_in))
+
+
+def this_course() -> Course:
+    """Return the course of this installation.
+
+    Raises:
+        CourseError: It is a student's copy.
+    """
+    return Course(exercises_dir(), solutions_dir())
 
 
 @lru_cache(maxsize=4)

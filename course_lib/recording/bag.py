@@ -34,7 +34,7 @@ def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) 
         CourseError: The place is taken, or can't be written to; a message type is not known.
     """
     target = Path(folder).absolute()
-    _check_free(target, force)
+    check_free(target, force)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as aside:
@@ -74,7 +74,8 @@ def read_bag(folder: str | Path) -> Recording:
         return Recording(tuple(samples))
 
 
-def _check_free(target: Path, force: bool) -> None:
+def check_free(target: Path, force: bool) -> None:
+    """Raise a CourseError if a bag can't be written here, because something is there already."""
     if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
     if not force:

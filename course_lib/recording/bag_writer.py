@@ -1,6 +1,6 @@
 """A bag that grows message by message."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,13 +21,26 @@ class BagWriter:
     Args:
         folder: The bag's folder, which is made.
         storage: "mcap" or "sqlite3".
+        compression: What is compressed by zstd: "none", the whole "file", each "message", or the chunks that
+            the "storage" makes of messages, in MCAP.
+        custom_data: Texts by name for the metadata.
     """
 
-    def __init__(self, folder: Path, storage: str = "mcap") -> None:
-        from rosbags.rosbag2 import StoragePlugin, Writer
+    def __init__(
+        self,
+        folder: Path,
+        storage: str = "mcap",
+        *,
+        compression: str = "none",
+        custom_data: Mapping[str, str] | None = None,
+    ) -> None:
+        from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
         self._metadata = folder / METADATA
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin[storage.upper()])
+        self._writer.set_compression(CompressionMode[compression.upper()], CompressionFormat.ZSTD)
+        for name, text in (custom_data or {}).items():
+            self._writer.set_custom_data(name, text)
         self._writer.open()
         self._connections: dict[tuple[str, str], Connection] = {}
 
@@ -55,6 +68,10 @@ class BagWriter:
         named = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
         self._metadata.write_text(named, encoding="utf-8")
 
+    def abort(self) -> None:
+        """Leave a cut-off bag."""
+        self._writer.abort()
+
     def __enter__(self) -> "BagWriter":
         return self
 
@@ -62,4 +79,4 @@ class BagWriter:
         if kind is None:
             self.close()
         else:
-            self._writer.abort()
+            self.abort()

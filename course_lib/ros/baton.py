@@ -10,11 +10,12 @@ import itertools
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.program_thread import AtEnd, ProgramThread, Wait, always
+from course_lib.ros.program_thread import AtEnd, CtrlC, ProgramThread, Wait, always
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -74,10 +75,17 @@ class Baton:
         me = self._threads[_thread.get_ident()]
         before, me.at_end = me.at_end, at_end
         me.waits_after_end = me.sleeps_after_end = 0
+        me.handlers = {}
         try:
             yield
         finally:
             me.at_end = before
+            me.handlers = {}
+
+    def handlers(self) -> dict[int, Any] | None:
+        """Return the handlers of signals of the calling thread, if it is the main thread of a program."""
+        me = self._threads.get(_thread.get_ident())
+        return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
 
     def is_shut_down(self) -> bool:
         """Return whether the run has ended and the calling thread is of a program."""
@@ -176,11 +184,9 @@ class Baton:
 
         The end of a run has done that.
         """
-        if current_graph().ended:
-            return
-        for ident, program_thread in list(self._threads.items()):
-            if ident == thread.ident:
-                program_thread.raises = KeyboardInterrupt()
+        found = self._threads.get(thread.ident or 0)
+        if found is not None and not current_graph().ended:
+            found.raises = CtrlC()
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         yielded = False
@@ -215,8 +221,7 @@ class Baton:
             f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or another "
             "thread; give it a time limit, or let another thread spin."
         )
-        main = next((t for t in self._waiting if t.main and t.waits_in(graph)), me)
-        main.raises = error
+        next((t for t in self._waiting if t.main and t.waits_in(graph)), me).raises = error
 
     def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
         """Hand the baton to `other`, or put it down until the main thread is back; block until it returns."""
@@ -258,7 +263,6 @@ class Known:
     """The `with` block of `Baton.known`: a generator takes twice as long, and each callback needs two."""
 
     __slots__ = ("_baton", "_me")
-    _me: ProgramThread
 
     def __init__(self, baton: Baton) -> None:
         self._baton = baton

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from course_lib.ros.clock import START_NS, Alarm, Clock
-from course_lib.ros.qos import Qos
+from course_lib.ros.qos import Qos, incompatible
 from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample, Subscription, Topics
 
 __all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
@@ -165,6 +165,10 @@ class Graph:
     def endpoints(self) -> list[EndpointInfo]:
         """List the publishers and subscriptions in the order of their making."""
         return [info for info in self._topics.endpoints() if info.node not in self._resting]
+
+    def apart(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+        """Return the policy of QoS that keeps a pair of a topic apart; None if messages pass."""
+        return incompatible(publisher.qos, subscription.qos)
 
     def tap(self, listener: Callable[[Sample], None], wanted: Wanted | None = None) -> Callable[[], None]:
         """Call `listener` with every sample on a topic as it is published; returns what ends that.

@@ -129,6 +129,9 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
     ),
     "ImportError": (
         Hint(
+            "cannot import name 'WString'", "the kit has no wide strings; String holds all characters, too."
+        ),
+        Hint(
             r"cannot import name '(\w+)' from '(\w+_(msgs|srvs|interfaces))'",
             "write from {2}.msg import {1}, or .srv, or .action.",
         ),

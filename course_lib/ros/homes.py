@@ -2,21 +2,28 @@
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from importlib.abc import Loader
-from importlib.machinery import ModuleSpec, PathFinder
-from importlib.util import spec_from_loader
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from importlib.util import spec_from_file_location, spec_from_loader
 from types import ModuleType
+from typing import Any
+
+from course_lib.ros.guests import GUESTS
 
 # A package of ROS has a module for each class; here a class is in the module of its subject.
 FOLDERS = (
     *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.events"),
     *("launch.launch_description_sources", "launch.substitutions"),
-    *("launch_ros.actions", "launch_ros.event_handlers", "launch_ros.events.lifecycle"),
+    *("launch_ros.actions", "launch_ros.descriptions", "launch_ros.event_handlers"),
+    *("launch_ros.events.lifecycle", "launch_xml.launch_description_sources"),
+    "launch_yaml.launch_description_sources",
     "launch_ros.substitutions",
 )
 HOMES = {
     "launch.actions.shutdown_action": "launch.actions",
+    "launch.descriptions": "launch.processes",
     "launch.events.matchers": "launch.events",
     "launch.events.process": "launch.events",
     "launch.launch_description_entity": "launch.entities",
@@ -32,7 +39,7 @@ HOMES = {
     "rclpy.validate_node_name": "rclpy.impl.names",
     "rclpy.validate_topic_name": "rclpy.impl.names",
 }
-_PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *HOMES)}
+_PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *HOMES, *GUESTS)}
 _WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -49,6 +56,8 @@ class Homes(Loader):
             return None
         if folder and name in FOLDERS:
             return _as_package(name, path)
+        if name in GUESTS:
+            return _with_guests(name, path)
         home = HOMES.get(name)
         if (
             home is None
@@ -62,6 +71,30 @@ class Homes(Loader):
         """Copy the names of the home."""
         home = import_module(str(module.__spec__ and module.__spec__.origin))
         vars(module).update({name: value for name, value in vars(home).items() if not name.startswith("__")})
+
+
+class _Host(SourceFileLoader):
+    """Imports a module of the stand-in; the names that ROS's imports from others are found when asked for."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Run the module's code."""
+        vars(module)["__getattr__"] = partial(_guest, module.__name__)
+        super().exec_module(module)
+
+
+def _guest(host: str, name: str) -> Any:
+    """Return a name that programs import from a module, because ROS's module imports it."""
+    for home, names in GUESTS[host].items():
+        if name in names.split():
+            return getattr(import_module(home), name)
+    raise AttributeError(f"module '{host}' has no attribute '{name}'")
+
+
+def _with_guests(name: str, path: Sequence[str] | None) -> ModuleSpec | None:
+    spec = PathFinder.find_spec(name, path)
+    if spec is None or spec.origin is None:
+        return spec
+    return spec_from_file_location(name, spec.origin, loader=_Host(name, spec.origin))
 
 
 def _as_package(name: str, path: Sequence[str] | None) -> ModuleSpec | None:

@@ -1,49 +1,51 @@
 """A launch file run as a program: its nodes are processes of one graph, by one clock."""
 
+import asyncio
+import signal
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
-from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 from launch.actions import declared
 from launch.conditions import InvalidConditionExpressionError
-from launch.entities import (
-    Action,
-    Entities,
-    Event,
-    LaunchContext,
-    SubstitutionFailure,
-    listed,
-    text_of,
+from launch.entities import Action, Entities, Event, LaunchContext, listed, text_of
+from launch.event_handlers import OnProcessIO
+from launch.events import (
+    ProcessExited,
+    ProcessIO,
+    ProcessStarted,
+    Shutdown,
+    ShutdownProcess,
+    SignalProcess,
 )
-from launch.events import ProcessExited, ProcessStarted, Shutdown
-from launch.launch_description_sources import InvalidPythonLaunchFileError, LaunchDescriptionSource
+from launch.launch_description_sources import LaunchDescriptionSource
 
-from course_lib.errors import CourseError, did_you_mean
+from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
-from course_lib.ros.packages import Package, find_package, is_compiled, python_path, source, why_not_found
+from course_lib.ros.package_programs import Executables, find_component, find_executable, forget_imported
+from course_lib.ros.packages import python_path, source
 from course_lib.ros.prefixed import Prefixes
 from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
 
-Executables = Mapping[tuple[str, str], Callable[[], object]]  # by package and name
 _COMPLAINTS = (
     CourseError,
     RuntimeError,
     OSError,
     PackageNotFoundError,
-    SubstitutionFailure,
     InvalidConditionExpressionError,
-    InvalidPythonLaunchFileError,
 )
-_imported: set[str] = set()  # packages of processes; another launch reads their files again
+
+
+_ENDS = ("SIGINT", "SIGTERM", "SIGKILL", "SIGQUIT")
 
 
 class LaunchProgram(Process):
-    """A launch file: Python with `generate_launch_description`.
+    """A launch file: XML, YAML, or Python with `generate_launch_description`.
 
     `args` hold `name:=value` for its arguments, and what goes to all nodes; `own` are executables of the kit.
     """
@@ -63,7 +65,7 @@ class LaunchProgram(Process):
                 self._for_nodes.append(word)
         self._context = LaunchContext(self, file=str(file.absolute()))
         self._processes = Processes()
-        self._prefixes = Prefixes()
+        self._prefixes = Prefixes(self._hear)
         self._started: list[tuple[Action, Process]] = []
         self._told = 0  # how many ends were told of
         self._due: list[Callable[[], None]] = []  # events to handle, and what timers do
@@ -78,15 +80,19 @@ class LaunchProgram(Process):
             self._launch()
 
     def _launch(self) -> None:
+        is_over = False
         try:
-            description = self.describe()
-            self._context.launch_configurations |= self._settings
-            self._visit(description)
-        except _COMPLAINTS as error:
-            self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")
-            self.exit_code = 1
-            self._shut_down()
-        self._go_on()
+            self._due.append(self._begin)
+            self._go_on()
+            is_over = True
+        finally:
+            if not is_over:  # by an error of the launch file: its processes must not go on without it
+                self._shut_down()
+
+    def _begin(self) -> None:
+        description = self.describe()
+        self._context.launch_configurations |= self._settings
+        self._visit(description)
 
     def arguments(self) -> str:
         """Describe the arguments as `ros2 launch --show-args` does."""
@@ -101,9 +107,30 @@ class LaunchProgram(Process):
 
     def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
         """Start an executable; raises a CourseError if there is none."""
+        self._run(action, executable, find_executable(package, executable, self._own), words)
+
+    def start_file(self, action: Action, file: Path, words: Iterable[str]) -> None:
+        """Start a Python program by its path; raises a CourseError if it cannot be run."""
+        self._run(action, file.name, Program(file, ()).work, words)
+
+    def start_component(self, action: Action, package: str, plugin: str, words: Iterable[str]) -> None:
+        """Start a component, or log why it is left out."""
+        try:
+            function = find_component(package, plugin, self._own)
+        except CourseError as error:
+            self.log("ERROR", "launch_ros.actions.load_composable_nodes", str(error))
+        else:
+            self._run(action, plugin, function, words)
+
+    def start_coroutine(self, action: Action, coroutine: Coroutine[Any, Any, None]) -> None:
+        """Run a coroutine as a process of its own."""
+        self._run(action, "coroutine", partial(_run_coroutine, coroutine), ())
+
+    def _run(
+        self, action: Action, executable: str, function: Callable[[], object], words: Iterable[str]
+    ) -> None:
         if self._stopping:
             return
-        function = find_executable(package, executable, self._own)
         pid = len(self._started) + 1
         name = f"{executable}-{pid}"
         for_all = ["--", *self._for_nodes] if self._for_nodes else []
@@ -111,7 +138,7 @@ class LaunchProgram(Process):
         self._started.append((action, process))
         self._processes.start(process)
         self.log("INFO", name, f"process started with pid [{pid}]")
-        self.emit(ProcessStarted(action, name))
+        self.emit(ProcessStarted(action, name, pid, process.argv))
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities when so much robot time [s] is over."""
@@ -133,10 +160,22 @@ class LaunchProgram(Process):
     def _handle(self, event: Event) -> None:
         for handler in [one for one in self._context.handlers if one.matches(event)]:
             if handler.handle_once:
-                self._context.handlers.remove(handler)
+                self._context.unregister_event_handler(handler)
+            self._context.locals.event = event
             self._visit(handler.handle(event, self._context))
+            del self._context.locals.event
         if isinstance(event, Shutdown):
             self._shut_down()
+        elif isinstance(event, ShutdownProcess) and _is_end(event):
+            matching = [n for n, (action, _) in enumerate(self._started) if event.process_matcher(action)]
+            self._processes.interrupt(matching)
+
+    def _hear(self, name: str, stream: int, text: str) -> None:
+        """Emit what a process wrote, where a handler of such events was registered."""
+        if any(isinstance(handler, OnProcessIO) for handler in self._context.handlers):
+            number = int(name.rpartition("-")[2])
+            action, process = self._started[number - 1]
+            self.emit(ProcessIO(action, name, number, process.argv, text.encode(), stream))
 
     def log(self, level: str, name: str, text: str) -> None:
         """Write a line of the launch's own log."""
@@ -145,6 +184,7 @@ class LaunchProgram(Process):
     def describe(self) -> Entities:
         """Return the description of the launch."""
         source(self.file)
+        sys.path += [place for place in python_path(self.file) if place not in sys.path]
         return LaunchDescriptionSource(self.file).get_launch_description(self._context)
 
     def _visit(self, entities: Entities | None) -> None:
@@ -159,6 +199,10 @@ class LaunchProgram(Process):
                     while self._due:
                         self._due.pop(0)()
                 return
+            except _COMPLAINTS as error:
+                self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {error}")
+                self.exit_code = 1
+                self._shut_down()
             except KeyboardInterrupt:
                 self.emit(Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
             except DeadlockError:
@@ -190,7 +234,8 @@ class LaunchProgram(Process):
         else:
             self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
         self.exit_code = self.exit_code or code
-        self.emit(ProcessExited(action, name, code))
+        self.emit(ProcessExited(action, name, pid, process.argv, code))
+        self._due.append(partial(self._context.complete, action))
 
 
 class _Launched(Function):
@@ -208,42 +253,6 @@ class _Launched(Function):
             super().run()
 
 
-class RunProgram(Function):
-    """One executable of a package with its words, as `ros2 run` starts it."""
-
-    def __init__(self, package: str, executable: str, words: Sequence[str], own: Executables) -> None:
-        super().__init__(executable, find_executable(package, executable, own), words)
-
-    def run(self) -> None:
-        """Run it to its end, with ros2cli's line for a failure."""
-        forget_imported()
-        super().run()
-        if self.exit_code:
-            sys.stdout.write(f"[ros2run]: Process exited with failure {self.exit_code}\n")
-
-
-def find_executable(package: str, executable: str, own: Executables) -> Callable[[], object]:
-    """Find an executable of a package or of the kit; raises a CourseError that says what there is."""
-    found = find_package(package)
-    if found is not None and executable in found.executables:
-        return partial(_call, found, executable)
-    if (package, executable) in own:
-        return own[package, executable]
-    if found is not None and is_compiled(found, executable):
-        raise CourseError(
-            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
-            "Build it with colcon on a computer with ROS 2, or write the node in Python."
-        )
-    names = [*found.executables] if found else [name for place, name in own if place == package]
-    if not names and found is None:
-        raise CourseError(why_not_found(package))
-    where = " Executables are named in console_scripts in setup.py." if found else ""
-    raise CourseError(
-        f"executable '{executable}' not found in package '{package}', which has: "
-        f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
-    )
-
-
 def arguments_of(file: Path) -> str:
     """Describe the arguments that a launch file declares; raises a CourseError for any other file."""
     try:
@@ -252,24 +261,13 @@ def arguments_of(file: Path) -> str:
         raise CourseError(f"{file}: {error}") from error
 
 
-def forget_imported() -> None:
-    """Unload the packages of earlier processes: their files may have changed."""
-    for name in [name for name in sys.modules if name.partition(".")[0] in _imported]:
-        del sys.modules[name]
-    _imported.clear()
+def _run_coroutine(coroutine: Coroutine[Any, Any, None]) -> None:
+    asyncio.run(coroutine)
 
 
-def _call(package: Package, executable: str) -> object:
-    folders = [str(folder) for folder in package.python]
-    sys.path[1:] = [
-        *folders,
-        *(entry for entry in sys.path[1:] if entry not in folders),
-    ]  # behind the stand-in
-    sys.path += [place for place in python_path(package.share / "package.xml") if place not in sys.path]
-    target = package.executables[executable]
-    if isinstance(target, Path):
-        Program(target, ()).work()
-        return None
-    module, function = target
-    _imported.add(module.partition(".")[0])
-    return getattr(import_module(module), function)()
+def _is_end(event: ShutdownProcess) -> bool:
+    """Return whether an event ends processes: a signal may be another one."""
+    if not isinstance(event, SignalProcess):
+        return True
+    given = event.signal_number
+    return (given if isinstance(given, str) else signal.Signals(given).name) in _ENDS

@@ -11,26 +11,32 @@ from pathlib import Path
 from course_lib.errors import CourseError
 from course_lib.ros.not_offered import not_offered
 
-SRC_WITHIN = 4  # folders up from a package, the workspace's src is looked for
+SRC_WITHIN = 4  # folders up from a package, the workspace's src or the checkout is looked for
 Executable = tuple[str, str] | Path  # a module and its function, or a script
 _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
 _COMPILED = re.compile(
     r"add_executable\s*\(\s*([\w.-]+)|\bEXECUTABLE\s+([\w.-]+)"
 )  # of CMake, components too
-_SCRIPT = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts
+_SCRIPT = re.compile(r"\s*([\w.:-]+)\s*=\s*([\w.]+):(\w+)\s*")  # of console_scripts, components too
 
 
 @dataclass(frozen=True)
 class Package:
     """A package: the folder with its launch/, config/ and rviz/, where Python finds it, and its executables.
 
-    `executables` gives (module, function) by name, or the file of a script.
+    `executables` gives (module, function) by name, or the file of a script; those whose name is a C++ name,
+    `package::Class`, are the `components`.
     """
 
     name: str
     share: Path
     python: tuple[Path, ...]
     executables: Mapping[str, Executable]
+
+    @property
+    def components(self) -> dict[str, tuple[str, str]]:
+        """The (module, class) of each component in Python."""
+        return {name: at for name, at in self.executables.items() if "::" in name and isinstance(at, tuple)}
 
 
 def find_package(name: str) -> Package | None:
@@ -87,19 +93,54 @@ def source(file: Path) -> None:
 
 def python_path(file: Path) -> list[str]:
     """List where a file in a package's sources finds its package, those of its workspace, and messages."""
+    file = file.resolve()
+    package = next((folder for folder in file.parents if (folder / "package.xml").is_file()), None)
+    if package is not None and package.parent.name == "share":
+        return []
+    own = [] if package is None else [package]
+    places = _beside_checked_out(file) if package is None else _workspace(package)
+    packages = (path.parent for place in places for path in sorted(place.glob("*/package.xml")))
+    return [str(place) for place in (*own, *packages, *places)]
+
+
+def python_package(file: Path) -> str | None:
+    """Return the Python package of a file in a package's sources: console scripts import relative to it."""
+    names: list[str] = []
     for folder in file.resolve().parents:
-        if (folder / "package.xml").is_file() and folder.parent.name != "share":
-            places = _workspace(folder)
-            packages = (path.parent for place in places for path in sorted(place.glob("*/package.xml")))
-            return [str(place) for place in (folder, *packages, *places)]
-    return []
+        if (folder / "package.xml").is_file():
+            return ".".join(reversed(names)) or None
+        if not (folder / "__init__.py").is_file():
+            return None
+        names.append(folder.name)
+    return None
 
 
 def _workspace(package: Path) -> list[Path]:
-    """List the folders that hold packages: the package's own, the workspace's `src` and those in it."""
-    src = next((folder for folder in package.parents[:SRC_WITHIN] if folder.name == "src"), package.parent)
-    deeper = sorted({path.parents[1] for path in src.glob("*/*/package.xml")}) if src.name == "src" else ()
-    return list(dict.fromkeys((package.parent, src, *deeper)))
+    """List the folders that hold packages: the package's own, and those of its workspace.
+
+    A workspace is the folder `src` that a package lies in, else its checkout.
+    """
+    above = package.parents[:SRC_WITHIN]
+    root = next((folder for folder in above if folder.name == "src"), None) or _checkout(package)
+    deeper = _holders(root) if root else ()
+    return list(dict.fromkeys((package.parent, *([root] if root else ()), *deeper)))
+
+
+def _beside_checked_out(file: Path) -> list[Path]:
+    """List the folders that hold packages, for a file in none, in a checkout with packages at its top."""
+    root = _checkout(file)
+    return [root, *_holders(root)] if root and any(root.glob("*/package.xml")) else []
+
+
+def _checkout(path: Path) -> Path | None:
+    return next((folder for folder in path.parents[:SRC_WITHIN] if (folder / ".git").exists()), None)
+
+
+def _holders(root: Path) -> list[Path]:
+    """List the folders below a workspace's top that hold packages, to two levels."""
+    return sorted(
+        {path.parents[1] for path in (*root.glob("*/*/package.xml"), *root.glob("*/*/*/package.xml"))}
+    )
 
 
 def _put_first(variable: str, paths: list[Path]) -> None:

@@ -5,7 +5,7 @@ import contextvars
 import json
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import NodesOfProgram, current_graph, program
-from course_lib.ros.packages import python_path, source
+from course_lib.ros.packages import python_package, python_path, source
 from course_lib.ros.program_thread import AtEnd, ShutDown, StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
 
@@ -105,6 +105,7 @@ class Program(Process):
         sys.path.insert(1, str(self.file.resolve().parent))  # behind the stand-in
         source(self.file)
         sys.path += [place for place in python_path(self.file) if place not in sys.path]
+        module.__package__ = python_package(self.file)
         exec(self._code, module.__dict__)
         if self._only_defines_main:
             sys.exit(module.__dict__["main"]())
@@ -186,10 +187,10 @@ class Processes:
             program.name = before
         return number
 
-    def interrupt(self) -> None:
-        """Interrupt each that runs, as Ctrl+C does."""
+    def interrupt(self, numbers: Collection[int] | None = None) -> None:
+        """Interrupt each that runs, or only those of some numbers, as Ctrl+C does."""
         for number, thread in enumerate(self._threads):
-            if number not in self.ended:
+            if number not in self.ended and (numbers is None or number in numbers):
                 baton.interrupt(thread)
 
     def wait(self) -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from course_lib.errors import CourseError
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
@@ -20,7 +19,7 @@ from course_lib.ros.seeding import seeded
 from course_lib.ros.tracebacks import print_error_of_thread
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables
+    from course_lib.ros.package_programs import Executables
 
 
 def run_files(
@@ -58,24 +57,18 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-_OTHER_LAUNCH_FILES = {".xml": "XML", ".yaml": "YAML", ".yml": "YAML"}
+_LAUNCH_FILES = (".xml", ".launch", ".yaml", ".yml")  # of those that are not Python
 
 
 def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
-    if file.suffix in _OTHER_LAUNCH_FILES:
-        raise CourseError(
-            f"{file} is in {_OTHER_LAUNCH_FILES[file.suffix]}, and this kit runs launch files in Python "
-            "only. Describe the same nodes in a file NAME.launch.py."
-        )
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     folder, _, executable = str(file).rpartition(":")
     if folder and (Path(folder) / "package.xml").is_file():
-        from course_lib.ros.launch_program import RunProgram  # it imports launch, the stand-in's
+        from course_lib.ros.package_programs import RunProgram  # it imports launch, the stand-in's
 
         return RunProgram(os.path.join(folder, ""), executable, args, own)
-    program = Program(file, args)
-    if not program.is_launch_file:
+    if file.suffix not in _LAUNCH_FILES and not (program := Program(file, args)).is_launch_file:
         return program
     from course_lib.ros.launch_program import LaunchProgram  # it imports launch, the stand-in's
 

@@ -1,8 +1,11 @@
 """A thread that belongs to the program, what it waits for, and what ends it."""
 
 import _thread
+import signal
+import sys
 from collections.abc import Callable
 from enum import Enum, auto
+from typing import Any
 
 from course_lib.ros.graph import Graph
 
@@ -21,6 +24,10 @@ class AtEnd(Enum):
 
 class ShutDown(Exception):  # noqa: N818 - the base of ROS's exceptions, which are no errors
     """Raised by a call that a shutdown ended; at the end of a run it ends a program in silence."""
+
+
+class CtrlC(KeyboardInterrupt):
+    """Stands for Ctrl+C on its way to a program in a thread, which may have a handler of its own."""
 
 
 class StoppedProgram(KeyboardInterrupt):
@@ -77,6 +84,7 @@ class ProgramThread:
         self.depth = 1
         self.polls = 0
         self.at_end = AtEnd.RETURN
+        self.handlers: dict[int, Any] = {}  # of signals, which its program has set
         self.waits_after_end = 0
         self.sleeps_after_end = 0
         self.stopped = False
@@ -88,12 +96,21 @@ class ProgramThread:
         self.waits_after_end += 1
         self.sleeps_after_end += sleeps
         if self.at_end is AtEnd.INTERRUPT and self.waits_after_end == 1:
-            raise KeyboardInterrupt
+            self.interrupt()
+            return
         sleeps_left = 1 if self.at_end is AtEnd.SHUT_DOWN else SLEEPS_AFTER_THE_END
         if self.at_end is AtEnd.STOP or self.sleeps_after_end > sleeps_left:
             self._stop()
         if self.waits_after_end > WAITS_AFTER_THE_END:
             self._stop()
+
+    def interrupt(self) -> None:
+        """Do what Ctrl+C does: call the program's handler; without one it raises KeyboardInterrupt."""
+        handler = self.handlers.get(signal.SIGINT, signal.SIG_DFL)
+        if callable(handler):
+            handler(signal.SIGINT, sys._getframe(1))
+        elif handler is not signal.SIG_IGN:
+            raise KeyboardInterrupt
 
     def _stop(self) -> None:
         """End the thread; a main thread that catches the interrupt is ended by the next one."""
@@ -105,7 +122,9 @@ class ProgramThread:
         """Raise what another thread, or an interrupt, left for this one."""
         if self.raises is not None:
             error, self.raises = self.raises, None
-            raise error
+            if not isinstance(error, CtrlC):
+                raise error
+            self.interrupt()
 
     def waits_in(self, graph: Graph) -> bool:
         """Return whether it waits in a run."""

@@ -8,6 +8,7 @@ keep the wall clock.
 import _thread
 import queue
 import selectors
+import signal
 import sys
 import threading
 import time
@@ -19,6 +20,7 @@ from course_lib.ros import wall
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph, program
+from course_lib.ros.own_signals import get_handler, set_handler
 from course_lib.ros.program_thread import ProgramThread, ShutDown, StoppedThread
 
 _real_start = threading.Thread.start
@@ -43,6 +45,8 @@ def install() -> None:
 
     replacements: tuple[tuple[Any, str, Any], ...] = (
         (time, "sleep", _sleep),
+        (signal, "signal", set_handler),
+        (signal, "getsignal", get_handler),
         (threading, "Lock", Lock),
         (threading, "RLock", make_rlock),
         (threading, "_allocate_lock", make_waiter),

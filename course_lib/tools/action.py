@@ -79,7 +79,7 @@ def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
         result = answer(source, future, "The action", source.limit(GOAL_LIMIT))
         write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
-        if not future.done() and not source.graph.ended:
+        if not future.arrived() and not source.graph.ended:
             write("Canceling goal...\n")
             response = answer(source, handle.cancel_goal_async(), "The action", source.limit())
             write("Goal canceled.\n" if response.goals_canceling else "Failed to cancel goal\n")

@@ -1,24 +1,18 @@
-"""`ros2 bag`: play and record recordings, and describe them."""
+"""`ros2 bag record` and `ros2 bag info`, and the options that they share with `ros2 bag play`."""
 
 import re
 import time
 from argparse import ArgumentTypeError, Namespace
-from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, record, write_bag
-from course_lib.ros import pace
-from course_lib.ros.graph import Graph, Sample
+from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.qos import Qos
-from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden
+from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2 import log_line
 from course_lib.tools.topic.lookup import full_name
-from course_lib.tools.verb import Option, Verb, Write, flag, positive, value
+from course_lib.tools.verb import Option, Verb, Write, flag, value
 
 
 def existing(text: str) -> Path:
@@ -36,170 +30,15 @@ def pattern(text: str) -> re.Pattern[str]:
         raise ArgumentTypeError(f"{text!r} is not a regular expression: {error}") from error
 
 
-def several(*flags: str, help: str, metavar: str = "Topic") -> Option:  # noqa: A002  # argparse's own word
+def several(*flags: str, help: str, metavar: str = "Topic", exclusive: str = "") -> Option:  # noqa: A002  # argparse's own word
     """Return an option that takes a list."""
-    return value(*flags, help=help, metavar=metavar, nargs="+", default=[])
+    return value(*flags, help=help, exclusive=exclusive, metavar=metavar, nargs="+", default=[])
 
 
 READER = (
     value("bag_path", type=existing, help="Bag to open"),
     value("-s", "--storage", choices=("mcap", "sqlite3"), help="Storage of the bag; it is found out anyway"),
 )
-CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
-GRACE = 0.1  # [s] at the end, for the last message to arrive
-
-
-def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
-    if not source.live:
-        raise CourseError(
-            f"Nobody listens: course bag play --run program.py {arguments.bag_path}, "
-            f"or look at it: course view --bag {arguments.bag_path}"
-        )
-    recording = read_bag(arguments.bag_path)
-    start_ns = recording.start_ns + round(arguments.start_offset * 1e9)
-    seconds = arguments.playback_duration
-    until_ns = None if seconds < 0 else start_ns + round(seconds * 1e9)
-    samples = list(_chosen(recording, start_ns, until_ns, arguments))
-    if not samples:
-        raise CourseError(
-            f"Nothing of {arguments.bag_path} is left to play: see `ros2 bag info` for its topics."
-        )
-    source.wait(lambda: True, 0.0)  # says if rclpy is not started
-    if arguments.start_paused:
-        _pause(source.graph)
-    for text in (f"Set rate to {arguments.rate:g}", "Playback until timestamp: -1"):
-        write(log_line(PLAYER, source.graph.now_ns, text))
-    graph = source.graph
-    node = graph.add_node(PLAYER, "/")
-    try:
-        publishers = {
-            key: graph.add_publisher(node, *key)
-            for key in dict.fromkeys((s.topic, s.type_name, s.qos) for s in samples)
-        }
-        with until_interrupted():
-            events = [
-                (s.stamp_ns - start_ns, publishers[s.topic, s.type_name, s.qos], s.cdr) for s in samples
-            ]
-            _play(source, arguments, write, _Player(graph, node, events, arguments.rate))
-    finally:
-        graph.remove_node(node)
-
-
-def _pause(graph: Graph) -> None:
-    """Pause robot time, for `--start-paused`; raises a CourseError where nobody could let it go on."""
-    if not graph.notebook or pace.wanted() == "fast":
-        raise CourseError("--start-paused: nobody can start it here; in JupyterLab the Time panel's ▶ does.")
-    pace.speed_of(graph).paused = True
-
-
-class _Player:
-    """Publishes events (delay [ns], publisher, CDR bytes) when they are due on the graph's clock."""
-
-    def __init__(self, graph: Graph, node: int, events: list[tuple[int, int, bytes]], rate: float) -> None:
-        self._graph, self._node, self._events, self._rate = graph, node, events, rate
-
-    def play(self, source: Source) -> None:
-        """Publish all events, until the end of the run or an interrupt."""
-        self._start_ns, self._left = self._graph.now_ns, deque(self._events)
-        self._schedule()
-        try:
-            source.wait(lambda: not self._left, None)
-            if not self._graph.ended:
-                source.wait(lambda: False, GRACE)
-        finally:
-            self._left.clear()
-
-    def _schedule(self) -> None:
-        if self._left:
-            due_ns = self._start_ns + round(self._left[0][0] / self._rate)
-            self._graph.call_at(due_ns, self._publish, node=self._node, entity=0)
-
-    def _publish(self) -> None:
-        if self._left:
-            _, publisher, cdr = self._left.popleft()
-            self._graph.publish(publisher, cdr)
-            self._schedule()
-
-
-def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -> None:
-    """Play once, or in a loop until ■; without a page the loop ends after a while."""
-    graph, limit = source.graph, source.limit()
-    zero_ns = graph.now_ns
-    while True:
-        source.wait(lambda: False, arguments.delay)
-        player.play(source)
-        if not arguments.loop or graph.ended:
-            return
-        if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:
-            write(f"No page is watching: ros2 bag play stopped after {limit:g} s of robot time.\n")
-            return
-
-
-def _chosen(
-    recording: Recording, start_ns: int, until_ns: int | None, arguments: Namespace
-) -> Iterator[Sample]:
-    """Yield the selected samples under their new names, with ticks of /clock between them."""
-    names = dict(arguments.remap)
-    tick_ns = start_ns
-    for sample in recording.samples:
-        if until_ns is not None and sample.stamp_ns > until_ns:
-            return
-        if sample.stamp_ns < start_ns or not _is_played(arguments, sample.topic):
-            continue
-        while arguments.clock and tick_ns <= sample.stamp_ns:
-            yield _tick(tick_ns)
-            tick_ns += round(1e9 / arguments.clock * arguments.rate)
-        topic = names.get(sample.topic, sample.topic)
-        yield Sample(sample.stamp_ns, topic, sample.type_name, sample.cdr, sample.qos, node=0)
-
-
-def _tick(stamp_ns: int) -> Sample:
-    time = message_class("builtin_interfaces/msg/Time")(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
-    return Sample(
-        stamp_ns, "/clock", CLOCK_TYPE, serialize(message_class(CLOCK_TYPE)(clock=time)), Qos(), node=0
-    )
-
-
-def _is_played(arguments: Namespace, topic: str) -> bool:
-    """Select as rosbag2's storages do: a regular expression must match the whole name."""
-    chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
-    if not chosen and arguments.regex:
-        chosen = bool(arguments.regex.fullmatch(topic))
-    if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
-        return False
-    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == "/clock")
-
-
-def _rule(text: str) -> tuple[str, str]:
-    old, assign, new = text.partition(":=")
-    if not (assign and old.startswith("/") and new.startswith("/")):
-        raise ArgumentTypeError(f"{text!r}: write /old_topic:=/new_topic")
-    return old, new
-
-
-_PLAY = (
-    *READER,
-    value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
-    several("--topics", help="Topics to play"),
-    value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
-    value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
-    several("--exclude-topics", help="Topics not to play"),
-    flag("-l", "--loop", help="Start again at the end, until stopped"),
-    value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
-    value("--clock", nargs="?", type=positive(float), const=40, help="Publish /clock so often, in Hz"),
-    value(
-        "-d",
-        "--delay",
-        type=positive(float),
-        default=0.0,
-        help="Sleep before play (each loop), in seconds",
-    ),
-    value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
-    value("--playback-duration", type=float, default=-1.0, help="Stop after so many seconds of the bag"),
-    flag("-p", "--start-paused", help="Wait until the viewer's Time panel lets time go on"),
-)
-BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, _play_bag)
-
 
 POLLING = 0.1  # [s] between two looks for new topics
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
@@ -216,31 +55,34 @@ def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
     if folder.is_dir():
         raise CourseError(f"[ERROR] [ros2bag]: Output folder '{folder}' already exists.")
     if isinstance(source, RecordingSource):
-        samples = source.recording.samples
+        samples = (s for s in source.recording.samples if _is_recorded(arguments, s.topic, s.type_name))
+        write_bag(Recording(tuple(samples)), folder)
     else:
-        samples = _listen(source, arguments, write)
-    write_bag(Recording(tuple(s for s in samples if _is_recorded(arguments, s.topic, s.type_name))), folder)
+        _record_live(source, arguments, write, folder)
 
 
-def _listen(source: Source, arguments: Namespace, write: Write) -> Sequence[Sample]:
+def _record_live(source: Source, arguments: Namespace, write: Write, folder: Path) -> None:
     def say(text: str) -> None:
         write(log_line("rosbag2_recorder", source.graph.now_ns, text))
 
     limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
     say("Listening for topics...")
-    with record(source.graph) as recorder, until_interrupted():
-        while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
-            for topic, types in source.topics().items():
-                if topic not in known and _is_recorded(arguments, topic, types[0]):
-                    say(f"Subscribed to topic '{topic}'")
-                    known.add(topic)
-            if source.graph.now_ns == start_ns:
-                say("Recording...")
-            source.wait(lambda: False, POLLING)
-    say("Recording stopped")
-    # What was latched before comes as the recorder begins to listen.
-    return [replace(s, stamp_ns=max(s.stamp_ns, start_ns)) for s in recorder.recording().samples]
+    chosen = partial(_is_recorded, arguments)
+    time_topic = {"/clock"} if arguments.use_sim_time else set[str]()
+    with recorded(source.graph, folder, chosen, lambda: known | time_topic, in_sim_time=bool(time_topic)):
+        with until_interrupted():
+            while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
+                for topic, types in source.topics().items():
+                    if topic not in known and _is_recorded(arguments, topic, types[0]):
+                        say(f"Subscribed to topic '{topic}'")
+                        known.add(topic)
+                if source.graph.now_ns == start_ns:
+                    say("Recording...")
+                    if arguments.use_sim_time:
+                        say("use_sim_time set, waiting for /clock before starting recording...")
+                source.wait(lambda: False, POLLING)
+        say("Recording stopped")
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
@@ -266,6 +108,7 @@ _RECORD = (
     several("--exclude-topics", help="Topics to leave out"),
     several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
     flag("--include-hidden-topics", help="Record hidden topics as well"),
+    flag("--use-sim-time", help="Stamp messages by /clock; none is recorded before its first message"),
 )
 BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, _record_bag, from_start=True)
 

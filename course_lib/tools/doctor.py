@@ -16,17 +16,22 @@ _REASONS = {  # in the words of rmw_dds_common/src/qos.cpp
     "LIVELINESS": "Publisher's liveliness is automatic and subscription's is manual by topic",
 }
 _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
+_SMALL = (  # the types of topics that tell a robot's clock and load no network
+    "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu", "sensor_msgs/msg/JointState",
+    "sensor_msgs/msg/LaserScan",
+)  # fmt: skip
+LISTENING = 1.0  # [s]
 Rows = list[tuple[str, object]]
 
 
 def _run(source: Source, arguments: Namespace, write: Write) -> None:
-    reports = _reports(source)
+    link = _link(source)
+    reports = _reports(source, link)
     if arguments.exclude_packages:
         del reports["PACKAGE VERSIONS"]
     if arguments.report:
         write("".join(_table(title, rows) for title, (_, rows) in reports.items()))
         return
-    link = source.graph.about_link()
     write(_table("ROBOT LINK", link) if link else "")
     lonely, apart = list(_lonely(source)), list(_apart(source))
     write("".join(f"ros2doctor/api/{place}: UserWarning: {text}\n" for place, text in (*lonely, *apart)))
@@ -38,6 +43,22 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
     write(f"\n{len(failed)}/{total} check(s) failed\n\nFailed modules: {' '.join(failed)}\n")
     if arguments.report_failed:
         write("".join(_table(title, rows) for title, (of, rows) in reports.items() if of in failed))
+
+
+def _link(source: Source) -> Rows:
+    """Return the state of the link to a robot, after a moment of listening to its small topics."""
+    import rclpy
+
+    graph = source.graph
+    if not graph.about_link() or not rclpy.ok():
+        return graph.about_link()
+    names = {end.topic for end in graph.endpoints() if end.kind == "pub" and end.type_name in _SMALL}
+    end_listening = graph.tap(lambda _: None, lambda: names)
+    try:
+        source.wait(lambda: False, LISTENING)
+        return graph.about_link()
+    finally:
+        end_listening()
 
 
 def problem(offered: Qos, requested: Qos) -> str:
@@ -75,11 +96,10 @@ def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
             yield from ((topic, publisher, heard) for heard in source.endpoints(topic, "sub"))
 
 
-def _reports(source: Source) -> dict[str, tuple[str, Rows]]:
+def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
     """Return the category and the rows of each report, by its title."""
     from importlib import metadata  # slow to import, and `course run` imports all verbs
 
-    link = source.graph.about_link()
     system: Rows = [
         ("system", platform.system()),
         ("platform info", platform.platform()),

@@ -15,9 +15,10 @@ from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
     from course_lib.displays.viewer import Viewer
-    from course_lib.ros.launch_program import Executables
+    from course_lib.ros.package_programs import Executables
 
 SETTLED = 1.0  # [s] of robot time after which the first messages of all nodes have arrived
+_CONTAINERS = ("", "_mt", "_isolated")
 _VIEWS = ("bag", "console", "graph", "plot", "reconfigure", "robot_monitor", "service_caller", "topic")
 
 
@@ -125,6 +126,13 @@ def _xacro() -> int:
     return done.code
 
 
+def _component_container() -> None:
+    """Run the node of a container; the launch starts its components as processes of their own."""
+    from rclpy.node import Node
+
+    spin(Node("ComponentManager"))
+
+
 def _aggregator_node() -> None:
     from diagnostic_aggregator.aggregator_node import Aggregator
 
@@ -197,6 +205,7 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("turtlesim", "mimic"): partial(_turtle_program, "TurtleMimic"),
     ("turtlesim", "draw_square"): partial(_turtle_program, "DrawSquare"),
     ("unknown_robot", "robot"): _unknown_robot,
+    **{("rclcpp_components", f"component_container{kind}"): _component_container for kind in _CONTAINERS},
     **{(f"rqt_{view}", f"rqt_{view}"): partial(_rqt, view) for view in _VIEWS},
 }
 NODE_EXECUTABLES: "Executables" = {

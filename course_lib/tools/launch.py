@@ -16,8 +16,10 @@ from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables, LaunchProgram, RunProgram
+    from course_lib.ros.launch_program import LaunchProgram
+    from course_lib.ros.package_programs import Executables, RunProgram
 
+_SUFFIXES = (".py", ".xml", ".yaml", ".yml", ".launch")
 _STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
 
 
@@ -83,7 +85,8 @@ def _launch(executables: "Executables", source: Source, arguments: Namespace, wr
 
 
 def _in_package(share: Path, words: list[str]) -> Path:
-    files = {path.name: path for path in sorted(share.rglob("*.py")) if "launch" in path.name}
+    found = (path for suffix in _SUFFIXES for path in sorted(share.rglob(f"*{suffix}")))
+    files = {path.name: path for path in found if "launch" in path.name}
     if len(words) > 1 and words[1] in files:
         return files[words[1]]
     raise CourseError(
@@ -93,7 +96,7 @@ def _in_package(share: Path, words: list[str]) -> Path:
 
 
 def _run(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
-    from course_lib.ros.launch_program import RunProgram
+    from course_lib.ros.package_programs import RunProgram
 
     program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
     _start(source, program)

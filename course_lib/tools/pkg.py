@@ -13,7 +13,7 @@ from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables
+    from course_lib.ros.package_programs import Executables
 
 _LICENSES = (  # the SPDX identifiers of ament_copyright
     "Apache-2.0", "BSL-1.0", "BSD-2.0", "BSD-2-Clause", "BSD-3-Clause",

@@ -2,15 +2,17 @@
 
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
 from itertools import zip_longest
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph import current_graph
 from course_lib.tools.action import ACTION_VERBS
-from course_lib.tools.bag import BAG_INFO, BAG_PLAY, BAG_RECORD
+from course_lib.tools.bag import BAG_INFO, BAG_RECORD
+from course_lib.tools.bag_play import BAG_PLAY
 from course_lib.tools.doctor import DOCTOR_VERBS
 from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
 from course_lib.tools.interface import INTERFACE_VERBS
@@ -31,7 +33,7 @@ from course_lib.tools.verb import Verb, Write
 from course_lib.tools.view_frames import VIEW_FRAMES
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import Executables
+    from course_lib.ros.package_programs import Executables
 
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 
@@ -146,8 +148,10 @@ class _Parser(ArgumentParser):
 def _parser(verb: Verb, write: Write) -> ArgumentParser:
     parser = _Parser(prog=f"ros2 {' '.join(verb.words)}", description=verb.help)
     parser.write = write
+    groups: dict[str, Any] = defaultdict(parser.add_mutually_exclusive_group)
     for option in verb.options:
-        parser.add_argument(*option.flags, **option.settings)
+        target = groups[option.exclusive] if option.exclusive else parser
+        target.add_argument(*option.flags, **option.settings)
     return parser
 
 

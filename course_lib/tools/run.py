@@ -4,11 +4,12 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, read_bag, record, write_bag
+from course_lib.recording import Recording, read_bag, recorded
 from course_lib.ros import standin_path
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.pace import WallPace
@@ -53,12 +54,10 @@ def run(
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
         graph.pace = WallPace(graph)
-    recorder = None if bag is None else record(graph)
-    with use_graph(graph):
-        code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
-    graph.close()
-    if bag is not None and recorder is not None:
-        write_bag(recorder.recording(), bag)
+    with nullcontext() if bag is None else recorded(graph, bag):
+        with use_graph(graph):
+            code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
+        graph.close()
     return code
 
 

@@ -224,6 +224,6 @@ def own_node(source: Source, name: str = NODE_NAME) -> "Iterator[Node]":
 
 def answer(source: Source, future: "Future[Any]", server: str, seconds: float | None) -> Any:
     """Return a future's result; raises a CourseError if it takes longer than so many seconds."""
-    if not source.wait(future.done, seconds):
+    if not source.wait(future.arrived, seconds):
         raise CourseError(f"{server} does not answer: is it running? Start it, like run_live(node).")
     return future.result()

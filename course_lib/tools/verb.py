@@ -15,10 +15,11 @@ FindTypes = Callable[[Source, bool], Types]  # the flag adds hidden names
 
 @dataclass(frozen=True)
 class Option:
-    """One argument, in argparse's words."""
+    """One argument, in argparse's words; of those with the same `exclusive` only one may be given."""
 
     flags: tuple[str, ...]
     settings: Mapping[str, Any]
+    exclusive: str = ""
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,14 @@ class Verb:
         return f"{self.command} {self.name}".split()
 
 
-def flag(*flags: str, help: str, **settings: Any) -> Option:  # noqa: A002  # argparse's own word
+def flag(*flags: str, help: str, exclusive: str = "", **settings: Any) -> Option:  # noqa: A002  # argparse's own word
     """Return an option that is on or off."""
-    return Option(flags, {"action": "store_true", "help": help, **settings})
+    return Option(flags, {"action": "store_true", "help": help, **settings}, exclusive)
 
 
-def value(*flags: str, help: str, **settings: Any) -> Option:  # noqa: A002  # argparse's own word
+def value(*flags: str, help: str, exclusive: str = "", **settings: Any) -> Option:  # noqa: A002  # argparse's own word
     """Return an option with a value, or, without a dash, a positional argument."""
-    return Option(flags, {"help": help, **settings})
+    return Option(flags, {"help": help, **settings}, exclusive)
 
 
 def positive(kind: type[int] | type[float]) -> Callable[[str], float]:

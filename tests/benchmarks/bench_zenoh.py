@@ -1,4 +1,4 @@
-"""A link to a robot beside bare TCP and zenoh-ros2-sdk, in one run: `python tests/benchmarks/bench_zenoh.py`.
+"""A link to a robot beside bare TCP, a gateway and zenoh-ros2-sdk: `python tests/benchmarks/bench_zenoh.py`.
 
 Each sender is a process of its own. Latency is from publishing to the callback, at a rate that all keep up
 with; throughput is of a flood. The link and the SDK decode, bare TCP does not.
@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -71,12 +72,12 @@ def by_tcp(received: Received, send: Callable[[str, int], None]) -> None:
             received.take(stream.read(size).decode())
 
 
-def by_kit(received: Received, send: Callable[[str, int], None], port: int) -> None:
-    """Receive in a linked graph."""
+def by_kit(received: Received, send: Callable[[str, int], None], port: int, behind: str = "") -> None:
+    """Receive in a linked graph, maybe behind a gateway at an address."""
     from course_lib.ros.qos import Qos
     from course_lib.ros.zenoh.connect import RobotAddress, link_to
 
-    graph = link_to(RobotAddress(f"127.0.0.1:{port}"))
+    graph = link_to(RobotAddress(behind or f"127.0.0.1:{port}"))
     from std_msgs.msg import String
 
     from course_lib.ros.messages import deserialize
@@ -134,9 +135,12 @@ def main() -> None:
     from course_lib.ros import standin_path
 
     standin_path.install()
+    from tests.gateway.test_restarts import Gateways
     from tests.ros.zenoh.conftest import Routers
 
     routers, processes = Routers(), list[subprocess.Popen[bytes]]()
+    folder = TemporaryDirectory()
+    gateway = Gateways(Path(folder.name), f"tcp/127.0.0.1:{routers.port}")
 
     def send(kind: str, port: int) -> None:
         command = [sys.executable, __file__, kind, str(port)]
@@ -146,6 +150,7 @@ def main() -> None:
     for name, receive in (
         ("bare TCP", by_tcp),
         ("link", lambda received, send: by_kit(received, send, routers.port)),
+        ("gateway", lambda received, send: by_kit(received, send, routers.port, gateway.address)),
         ("SDK", lambda received, send: by_sdk(received, send, routers.port)),
     ):
         received = Received()
@@ -153,6 +158,8 @@ def main() -> None:
         processes.pop().kill()
         half = received.row(name, bare)
         bare = bare or half
+    gateway.kill()
+    folder.cleanup()
     routers.kill()
 
 

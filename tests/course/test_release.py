@@ -1,4 +1,5 @@
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +9,7 @@ import pytest
 from course_lib.course import hand_out
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
 from course_lib.course.hand_out import EXTENSIONS, _copy, _without_extensions, release
-from course_lib.course.installation import checkout_root, solutions_dir
+from course_lib.course.installation import checkout_root, lessons_dir, solutions_dir
 from course_lib.errors import CourseError
 
 
@@ -40,6 +41,14 @@ def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
         name for name in names if name.startswith(("solutions", "tests", ".")) or "__pycache__" in name
     ]
     assert not [name for name in names if "HIDDEN = {" in (out / name).read_text(errors="replace")]
+
+
+def test_all_lessons_and_the_pictures_of_the_readme_are_inside(out: Path) -> None:
+    lessons = {path.name for path in lessons_dir().glob("*.ipynb")}
+    assert {path.name for path in (out / "notebooks").glob("*.ipynb")} == lessons
+    pictures = re.findall(r"docs/images/\w+\.png", (out / "README.md").read_text(encoding="utf-8"))
+    assert len(pictures) > len(lessons) // 2
+    assert [name for name in pictures if not (out / name).is_file()] == []
 
 
 def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:

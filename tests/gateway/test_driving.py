@@ -1,15 +1,15 @@
 import struct
 import time
-from typing import Any
 
-from course_lib.gateway.gateway import MOST_KEYS, still
-from course_lib.ros.messages import deserialize, message_class
+from course_lib.gateway.gateway import MOST_KEYS
 from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.link import RobotLink
+from course_lib.ros.zenoh.robot_graph import RobotGraph
+from course_lib.ros.zenoh.sending import Allowed
 from tests.gateway.conftest import Classroom, hears, wait_for
 
-TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+TWIST = "geometry_msgs/msg/Twist"
 KEY = f"cmd_vel/geometry_msgs::msg::dds_::Twist_/{type_hash(TWIST)}"
 AHEAD = b"\0\1\0\0" + struct.pack("<6d", 0.2, 0, 0, 0, 0, 0)
 STAND = b"\0\1\0\0" + bytes(48)
@@ -101,15 +101,6 @@ def test_a_driver_who_invents_types_fills_no_memory_and_wildcards_pass_nothing(c
     assert all("/a::msg::dds_::T" in key for key, _ in heard)
 
 
-def test_the_stop_of_a_stamped_twist_is_one() -> None:
-    zero = still(STAMPED, 1_700_000_000_250_000_000)
-    assert zero is not None
-    message: Any = deserialize(zero, message_class(STAMPED))
-    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (1_700_000_000, 250_000_000)
-    assert message.twist.linear.x == message.twist.angular.z == 0.0
-    assert still("std_msgs/msg/String", 0) is None
-
-
 def test_a_kit_drives_by_the_topic_that_the_robot_has_and_is_on_the_page(classroom: Classroom) -> None:
     heard = commands(classroom)
     classroom.gateway.drive(classroom.ann)
@@ -129,3 +120,30 @@ def test_a_kit_drives_by_the_topic_that_the_robot_has_and_is_on_the_page(classro
     assert classroom.ann.token not in link.address
     del kept
     link.close()
+
+
+def test_a_kit_that_does_not_drive_is_told_who_does_though_others_claim_it(classroom: Classroom) -> None:
+    ann = classroom.student(classroom.ann)
+    claims = [ann.liveliness().declare_token(f"@course/{one}/b_1/cmd_vel") for one in ("GATEWAY", "s1234")]
+    classroom.gateway.drive(classroom.ann)
+    lines: list[str] = []
+    kit = RobotGraph(
+        RobotLink(classroom.bob.address(classroom.place)), Allowed.of(["/cmd_vel"], ()), lines.append
+    )
+    node = kit.add_node("driver", "/")
+    drive = kit.add_publisher(node, "/cmd_vel", TWIST, Qos())
+
+    def told(text: str) -> bool:
+        kit.publish(drive, AHEAD)
+        kit.advance()
+        return any(text in line for line in lines)
+
+    wait_for(lambda: told("s1234 drives: your /cmd_vel is not passed on"), "Bob is told")
+    assert ("driver", "s1234") in kit.about_link()
+    classroom.gateway.drive(classroom.bob)
+    wait_for(lambda: told("You drive now"), "Bob is told that he drives")
+    classroom.gateway.drive(None)
+    wait_for(lambda: told("Nobody drives"), "Bob is told that nobody drives")
+    assert len(lines) == len({*lines})
+    del claims  # until here they are there
+    kit.close()

@@ -238,6 +238,30 @@ def test_with_a_certificate_students_connect_by_tls_only(
     ],
 )
 def test_wrong_options_are_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
-    output = course(tmp_path, "router", *words)
+    output = course(tmp_path, "router", "--robot-port", str(free_port()), *words)
     assert said in output
     assert output.count("\n") == 1
+
+
+def test_a_robot_on_the_gateways_computer_connects_to_a_port_that_is_printed(
+    tmp_path: Path, started: Started, opened: Opened
+) -> None:
+    place, port = f"tcp/127.0.0.1:{free_port()}", free_port()
+    there = f"tcp/127.0.0.1:{port}"
+    log = started("router", "--listen", place, "--robot-port", str(port))
+    says(log, f"for its nodes:  export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{there}\"]'")
+    says(log, "for rmw_zenohd:   export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"tcp/")
+    says(log, "guest drives")
+    taken = course(tmp_path, "router", "--listen", f"tcp/127.0.0.1:{free_port()}", "--robot-port", str(port))
+    assert f"can't listen at {there}" in taken
+    assert "--robot-port takes another" in taken
+    nodes = {"listen/endpoints": ["tcp/127.0.0.1:0"], "scouting/gossip/enabled": True}  # as rmw_zenoh has it
+    sensor, controller = (opened(there, mode="peer", **nodes) for _ in range(2))
+    student = opened(place, users_in(tmp_path)[1])
+    beside, behind = hears(controller, "0/scan/**"), hears(student, "0/scan/**")
+
+    def scanned() -> bool:
+        sensor.put("0/scan/t/h", b"scan")
+        return bool(beside and behind)
+
+    wait_for(scanned, "a robot's node hears the other one, and so does the student")

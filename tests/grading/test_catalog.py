@@ -70,15 +70,19 @@ MALFORMED = {
             "has the tasks ['week01.half', 'week01.red_cube', 'week02.answer']",
         ),
         ('"value"', '"values"', "kind 'values'"),
-        ("TASKS = (", "TASKS = ((", "SyntaxError"),
+        ("TASKS = (", "TASKS = ((", "week01.py line 7: SyntaxError: '(' was never closed"),
+        ("expect_marker(TOPIC, color", "expect_marker(TOPC, color", "line 11: NameError: name 'TOPC' is not"),
+        ("expect_marker(TOPIC, color", "expect_marker(TOPC, color", "Did you mean TOPIC?"),
+        ("expect_marker(TOPIC, color", "expect_marker(TOPIC, colour", "line 11: TypeError: "),
+        ("expect_text,", "expect_txt,", "line 3: ImportError: cannot import name 'expect_txt'"),
     ],
     "exercises/mistakes/week01.toml": [
-        ("[half]", "[hlaf]", "unknown task 'week01.hlaf'"),
+        ("[half]", "[hlaf]", "week01.toml line 2: unknown task 'week01.hlaf'"),
         ('"Half', '"Half"', "week01.toml: "),
         ("=", "= 7 #", "week01.half: expected a table of kinds of mistakes"),
     ],
     "solutions/checks/week01.py": [
-        ("week01.half", "week01.other", "unknown task 'week01.other'"),
+        ("week01.half", "week01.other", "week01.py line 7: HIDDEN: unknown task 'week01.other'"),
         ('"other"', '"public"', "two scenarios of one name"),
         ("HIDDEN =", "HIDE =", "HIDDEN: expected a dict"),
     ],
@@ -94,9 +98,26 @@ def test_what_is_malformed_is_named_with_its_file(
     path = course.exercises.parent / file
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(CourseError) as refusal:
-        load_catalog(course.exercises, course.solutions)
+        load_catalog(course.exercises, course.solutions).of_week("week01")
     assert message in str(refusal.value)
     assert path.name in str(refusal.value)
+
+
+def test_a_faulty_week_does_not_break_the_others(course: Course) -> None:
+    path = course.exercises / "course.toml"
+    path.write_text(path.read_text() + '[weeks.week02]\ntitle = "Two"\n[weeks.week02.points]\nx = 100\n')
+    (course.exercises / "checks/week02.py").write_text("TASKS = (Tsk(),)\n")
+    catalog = load_catalog(course.exercises, course.solutions)
+    assert len(catalog.of_week("week01")) == 3
+    for look in (lambda: catalog.of_week("week02"), lambda: catalog.task("week02.x")):
+        with pytest.raises(CourseError, match=r"week02\.py line 1: NameError: name 'Tsk' is not defined"):
+            look()
+
+
+def test_a_week_that_course_toml_lacks_is_named_with_what_to_write(course: Course) -> None:
+    (course.exercises / "checks/week07.py").write_text("TASKS = ()\n")
+    with pytest.raises(CourseError, match=r"course\.toml has no points for week07.*write \[weeks\.week07\]"):
+        load_catalog(course.exercises).of_week("week07")
 
 
 def test_an_extension_belongs_to_an_id_however_it_is_spelt(course: Course) -> None:
@@ -110,6 +131,6 @@ def test_an_extension_belongs_to_an_id_however_it_is_spelt(course: Course) -> No
 def test_a_missing_file_is_named(course: Course) -> None:
     (course.exercises / "checks/week01.py").unlink()
     with pytest.raises(CourseError, match=r"week01\.py is missing"):
-        load_catalog(course.exercises)
+        load_catalog(course.exercises).of_week("week01")
     with pytest.raises(CourseError, match="can't be read"):
         read_course_file(course.exercises / "nothing.toml")

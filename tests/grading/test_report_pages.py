@@ -8,8 +8,11 @@ import pytest
 from playwright.sync_api import Page
 
 from course_lib.grading.grade import grade
-from course_lib.grading.records import Course
+from course_lib.grading.marks.mark import Result, read_result
+from course_lib.grading.records import Course, catalog_of
+from course_lib.grading.reports.report import standalone
 from course_lib.viewer.picture import find_browser
+from tests.browser.axe import faults
 from tests.browser.fake_host import chromium
 from tests.browser.test_page import pixels_of
 
@@ -53,6 +56,12 @@ def reports(course: Course, right: str, tmp_path: Path, write_notebook: Callable
 def yours(page: Page) -> np.ndarray:
     page.evaluate(FRAMES)
     return pixels_of(page.locator("figure canvas").first.screenshot())
+
+
+def test_reports_and_their_index_serve_a_screen_reader(page: Page, reports: Path) -> None:
+    for name in ("ada/week01_exercise.html", "bob/week01_exercise.html", "index.html"):
+        page.goto((reports / name).as_uri())
+        assert faults(page) == []
 
 
 def test_a_report_plays_offline_from_a_file(page: Page, reports: Path) -> None:
@@ -110,3 +119,21 @@ def test_the_index_sorts_by_keyboard_and_leads_to_the_reports(page: Page, report
     assert "position" in failures
     page.get_by_role("link", name="report of ada, week01_exercise").click()
     assert page.title() == "week01_exercise: ada"
+
+
+def test_a_returned_report_plays_alone_in_an_empty_folder(
+    page: Page, reports: Path, course: Course, tmp_path: Path
+) -> None:
+    out = reports.parent
+    result = Result.from_plain(read_result(out / "results/ada/week01_exercise.json"))
+    alone = tmp_path / "downloads" / "week01_exercise.html"
+    alone.parent.mkdir()
+    alone.write_bytes(standalone(result, [], out, catalog_of(course)))
+    page.goto(alone.as_uri())
+    page.wait_for_selector(READING)
+    assert page.locator("figure canvas").count() == 2
+    time = page.get_by_role("slider", name="Time")
+    page.locator("figure canvas").first.scroll_into_view_if_needed()
+    at_end = yours(page)
+    time.press("Home")
+    assert np.count_nonzero((at_end != yours(page)).any(axis=-1)) > 500

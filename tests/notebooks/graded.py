@@ -11,7 +11,7 @@ from course_lib.course.exercise import read_notebook, source
 from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import Judgement, TaskResult, judge
+from course_lib.grading.judge import Judgement, judge
 from course_lib.grading.personal import give_values, personal_values
 from course_lib.grading.run.job import Job, Run, plan
 from course_lib.grading.run.run import run_scenarios
@@ -81,13 +81,3 @@ def evidence_here(task: Task, scenario: Scenario, namespace: Mapping[str, Any]) 
 def judged(week: str) -> list[Task]:
     """The tasks that checks decide; a person reads the others."""
     return [task for task in catalog().of_week(week) if not task.rubric]
-
-
-def judged_results(made: Marked) -> list[TaskResult]:
-    return [result for result in made.judgement.tasks if not result.rubric]
-
-
-def said(result: TaskResult, *, hidden: bool | None = None) -> str:
-    """All messages and kinds of mistake of the checks that failed."""
-    failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
-    return "\n".join(f"{check.message}\n{check.mistake}" for check in failed)

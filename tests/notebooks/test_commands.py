@@ -1,4 +1,4 @@
-"""Every command that a lesson, an exercise or the README shows can be typed.
+"""Every command that a lesson, an exercise, the README or the instructor's guide shows can be typed.
 
 Those in text are typed here. Those in code cells are run with their notebooks, by nbmake.
 """
@@ -27,7 +27,8 @@ from tests.notebooks.commands import Shown, commands_of
 
 HERE = Path(__file__).parent
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
-DOCUMENTS = [checkout_root() / "README.md", *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
+GUIDE = checkout_root() / "docs" / "instructor.md"
+DOCUMENTS = [checkout_root() / "README.md", GUIDE, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
 SECONDS = 4.0  # [s] of robot time beside a ros2 command
 
 NOT_RUN = {  # command -> why
@@ -37,6 +38,7 @@ NOT_RUN = {  # command -> why
     "%rqt": "names the magic",
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
+    "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
     **dict.fromkeys(
         (
             "course run my_node.py --robot tcp/192.168.1.5:7447 --send /cmd_vel",
@@ -69,6 +71,11 @@ NAMED = {  # commands of which a sentence gives the name only: their help is sho
     "ros2 topic delay",
     "ros2 topic echo",
     "ros2 topic hz",
+    "course collect",
+    "course feedback",
+    "course grade",
+    "course mark",
+    "course router",
 }
 WRITTEN = "my_files/ros2_ws/src/my_dashboard"
 FILLED = {  # command with something to fill in -> the same, filled in
@@ -112,6 +119,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         handed_in = (folder / "week01_exercise.ipynb").read_bytes()
         archive.writestr("Ada_101_assignsubmission_file_/week01_exercise.ipynb", handed_in)
     (folder / "worksheet.csv").write_text("Identifier,Full name,ID number,Grade\nParticipant 101,Ada,ada,\n")
+    (folder / "roster.csv").write_text("id,name,email\nada,Ada,ada@x.org\n")
+    (folder / "requests" / "ada").mkdir(parents=True)
+    (folder / "requests" / "ada" / "week01_exercise.txt").write_text("My cube is right.")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")

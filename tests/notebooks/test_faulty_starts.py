@@ -55,3 +55,21 @@ def test_a_faulty_start_earns_at_most_a_tenth(task: Task, faulty: str) -> None:
 @pytest.mark.parametrize("week", ["week01", "week02", "week03", "week07", "week08"])
 def test_there_are_faults_to_find_in_each_week(week: str) -> None:
     assert [start.values[0].id for start in STARTS if start.values[0].week == week]
+
+
+HANDED_OUT = {  # task: the class or function that its exercise hands out with faults
+    "week04.mended_arm": "BrokenArm",
+    "week05.battery_bar": "broken_bar",
+    "week06.camera_monitor": "BrokenMonitor",
+}
+
+
+@pytest.mark.parametrize(("name", "faulty"), HANDED_OUT.items())
+def test_a_faulty_start_earns_nothing_as_it_is(name: str, faulty: str) -> None:
+    task = catalog().task(name)
+    subject = {task.name: defined(cells_of(solution(task.week)), task.week)[faulty]}
+    scenarios = [(one, False) for one in task.scenarios]
+    scenarios += [(one, True) for one in catalog().hidden.get(task.id, ())]
+    runs = [Run(one, evidence_here(task, one, subject), hidden) for one, hidden in scenarios]
+    result = judge_task(task, *catalog().points(task), runs)
+    assert result.score == 0, [check.title for check in result.checks if check.passed]

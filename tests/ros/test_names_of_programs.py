@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from importlib import import_module
 
 import pytest
 import rclpy
@@ -25,6 +26,7 @@ from std_srvs.srv import Empty
 
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from course_lib.ros.guests import GUESTS
 from tests.ros.rclpy.conftest import begun as begun
 from tests.ros.rclpy.conftest import graph as graph
 from tests.ros.rclpy.conftest import node as node
@@ -68,6 +70,26 @@ def test_programs_import_these_names() -> None:
     code = first + "\n".join(IMPORTS)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("host", GUESTS)
+def test_what_ros_s_module_imports_can_be_imported_from_it(host: str) -> None:
+    lacking = [name for names in GUESTS[host].values() for name in names.split()]
+    assert [name for name in lacking if not hasattr(import_module(host), name)] == []
+    assert not hasattr(import_module(host), "nonsense")
+
+
+def test_what_ros_s_module_imports_is_the_thing_itself() -> None:
+    code = (
+        "from course_lib.ros import standin_path; standin_path.install()\n"
+        "from rclpy.node import ReentrantCallbackGroup, ParameterType\n"
+        "import rclpy.callback_groups, rcl_interfaces.msg\n"
+        "assert ReentrantCallbackGroup is rclpy.callback_groups.ReentrantCallbackGroup\n"
+        "assert ParameterType is rcl_interfaces.msg.ParameterType\n"
+        "from rclpy.node import Nonsense"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "ImportError: cannot import name 'Nonsense' from 'rclpy.node'" in done.stderr
 
 
 def test_the_types_of_a_package_are_there_once_one_of_them_was_loaded() -> None:

@@ -44,6 +44,7 @@ FILES = {
     "my_robot/scripts/hello.py": SCRIPT,
     "my_robot/my_robot/__init__.py": "",
     "my_robot/my_robot/helpers.py": "def name():\n    return 'my robot'\n",
+    "my_robot/my_robot/relative.py": "from .helpers import name\nprint('relative to', name())\n",
     "my_robot/my_robot/talker.py": TALKER + "\nif __name__ == '__main__':\n    main()\n",
     "other_robot/other_robot/__init__.py": "",
     "other_robot/other_robot/units.py": "DEGREES = 57\n",
@@ -80,6 +81,7 @@ def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tupl
         ("my_robot:fail", 3, "[ros2run]: Process exited with failure 3\n"),
         ("my_robot/my_robot/talker.py", 0, "my robot 57 2.0 3.0 m ['word']\n"),
         ("my_robot/scripts/hello.py", 0, "script of my robot\n"),
+        ("my_robot/my_robot/relative.py", 0, "relative to my robot\n"),
     ],
 )
 def test_a_program_of_a_package_finds_the_workspace_that_it_lies_in(

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 from ament_index_python import PackageNotFoundError, get_package_prefix, get_package_share_directory
 
-from course_lib.ros.packages import find_package, packages, source
+from course_lib.ros.packages import find_package, packages, python_path, source
 
 
 def make(folder: Path, name: str) -> Path:
@@ -42,6 +42,23 @@ def test_the_packages_beside_a_file_s_own_are_found(tmp_path: Path) -> None:
         make(tmp_path / "install" / name / "share" / name, name)
     source(tmp_path / "install" / "robot" / "share" / "robot" / "launch" / "x.launch.py")
     assert set(packages()) == {"robot", "arm"}
+
+
+@pytest.mark.parametrize("place", ["level1/robot/robot/talker.py", "loose/talker.py"])
+def test_a_checkout_without_src_is_a_workspace(tmp_path: Path, place: str) -> None:
+    checkout = tmp_path / "checkout"
+    (checkout / ".git").mkdir(parents=True)
+    for folder in ("level1/robot", "top_msgs", "level2/arm_msgs", "level3/deep/far_msgs"):
+        make(checkout / folder, folder.rpartition("/")[2])
+    found = python_path(checkout / place)
+    expected = {checkout, *(checkout / name for name in ("top_msgs", "level1", "level2", "level3/deep"))}
+    assert {str(path) for path in expected} <= set(found)
+
+
+def test_a_file_in_a_checkout_of_something_else_finds_nothing(tmp_path: Path) -> None:
+    (tmp_path / "checkout" / ".git").mkdir(parents=True)
+    make(tmp_path / "checkout" / "examples" / "robot", "robot")
+    assert python_path(tmp_path / "checkout" / "talker.py") == []
 
 
 def test_executables_are_read_from_setup_py_without_running_it(tmp_path: Path) -> None:

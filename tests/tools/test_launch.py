@@ -41,6 +41,21 @@ def names(graph: Graph) -> list[str]:
     return sorted(node.name for node in graph.nodes())
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("hi_launch.yaml", "launch:\n- log: {message: hi}\n"),
+        ("hi.launch.xml", "<launch><log message='hi'/></launch>"),
+    ],
+)
+def test_a_package_s_launch_files_in_xml_and_yaml_are_found(
+    graph: Graph, robot: Path, name: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (robot / "launch" / name).write_text(text)
+    run(graph, f"launch my_robot {name}")
+    assert "[INFO] [launch.user]: hi\n" in capsys.readouterr().out
+
+
 def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER, name='a')", "Node(**TALKER, name='b')")
     run(graph, "launch my_robot robot.launch.py")

@@ -109,6 +109,15 @@ class InteractiveMarkersDisplay(Display):
         marker.ask(control, point)
         return tuple(_items(marker.message.menu_entries))
 
+    def show_only(self, path: str | None) -> None:
+        """Hide all controls but the held one at a path and those that are always visible; None shows all."""
+        for control in (control for marker in self.markers.values() for control in marker.controls):
+            is_held = path is not None and f"{path}/".startswith(f"{control.path}/")
+            is_shown = path is None or is_held or control.message.always_visible
+            self.context.scene.set_visible(control.path, is_shown)
+        for marker in self.markers.values():
+            self._show_parts(marker)
+
     def choose(self, path: str, entry: int) -> str:
         """Choose an entry of the menu of the marker at a path; returns what there is to say about that."""
         marker = self._marker_at(path)

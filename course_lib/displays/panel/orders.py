@@ -208,8 +208,14 @@ class OrderDesk:
     def _use(self, order: UseControl) -> None:
         for display in handles(self._session):
             entries = display.use(order)
+            if order.event != "move":
+                display.show_only(order.path if order.event == "down" and self._hides() else None)
             if entries:
                 self.menu = ContextMenu(self.menu.number + 1, order.path, entries)
+
+    def _hides(self) -> bool:
+        tool = next(tool for tool in self._session.tools if tool.gesture == "interact")
+        return bool(tool["Hide Inactive Objects"])
 
     def _choose(self, order: ChooseEntry) -> None:
         for display in handles(self._session):

@@ -37,6 +37,7 @@ class Received:
         late: Whether the platform calls it late; None if it does not say.
         receipt: The time in the file of `course submit`, which the student's machine wrote.
         notes: Times that were there and could not be used.
+        handed_in_as: The path that the platform's download had, or "".
     """
 
     time: datetime | None
@@ -44,6 +45,7 @@ class Received:
     late: bool | None = None
     receipt: datetime | None = None
     notes: tuple[str, ...] = ()
+    handed_in_as: str = ""
 
     @property
     def is_trusted(self) -> bool:
@@ -97,6 +99,7 @@ class Received:
             "received_from": self.source,
             "late": self.late,
             "receipt_time": self.receipt and self.receipt.isoformat(),
+            "handed_in_as": self.handed_in_as,
         }
 
     @classmethod
@@ -106,7 +109,8 @@ class Received:
             datetime.fromisoformat(text) if text else None
             for text in (content["received"], content.get("receipt_time"))
         )
-        return cls(time, content["received_from"], content.get("late"), receipt)
+        named = content.get("handed_in_as", "")
+        return cls(time, content["received_from"], content.get("late"), receipt, handed_in_as=named)
 
 
 @dataclass(frozen=True)
@@ -117,6 +121,7 @@ class Entry:
     source: str = ""
     late: bool | None = None
     note: str = ""
+    handed_in_as: str = ""
 
 
 @dataclass(frozen=True)
@@ -174,7 +179,8 @@ class Ledger:
             source = f"{LIST}: the platform's word alone"
         elif time is None:
             time, source = (made, RECEIPT_TIME) if made else (None, UNKNOWN)
-        return Received(time, source, late, made, tuple(notes))
+        named = entry.handed_in_as if entry else ""
+        return Received(time, source, late, made, tuple(notes), named)
 
     def _not_believed(self, path: Path) -> list[str]:
         """Return notes on lists in folders that students fill."""
@@ -197,7 +203,8 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
             note = f"{LIST}, row {number}: {row['received']!r} is not a time. Expected {EXAMPLES[LIST]}"
         source = f"{LIST} ({row['source']})" if row.get("source") else LIST
         late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
-        entries[path.parent / row["file"]] = Entry(time, source, late, note)
+        named = row.get("handed_in_as", "")
+        entries[path.parent / row["file"]] = Entry(time, source, late, note, named)
     return entries
 
 

@@ -4,11 +4,18 @@ from collections.abc import Collection
 from pathlib import Path
 
 from course_lib.course.identity import normalise
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.marks.mark import Result, read_result
 from course_lib.grading.marks.marks import add_mark, read_marks
-from course_lib.grading.records import Course, catalog_of, marks_path, result_path, sole_use, writing
+from course_lib.grading.records import (
+    Course,
+    catalog_of,
+    marks_path,
+    result_path,
+    sole_use,
+    this_course,
+    writing,
+)
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
 
@@ -39,9 +46,9 @@ def mark_by_hand(
     Raises:
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
-    number, catalog = _number(points), catalog_of(course or Course(exercises_dir(), solutions_dir()))
-    student = _known(student, out / "results", "student")
-    exercise = _known(exercise, out / "results" / student, "exercise")
+    number, catalog = _number(points), catalog_of(course or this_course())
+    student = known_name(student, out / "results", "student")
+    exercise = known_name(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
     with sole_use(out), writing(out):
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
@@ -62,7 +69,7 @@ def _number(points: str) -> float:
         raise CourseError(f"{points!r} is not a number of points") from error
 
 
-def _known(name: str, folder: Path, what: str) -> str:
+def known_name(name: str, folder: Path, what: str) -> str:
     """Return the name of a student or an exercise as the results have it.
 
     Raises:

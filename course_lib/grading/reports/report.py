@@ -1,6 +1,6 @@
 """The stage `report`: from a result to the page that its student gets."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,18 @@ from course_lib.grading.catalog import Catalog
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.marks.mark import Result
 from course_lib.grading.marks.marks import HandMark
+from course_lib.grading.marks.requests import RegradeRequest, read_requests, requests_path
 from course_lib.grading.records import digest_of, evidence_path, report_path
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.reports.table import Row, fill, scored_rows
 from course_lib.grading.run.job import Run, plan
 from course_lib.grading.run.run import unpack
+from course_lib.viewer.html import bundle_script
 
 MAX_OUTPUT = 20_000  # characters
 MAX_SCENES = 800_000  # characters of all scenes: a report stays under 1 MB
+MAX_ALONE = 400_000  # [B] of a report with its viewer in it
+NOTE = 200  # [B] that a note on a smaller scene adds
 HEAD = 300  # characters of a page in which its digest is
 
 
@@ -31,12 +35,65 @@ def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalo
         out: The folder of records, which has the evidence for the scenes.
         catalog: The tasks with their hidden scenarios.
     """
+    tasks = _sections(result, marks, out, catalog)
+    script = shared_script(out / "reports") if any(task["figures"] for task in tasks) else ""
+    submission = result.submission
+    asked = requests_of(result, out)
+    page = _page(result, marks, asked, catalog, tasks, script=script)
+    write_whole(report_path(out, submission.student, submission.exercise), page)
+
+
+def standalone(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog) -> bytes:
+    """Return the page with its viewer in it, in at most `MAX_ALONE` bytes where its text leaves room.
+
+    Args:
+        result: As it is stored.
+        marks: The points of persons.
+        out: The folder of records, which has the evidence for the scenes.
+        catalog: The tasks with their hidden scenarios.
+    """
+    tasks, viewer, asked = _sections(result, marks, out, catalog), bundle_script(), requests_of(result, out)
+    sizes = [len(figure.view) for task in tasks for figure in task["figures"] if figure.view]
+    if not sizes:
+        return _page(result, marks, asked, catalog, tasks)
+    rest = len(_page(result, marks, asked, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
+    if rest + sum(sizes) > MAX_ALONE:
+        tasks = _sections(result, marks, out, catalog, _share(sizes, MAX_ALONE - rest))
+    return _page(result, marks, asked, catalog, tasks, viewer=viewer)
+
+
+def _share(sizes: Sequence[int], room: int) -> int:
+    """Return the most that each scene may have so that all fit: what small ones leave is for large ones."""
+    for place, size in enumerate(sorted(sizes)):
+        share = room // (len(sizes) - place)
+        if size > share:
+            return max(share, 0)
+        room -= size
+    return max(sizes)
+
+
+def requests_of(result: Result, out: Path) -> tuple[RegradeRequest, ...]:
+    """Return the student's requests about an exercise, with the answers."""
+    return read_requests(requests_path(out, result.submission.student, result.submission.exercise))
+
+
+def _page(
+    result: Result,
+    marks: Sequence[HandMark],
+    asked: Sequence[RegradeRequest],
+    catalog: Catalog,
+    tasks: Sequence[Mapping[str, Any]],
+    *,
+    script: str = "",
+    viewer: str = "",
+) -> bytes:
+    """Return the page of a result, with the name of the viewer's file or with the viewer itself."""
+    from markupsafe import Markup
+
     submission, shown = result.submission, result.with_marks(marks)
     week, course = submission.exercise.split("_")[0], catalog.course
     zone, time = course.zone, submission.received.time
     judged = shown.judgement
-    runs = _runs(result, out, catalog)
-    tasks = [_section(task, runs, catalog, len(judged.tasks)) for task in judged.tasks] if judged else []
     page = fill(
         "report.html",
         **vars(shown),
@@ -51,15 +108,17 @@ def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalo
         cell_errors=judged.cell_errors if judged else (),
         output=judged.output if judged else "",
         max_output=MAX_OUTPUT,
-        script=shared_script(out / "reports") if any(task["figures"] for task in tasks) else "",
-        page_digest=page_digest(result.digest, marks),
+        script=script,
+        viewer=Markup(viewer),
+        asked=asked,
+        page_digest=page_digest(result.digest, marks, asked),
     )
-    write_whole(report_path(out, submission.student, submission.exercise), page.encode("utf-8", "replace"))
+    return page.encode("utf-8", "replace")
 
 
-def page_digest(result: str, marks: Iterable[HandMark]) -> str:
-    """Return the digest of all that a page depends on: that of the result, and the points of persons."""
-    return digest_of([result, [asdict(mark) for mark in marks]])
+def page_digest(result: str, marks: Iterable[HandMark], asked: Iterable[RegradeRequest] = ()) -> str:
+    """Return the digest of all that a page depends on: that of the result, points of persons, requests."""
+    return digest_of([result, [asdict(mark) for mark in marks], [asdict(one) for one in asked]])
 
 
 def is_current(path: Path, digest: str) -> bool:
@@ -83,11 +142,22 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
         return ()
 
 
-def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, tasks: int) -> dict[str, Any]:
-    """Return the values of a task's part of the page, which shares the room for scenes with others."""
+def _sections(
+    result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog, share: int | None = None
+) -> list[dict[str, Any]]:
+    """Return the values of the tasks' parts of the page; each scene has at most `share` characters."""
+    judged = result.with_marks(marks).judgement
+    if judged is None:
+        return []
+    runs = _runs(result, out, catalog)
+    share = MAX_SCENES // (2 * len(judged.tasks)) if share is None else share
+    return [_section(task, runs, catalog, share) for task in judged.tasks]
+
+
+def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, room: int) -> dict[str, Any]:
+    """Return the values of a task's part of the page, with the room that each of its scenes has."""
     own = [run for run in runs if run.evidence.task == result.task and not run.hidden]
     bonus = ", on top" if result.bonus else ""
-    drawn = figures(catalog.task(result.task), own, MAX_SCENES // (2 * tasks)) if own else []
     return {
         "id": result.task,
         "title": result.title,
@@ -96,7 +166,7 @@ def _section(result: TaskResult, runs: Iterable[Run], catalog: Catalog, tasks: i
         "rows": _worst_first(result),
         "has_hidden": any(check.hidden for check in result.checks),
         "end": _by_hand(result, own),
-        "figures": drawn,
+        "figures": figures(catalog.task(result.task), own, room) if own else [],
     }
 
 

@@ -161,7 +161,7 @@ def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
             for check in (check for check in task["checks"] if check.get("broken")):
                 what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
                 met.setdefault(what, []).append(result["student"])
-    return [f"A check could not judge {_few(students)}: {what}. {MEND}" for what, students in met.items()]
+    return [f"A check could not judge {few(students)}: {what}. {MEND}" for what, students in met.items()]
 
 
 def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
@@ -170,9 +170,10 @@ def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
     for result in results:
         for note in (note for note in result["notes"] if note.startswith(NO_REPORT)):
             lost.setdefault(note, []).append(result["student"])
-    return [f"{note} ({_few(students)}). The marks are right." for note, students in lost.items()]
+    return [f"{note} ({few(students)}). The marks are right." for note, students in lost.items()]
 
 
-def _few(students: list[str]) -> str:
+def few(students: list[str]) -> str:
+    """Return the first names of a list, and how many there are besides."""
     shown = ", ".join(students[:MOST_NAMED])
     return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

@@ -2,12 +2,13 @@
 
 import inspect
 import math
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec
 
-from course_lib.grading.evidence import Check, Evidence, Verdict, passed
+from course_lib.grading.evidence import Check, Evidence, Origin, Verdict, passed
 from course_lib.grading.task import resolve
 from course_lib.ros.messages import type_name
 
@@ -50,7 +51,11 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
 
             values = inspect.signature(find).bind(None, *args, **kwargs)
             values.apply_defaults()
-            return Check(title.format(**values.arguments, given=listed(list(kwargs)) or "is there"), judge)
+            called = sys._getframe(1)
+            place = f"{called.f_code.co_filename} line {called.f_lineno}"
+            origin = Origin(find.__name__, values.arguments, place)
+            full = title.format(**values.arguments, given=listed(list(kwargs)) or "is there")
+            return Check(full, judge, origin=origin)
 
         return expect
 

@@ -30,6 +30,7 @@ DEFAULTS: dict[tuple[str, str], Any] = {
     ("sensor_msgs/msg/NavSatStatus", "status"): -2,
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
+NO_WIDE_STRINGS = "the kit has no wide strings (wstring). Write string: it holds all characters, too."
 FOLDERS = [Path(__file__).parent.parent / "interfaces"]  # of packages' folders; the kit's own is the first
 
 
@@ -94,6 +95,8 @@ def add_package(package: Path) -> None:
             other = field.base.split("/")[0]
             if field.base not in known and other != package.name:
                 find_package(other)
+            if field.base == f"{package.name}/msg/wstring":
+                raise CourseError(f"{file}, field {field.name}: {NO_WIDE_STRINGS}")
             if field.base not in known:
                 raise CourseError(f"{file}, field {field.name}: No message type {field.base!r} here.")
 

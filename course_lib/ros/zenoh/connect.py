@@ -60,7 +60,7 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     link = RobotLink(_router(robot.router), _domain(robot.domain))
     allowed = Allowed(everything=True) if robot.everything else Allowed.of(robot.send, robot.call)
     graph = RobotGraph(link, allowed, tell, notebook=notebook)
-    atexit.register(graph.close)
+    atexit.register(graph.leave)
     begun = found = wall.monotonic()
     while wall.monotonic() < min(begun + DISCOVERY, found + SETTLED if graph.nodes() else begun + DISCOVERY):
         found = found if graph.nodes() else wall.monotonic()

@@ -82,3 +82,9 @@ class Ears:
             if not ear.users:
                 ear.subscriber.withdraw()
                 del self._by_name[name]
+
+    def close(self) -> None:
+        """End all listening."""
+        for ear in self:
+            ear.subscriber.withdraw()
+        self._by_name.clear()

@@ -1,12 +1,16 @@
 """Lines on what a link cannot do, each with what to do about it."""
 
+from course_lib.errors import counted
 from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo
 from course_lib.ros.zenoh.hashes import is_known, type_hash
 from course_lib.ros.zenoh.tokens import Entity
 
 HUMBLE = "TypeHashNotSupported"  # in the place of a hash
+NO_SKEW = "not measured: no topic is heard yet"
 MAX_SKEW = 0.5  # [s]
+STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
+NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
 
 
 def about_type(entity: Entity) -> str:
@@ -18,16 +22,17 @@ def about_type(entity: Entity) -> str:
         )
     if entity.topic == "/clock" and entity.kind == "MP":
         return (
-            "The robot publishes /clock: its time is simulated. The kit stays on the wall clock, so set "
-            "use_sim_time to false there, or stamps and tf do not fit together."
+            "The robot publishes /clock: its time is simulated. Set use_sim_time to true in your nodes, as "
+            "there: -p use_sim_time:=true behind --ros-args. Else stamps and tf do not fit together."
         )
     if entity.kind == "NN" or not is_known(entity.type_name):
         return ""
     if entity.type_hash == type_hash(entity.type_name):
         return ""
     return (
-        f"The robot's {entity.type_name} is another definition than the one here, so {entity.topic} is "
-        "silent. Copy the robot's interface file here, or update it there."
+        f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} stays "
+        "silent. If the package is yours, copy its interface file from the robot. If it is ROS's, the robot "
+        "needs ROS 2 Jazzy."
     )
 
 
@@ -45,8 +50,8 @@ def about_qos(offered: EndpointInfo, requested: EndpointInfo) -> str:
 def about_old_rmw(count: int) -> str:
     """Return a line on messages with an attachment of another length."""
     return (
-        f"{count} messages have the form of an rmw_zenoh before 0.2.4 and cannot be read. Update "
-        "ros-jazzy-rmw-zenoh-cpp on the robot."
+        f"{counted(count, 'message')} came in the form of an rmw_zenoh before 0.2.4, which the kit cannot "
+        "read. Update ros-jazzy-rmw-zenoh-cpp on the robot."
     )
 
 

@@ -4,7 +4,6 @@ Zenoh calls back in threads of its own. Such a callback only puts something into
 """
 
 import itertools
-import json
 from _queue import SimpleQueue
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -12,19 +11,16 @@ from typing import Any
 
 import zenoh
 from zenoh import ext
-from zenoh.handlers import Callback
 
-from course_lib.errors import CourseError
 from course_lib.ros import wall
 from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import Actions, Inbox, Packet
-from course_lib.ros.zenoh.login import NO_LOGIN, Login, parted
+from course_lib.ros.zenoh.login import GATEWAY, parted, read_gateway_key
+from course_lib.ros.zenoh.session import CALL_SECONDS, direct, open_session
 from course_lib.ros.zenoh.tokens import ADMIN, Entity, Kind, attachment, key_of, read_attachment, read_token
 
-OPEN_SECONDS = 3.0  # [s] until a router must have answered
 LOOK_SECONDS = 1.0  # [s] for a question about other domains
-CALL_SECONDS = 600.0  # [s] until a service must have answered, as rmw_zenoh has it
 HEARTBEAT = 0.5  # [s] of publishers that keep messages for late subscriptions
 
 OnEntity = Callable[[Entity, bool], None]  # the flag says whether it has come or gone
@@ -50,13 +46,23 @@ class Outlet(Declared):
     """A publisher on the network."""
 
     def __init__(self, link: "RobotLink", entity: Entity, publisher: Any, probe: Any, token: Any) -> None:
-        super().__init__(link, token, publisher, probe)
+        super().__init__(link, publisher, probe)
         self._publisher, self._probe, self._gid = publisher, probe, entity.gid
+        self._shown = Declared(link, token)
         self._sequence = itertools.count(1)
 
     def is_heard(self) -> bool:
         """Return whether a message would reach a subscription now."""
         return self._link.is_open and bool(self._parts) and bool(self._probe.matching_status.matching)
+
+    def hide(self) -> None:
+        """Leave the lists of the network, though messages still go out."""
+        self._shown.withdraw()
+
+    def withdraw(self) -> None:
+        """Remove it from the network."""
+        self.hide()
+        super().withdraw()
 
     def put(self, cdr: bytes) -> None:
         """Publish a message; from any thread."""
@@ -127,9 +133,16 @@ class RobotLink:
             if entity is not None and not self.is_own(entity):
                 self.arrived.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
 
-        self._session.liveliness().declare_subscriber(
-            f"{ADMIN}/{self.domain}/**", _direct(seen), history=True
-        )
+        self._session.liveliness().declare_subscriber(f"{ADMIN}/{self.domain}/**", direct(seen), history=True)
+
+    def watch_gateway(self, on_driver: Callable[[str, list[str]], None]) -> None:
+        """Put calls with the driver and the driver's topics into the queue, now and at each change."""
+
+        def seen(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.PUT:
+                self.arrived.put(partial(on_driver, *read_gateway_key(str(sample.key_expr))))
+
+        self._session.liveliness().declare_subscriber(f"{GATEWAY}/*/*", direct(seen), history=True)
 
     def domains(self) -> list[int]:
         """List the domains that have nodes."""
@@ -175,7 +188,7 @@ class RobotLink:
         subscriber = ext.declare_advanced_subscriber(
             self._session,
             key_of(self.domain, topic, type_name, type_hash(type_name)),
-            _direct(partial(self._heard, inbox)),
+            direct(partial(self._heard, inbox)),
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
@@ -198,7 +211,7 @@ class RobotLink:
 
             self.arrived.put(partial(on_request, bytes(query.payload or b""), answer))
 
-        queryable = self._session.declare_queryable(entity.key, _direct(asked), complete=True)
+        queryable = self._session.declare_queryable(entity.key, direct(asked), complete=True)
         return Declared(self, self._token(entity), queryable)
 
     def client(self, entity: Entity) -> "Asker":
@@ -246,47 +259,4 @@ class Asker(Declared):
                 arrived.put(partial(on_reply, None))
 
         extra = attachment(next(self._sequence), self._gid, wall.time_ns())
-        self._querier.get(_direct(replied, over), payload=cdr, attachment=extra)
-
-
-def _direct(function: Callable[[Any], None], end: Callable[[], None] = lambda: None) -> "Callback[Any]":
-    """Return a handler that Zenoh's own threads call.
-
-    With a Python thread for each, an interpreter does not exit while a session is open; and the thread would
-    belong to the program, where robot time has replaced `Thread.start`.
-    """
-    return Callback(function, end, indirect=False)
-
-
-def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
-    """Open a session as a client: a robot's router does not pass on messages between peers.
-
-    Raises:
-        CourseError: No router answers, or the address is not one.
-    """
-    settings = {
-        "mode": "client",
-        "connect/endpoints": [address],
-        "connect/timeout_ms": round(OPEN_SECONDS * 1000),
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "listen/endpoints": [],
-        "timestamping/enabled": True,  # the caches of latched topics need it
-        "queries_default_timeout": round(CALL_SECONDS * 1000),
-        "transport/shared_memory/enabled": False,
-        **login.settings(address),
-    }
-    config = zenoh.Config()
-    try:
-        for key, value in settings.items():
-            config.insert_json5(key, json.dumps(value))
-    except zenoh.ZError as error:
-        raise CourseError(f"{address!r} is not an address: write it like tcp/192.168.1.5:7447.") from error
-    try:
-        return zenoh.open(config)
-    except zenoh.ZError as error:
-        raise CourseError(
-            f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the "
-            "robot, is its port open, is this the right network"
-            f"{', is the token right' if login.name else ''}?"
-        ) from error
+        self._querier.get(direct(replied, over), payload=cdr, attachment=extra)

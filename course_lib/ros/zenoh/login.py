@@ -2,12 +2,15 @@
 
 import re
 import ssl
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 ROBOT = "robot"  # the user of a robot that dials in
 STUDENTS = "students"  # the namespace of what students send: /students/ann/cmd_vel
 PRESENCE = "@course"  # @course/ann/<zid> is the liveliness token of a connected kit
+GATEWAY = f"{PRESENCE}/GATEWAY"  # a gateway's token is below it; no student's name has capitals
+NONE = "-"  # no driver, or no topics, in a gateway's token
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,18 @@ class Login:
 
 
 NO_LOGIN = Login()
+
+
+def gateway_key(driver: str, topics: Iterable[str]) -> str:
+    """Return the token that shows students who drives, and the topics that go to the robot."""
+    return f"{GATEWAY}/{driver or NONE}/{','.join(topics).replace('/', '%') or NONE}"
+
+
+def read_gateway_key(key: str) -> tuple[str, list[str]]:
+    """Return the driver, "" for none, and the topics in a gateway's token."""
+    driver, topics = key.removeprefix(f"{GATEWAY}/").split("/")
+    names = [] if topics == NONE else topics.replace("%", "/").split(",")
+    return driver if driver != NONE else "", [f"/{name.removeprefix('/')}" for name in names]
 
 
 def parted(address: str) -> tuple[str, Login]:

@@ -15,8 +15,10 @@ from course_lib.ros.zenoh.neighbours import Neighbours
 from course_lib.ros.zenoh.sending import Allowed, HeldBack, Sending, Tell
 from course_lib.ros.zenoh.services import Services
 from course_lib.ros.zenoh.tokens import Entity
+from course_lib.ros.zenoh.wheel import Wheel
 
 SLICE = 0.02  # [s] an interrupt is noticed within
+LAST_SECONDS = 3.0  # [s] that Python's end waits for a link; a kernel that restarts is killed after 5
 LOOK_NS = 200_000_000  # [ns] between two looks at the link and at what taps want
 TAPS = "_course_lib"  # the node that listens for displays and recordings; ROS hides the name
 AT_ONCE = 100  # arrivals that are taken before an event that is due
@@ -53,7 +55,10 @@ class RobotGraph(Graph):
         self._for_taps: dict[tuple[str, str], int] = {}  # endpoints of the node TAPS
         self._tap_node: int | None = None
         self._looked_ns, self._up, self._down_since = 0, True, 0.0
+        self._wheel = Wheel(link.login, tell)
         link.watch(self._others.change)
+        if link.login.name:
+            link.watch_gateway(self._wheel.change)
 
     @property
     def now_ns(self) -> int:
@@ -135,12 +140,18 @@ class RobotGraph(Graph):
         if endpoint in self._announced:
             self._announced.pop(endpoint).withdraw()
 
+    def apart(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+        """Return the policy that keeps two ends of the kit apart; over the link Zenoh lets all pass."""
+        return None if self._is_over_link(publisher, subscription) else super().apart(publisher, subscription)
+
     def publish(self, endpoint: int, cdr: bytes) -> None:
         """Publish here, and on the network if that is allowed."""
         super().publish(endpoint, cdr)
         info = self._topics.publishers[endpoint].info
         if info.service is None:
-            if not self._sending.put(endpoint, cdr):
+            if self._sending.put(endpoint, cdr):
+                self._wheel.sent(info.topic)
+            else:
                 self.held_back.note(info.topic, "--send")
         elif not _asks(info):
             self._services.answer(cdr)
@@ -157,15 +168,28 @@ class RobotGraph(Graph):
             ("domain", self.link.domain),
             ("nodes", len(self._others)),
             *self._allowed.rows(),
+            *self._wheel.rows(),
             ("held back", ", ".join(held) or "nothing"),
-            ("robot's clock", "not measured yet" if skew is None else f"{skew:+.3f} s from this computer's"),
+            ("robot's clock", explain.NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
             *(ear.row() for ear in self._ears),
         ]
 
     def close(self) -> None:
-        """Stop what is driven and end the link; calling it again changes nothing."""
-        self._sending.close()
-        self.link.close()
+        """Stop what is driven and end the link, once a robot that moves has its stop."""
+        self._sending.close(self.link.close)
+        if self.link.is_open:
+            self._ears.close()
+            self._tell_once("stop", explain.STOP_IS_DUE)
+
+    def leave(self) -> None:
+        """Close at Python's end: wait a moment for a link that is down, if the robot needs its stop."""
+        self.close()
+        end = wall.monotonic() + LAST_SECONDS
+        while self.link.is_open and wall.monotonic() < end:
+            wall.sleep(SLICE)
+        if self.link.is_open:
+            self._tell(explain.NO_STOP)
+            self.link.close()
 
     def _take(self, seconds: float) -> None:
         """Run the actions that Zenoh's threads have queued; wait so long for the first, [s]."""
@@ -206,8 +230,11 @@ class RobotGraph(Graph):
         ends = [info for info in self._topics.endpoints() if info.topic == topic]
         for publisher in (info for info in ends if info.kind == "pub"):
             for heard in (info for info in ends if info.kind == "sub"):
-                if (publisher.node in self._own) != (heard.node in self._own):
+                if self._is_over_link(publisher, heard):
                     self._tell_once(f"qos {topic}", explain.about_qos(publisher, heard))
+
+    def _is_over_link(self, publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+        return (publisher.node in self._own) != (subscription.node in self._own)
 
     def _look(self) -> None:
         """Now and then: subscribe to what taps want, and tell what is wrong with the link."""

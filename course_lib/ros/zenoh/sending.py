@@ -4,17 +4,16 @@ import _thread
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 from course_lib.ros import wall
-from course_lib.ros.messages import deserialize, message_class, serialize
+from course_lib.ros.zenoh.commands import COMMANDS, moves, still
 from course_lib.ros.zenoh.link import Outlet
 
 STALE = 0.5  # [s] without a command, after which a moving robot is stopped
 LOOK = 0.05  # [s] between two looks
 LEASE = 10.0  # [s] after which Zenoh notices that a link is dead
 UNSENT = ("/rosout", "/parameter_events")  # every node has them: they stay here without a word
-COMMANDS = {"geometry_msgs/msg/Twist": "", "geometry_msgs/msg/TwistStamped": "twist"}  # where the speeds are
 
 Tell = Callable[[str], None]  # prints a line
 
@@ -75,8 +74,9 @@ class Brake:
     """
 
     def __init__(self, outlet: Outlet, type_name: str) -> None:
-        self._outlet, self._type_name = outlet, type_name
-        self._zero: bytes | None = None  # stops the robot; None: it stands
+        self.outlet, self._type_name = outlet, type_name
+        self._moved = False  # whether the robot may still move
+        self._reached = False  # whether the robot has ever heard a command
         self._since = 0.0  # [s] of the wall clock: the last command
         self._sent: float | None = None  # [s]: the command to stand
         self._lost = False  # whether nobody has heard it
@@ -85,38 +85,35 @@ class Brake:
     def put(self, cdr: bytes) -> None:
         """Send a command."""
         with self._mutex:
-            zero = _zero_of(cdr, self._type_name)
+            moved, heard = moves(cdr, self._type_name), self.outlet.is_heard()
             self._since = wall.monotonic()
-            self._sent, self._lost = None if zero else self._since, not self._outlet.is_heard()
-            self._zero = zero or self._zero
-            self._outlet.put(cdr)
+            self._sent, self._lost = None if moved else self._since, not heard
+            self._moved, self._reached = self._moved or moved, self._reached or heard
+            self.outlet.put(cdr)
 
     def stop(self, older_than: float = 0.0) -> None:
         """Stop the robot, if the last command is older than so many seconds and was to move, or was lost."""
         with self._mutex:
             now = wall.monotonic()
-            if self._zero is None or now - self._since < older_than:
+            if not self._moved or now - self._since < older_than:
                 return
-            heard = self._outlet.is_heard()
-            if self._sent is None or (heard and self._lost):
-                self._outlet.put(self._zero)
+            heard, zero = self.outlet.is_heard(), still(self._type_name, wall.time_ns())
+            if zero is not None and (self._sent is None or (heard and self._lost)):
+                self.outlet.put(zero)
                 self._sent = now
-            elif heard and now - self._sent > LEASE:
-                self._zero = None
+            elif heard and self._sent is not None and now - self._sent > LEASE:
+                self._moved = False
             self._lost = not heard
 
+    @property
+    def owes(self) -> bool:
+        """True while the robot may need its stop again: the link may have lost it, or may be dead."""
+        return self._moved and self._reached
 
-def _zero_of(cdr: bytes, type_name: str) -> bytes | None:
-    """Return a command to stand; None if this one is."""
-    message = deserialize(cdr, message_class(type_name))
-    place = COMMANDS[type_name]
-    twist: Any = getattr(message, place) if place else message
-    speeds = [(part, axis) for part in (twist.linear, twist.angular) for axis in "xyz"]
-    if not any(getattr(part, axis) for part, axis in speeds):
-        return None
-    for part, axis in speeds:
-        setattr(part, axis, 0.0)
-    return serialize(message)
+    @property
+    def is_cut_off(self) -> bool:
+        """True while the robot has not got its stop."""
+        return self.owes and self._lost
 
 
 class Sending:
@@ -125,7 +122,9 @@ class Sending:
     def __init__(self) -> None:
         self._outlets: dict[int, Outlet] = {}  # by endpoint
         self._brakes: dict[int, Brake] = {}
+        self._leaving: dict[int, Brake] = {}  # of publishers that are gone
         self._open = True
+        self._end: Callable[[], None] | None = None
         _thread.start_new_thread(self._watch, ())  # not the graph's: a busy kernel must stop the robot too
 
     def add(self, endpoint: int, type_name: str, outlet: Outlet) -> None:
@@ -135,32 +134,54 @@ class Sending:
             self._brakes[endpoint] = Brake(outlet, type_name)
 
     def put(self, endpoint: int, cdr: bytes) -> bool:
-        """Send a message; returns False for publishers that are not on the network."""
+        """Send a message, behind stops that are due; returns False for publishers not on the network."""
         outlet = self._brakes.get(endpoint) or self._outlets.get(endpoint)
         if outlet is not None:
+            self._settle()
             outlet.put(cdr)
         return outlet is not None
 
     def remove(self, endpoint: int) -> None:
-        """Remove a publisher; the robot that it drove stops."""
+        """Remove a publisher; the robot that it drove stops, as soon as the link lets it."""
         brake, outlet = self._brakes.pop(endpoint, None), self._outlets.pop(endpoint, None)
         if brake is not None:
             brake.stop()
-        if outlet is not None:
+        if brake is not None and brake.owes:
+            brake.outlet.hide()
+            self._leaving[endpoint] = brake
+        elif outlet is not None:
             outlet.withdraw()
 
     def stop(self) -> None:
         """Stop what is driven."""
-        for brake in tuple(self._brakes.values()):
+        for brake in self._all_brakes():
             brake.stop()
 
-    def close(self) -> None:
-        """Stop what is driven, and send no more."""
-        self._open = False
+    def close(self, end: Callable[[], None]) -> None:
+        """Stop what is driven and send no more; `end` is called once the robot has its stop."""
+        self._end = end
         self.stop()
+        self._end_if_stopped()
 
     def _watch(self) -> None:
         while self._open:
             wall.sleep(LOOK)
             for brake in tuple(self._brakes.values()):
                 brake.stop(older_than=STALE)
+            self._settle()
+            self._end_if_stopped()
+
+    def _settle(self) -> None:
+        """Send the stops of publishers that are gone, and end those whose robot has its own."""
+        for endpoint, brake in tuple(self._leaving.items()):
+            brake.stop()
+            if not brake.owes and self._leaving.pop(endpoint, None) is not None:
+                brake.outlet.withdraw()
+
+    def _end_if_stopped(self) -> None:
+        if self._end is not None and not any(brake.is_cut_off for brake in self._all_brakes()):
+            self._open = False
+            self._end()
+
+    def _all_brakes(self) -> tuple[Brake, ...]:
+        return (*tuple(self._brakes.values()), *tuple(self._leaving.values()))

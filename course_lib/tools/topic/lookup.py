@@ -97,7 +97,7 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
             source.wait(lambda: topic in source.topics(), source.limit())
     types = source.topics().get(topic)
     if not types:
-        hint = f"{did_you_mean(topic, there) or '.'} Topics here: {', '.join(there) or 'none'}."
+        hint = f"{did_you_mean(topic, there) or '.'} {topics_here(source)}"
         raise CourseError(f"Could not determine the type for the passed topic{hint}")
     if len(types) > 1:
         found = ", ".join(types)
@@ -106,12 +106,17 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
     return types[0]
 
 
+def topics_here(source: Source) -> str:
+    """Return the names that `ros2 topic list` shows, in a sentence."""
+    return f"Topics here: {', '.join(source.topics(hidden=False)) or 'none'}."
+
+
 def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
     """Return the error text for a silent topic: duration, reason, existing topics."""
     seconds = (source.graph.now_ns - since_ns) * 1e-9
     return (
         f"No message came on {topic} in {seconds:g} s of robot time.{source.why_silent(topic, qos)} "
-        f"Topics here: {', '.join(source.topics())}."
+        f"{topics_here(source)}"
     )
 
 

@@ -53,9 +53,12 @@ from launch.actions import *
 from launch.conditions import *
 from launch.event_handlers import *
 from launch.events import Shutdown as ShutdownEvent
-from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.events import ShutdownProcess, SignalProcess, matches_action
+from launch.launch_description_sources import AnyLaunchDescriptionSource, PythonLaunchDescriptionSource
 from launch.substitutions import *
+from launch_xml.launch_description_sources import XMLLaunchDescriptionSource
 from launch_ros.actions import *
+from launch_ros.descriptions import ComposableNode
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 

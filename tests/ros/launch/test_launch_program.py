@@ -153,7 +153,7 @@ def test_a_process_that_dies_is_named_and_the_others_go_on(
         ("LogInfo(msg='x', condition=IfCondition('maybe'))", "given 'maybe', expected one of"),
         ("ExecuteProcess(cmd=['ls', '-l'])", "`ls -l` would run outside robot time"),
         ("DeclareLaunchArgument('a')", 'Required launch argument "a" was not provided.'),
-        ("IncludeLaunchDescription('other.launch.xml')", "not a Python file"),
+        ("IncludeLaunchDescription(PythonLaunchDescriptionSource('other.launch.xml'))", "not a Python file"),
     ],
 )
 def test_what_is_wrong_is_one_line_that_says_what_would_be_right(
@@ -203,15 +203,6 @@ def test_arguments_of_a_program_that_is_no_launch_file_are_an_error(tmp_path: Pa
         arguments_of(tmp_path / "program.py")
 
 
-@pytest.mark.parametrize(("name", "language"), [("robot.launch.xml", "XML"), ("robot.launch.yaml", "YAML")])
-def test_a_launch_file_in_another_language_is_refused(name: str, language: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_text("launch: []")
-    with pytest.raises(
-        CourseError, match=f"{name} is in {language}, and this kit runs launch files in Python"
-    ):
-        recorded(tmp_path / name)
-
-
 def test_a_file_with_the_name_of_a_launch_file_is_one_even_if_it_describes_nothing(tmp_path: Path) -> None:
     file = tmp_path / "empty.launch.py"
     file.write_text("import launch\n")
@@ -254,3 +245,20 @@ def test_a_launched_process_gets_the_words_of_its_node_and_no_more(
     (robot / "my_robot" / "talker.py").write_text("import sys\ndef main():\n    print(sys.argv[1:])\n")
     assert recorded(launch_file("Node(package='my_robot', executable='talker', arguments=['fast'])"))[1] == 0
     assert "[talker-1] ['fast', '--ros-args']\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("bad", "said"),
+    [
+        ("LogInfo(msg=LaunchConfiguration('nope'))", "'nope' does not exist"),
+        ("'no action'", "AttributeError"),
+    ],
+)
+def test_a_mistake_in_a_timer_ends_the_launch_and_its_processes(
+    launch_file: Write, bad: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = launch_file("Node(**TALKER)", f"TimerAction(period=0.5, actions=[{bad}])")
+    recording, code = recorded(file, seconds=None)
+    assert (len(heard(recording)), code) == (0, 1)
+    captured = capsys.readouterr()
+    assert said in captured.out + captured.err

@@ -87,6 +87,8 @@ def test_a_program_imports_the_package_beside_it(folder: Path) -> None:
             "field image: No message type 'sensor_msgs/msg/Imag'",
         ),
         ({"Limit_msg": "Rang range"}, "Limit.msg, field range: No message type"),
+        ({"Limit_msg": "wstring name"}, "field name: the kit has no wide strings (wstring). Write string:"),
+        ({"Limit_msg": "wstring[3] name"}, "field name: the kit has no wide strings"),
         ({"limit_msg": "float64 low"}, "limit.msg: a type's name is written like JointLimit, so 'limit'"),
         ({"Ask_srv": "float64 low"}, "Ask.srv: a .srv file has 2 parts with --- between them, not 1."),
         ({"Go_action": "---\n"}, "Go.action: a .action file has 3 parts with --- between them, not 2."),

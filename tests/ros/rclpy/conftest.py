@@ -11,6 +11,7 @@ from course_lib.ros import virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
+from tests.ros.rclpy.simulator import SIM
 
 END_NS = START_NS + 10 * 10**9
 
@@ -37,6 +38,12 @@ def begun(graph: Graph) -> Graph:
 def node(begun: Graph) -> Node:
     """A node in a run that has been begun."""
     return Node("talker")
+
+
+@pytest.fixture
+def follower(begun: Graph) -> Node:
+    """A node with `use_sim_time`."""
+    return Node("follower", parameter_overrides=[SIM])
 
 
 @pytest.fixture

@@ -1,5 +1,7 @@
 """The end of a run is to a program as Ctrl+C."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -180,3 +182,45 @@ def test_nothing_is_published_after_the_end(tmp_path: Path) -> None:
 def test_a_program_may_sleep_while_it_cleans_up(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, CLEANS_UP)
     assert capfd.readouterr() == ("stopped the motors\n", "")
+
+
+HANDLER = """
+import signal, sys, time
+import rclpy
+
+def stop(number, frame):
+    print("stopped by", signal.Signals(number).name)
+    {last}
+
+rclpy.init()
+node = rclpy.create_node("robot")
+before = signal.signal(signal.SIGINT, stop)
+print(signal.getsignal(signal.SIGINT) is stop, callable(before))
+rclpy.spin(node)
+print("spun")
+"""
+
+
+@pytest.mark.parametrize("beside", [False, True])
+@pytest.mark.parametrize(
+    ("last", "rest"), [("sys.exit(0)", []), ("rclpy.shutdown()", ["spun"]), ("pass", [])]
+)
+def test_the_end_of_a_run_calls_a_program_s_own_handler_of_ctrl_c(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], last: str, rest: list[str], beside: bool
+) -> None:
+    (tmp_path / "robot.py").write_text(HANDLER.format(last=last))
+    (tmp_path / "other.py").write_text("print(end='')")
+    files = [tmp_path / "robot.py", *([tmp_path / "other.py"] if beside else [])]
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files(files, seed=0) == 0
+    assert capsys.readouterr().out.splitlines() == ["True True", "stopped by SIGINT", *rest]
+
+
+def test_ctrl_c_calls_the_handlers_of_programs_that_run_beside_each_other(tmp_path: Path) -> None:
+    (tmp_path / "robot.py").write_text(HANDLER.format(last="rclpy.shutdown()"))
+    (tmp_path / "killer.py").write_text(
+        "import os, signal, time\ntime.sleep(1.0)\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(1.0)"
+    )
+    words = [sys.executable, "-m", "course_lib", "run", "robot.py", "killer.py"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines() == ["True True", "stopped by SIGINT", "spun"]

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 import rclpy
 from rclpy.duration import Duration
@@ -7,7 +9,29 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.program import run_files
+
+LOOPS_OVER_DONE = """
+import threading
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+def on_reset(request, response):
+    response.message = "reset by the server"
+    return response
+
+rclpy.init()
+node = Node("asks")
+node.create_service(Trigger, "reset", on_reset)
+client = node.create_client(Trigger, "reset")
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+future = client.call_async(Trigger.Request())
+while not future.done():
+    pass
+print(future.result().message)
+"""
 
 
 def test_a_future_brings_a_result_or_an_exception() -> None:
@@ -111,3 +135,12 @@ def test_what_a_coroutine_raises_comes_out_of_spin(node: Node) -> None:
     node.create_timer(1.0, fail)
     with pytest.raises(ValueError, match="out of range"):
         rclpy.spin(node)
+
+
+def test_a_loop_over_done_lets_another_thread_spin(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "asks.py").write_text(LOOPS_OVER_DONE)
+    with use_graph(Graph(end_ns=START_NS + 10**10)):
+        assert run_files([tmp_path / "asks.py"], seed=0) == 0
+    assert capsys.readouterr().out == "reset by the server\n"

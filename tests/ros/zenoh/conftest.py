@@ -64,6 +64,10 @@ class Routers:
         assert self._process.stdout is not None
         assert self._process.stdout.readline() == "up\n"
 
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
     def kill(self) -> None:
         self._process.kill()
         self._process.communicate()

@@ -1,4 +1,5 @@
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
 from course_lib.tools.sources import GraphSource
 from tests.ros.zenoh.conftest import Kits, free_port
-from tests.ros.zenoh.test_two_kits import talker
+from tests.ros.zenoh.test_two_kits import listener, talker
 
 TALKER = """
 import rclpy
@@ -28,6 +29,18 @@ publisher = node.create_publisher(String, "chatter", 10)
 node.create_timer(0.1, lambda: publisher.publish(String(data="hello")))
 print("up", flush=True)
 rclpy.spin(node)
+"""
+BEST_EFFORT_TALKER = """
+import rclpy
+from rclpy.qos import qos_profile_sensor_data
+from std_msgs.msg import String
+
+rclpy.init()
+node = rclpy.create_node("talker")
+publisher = node.create_publisher(String, "chatter", qos_profile_sensor_data)
+while not publisher.get_subscription_count():
+    rclpy.spin_once(node, timeout_sec=0.1)
+print("heard by", publisher.get_subscription_count())
 """
 LISTENER = """
 import rclpy
@@ -68,6 +81,40 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     assert {topic.name for topic in read_bag(tmp_path / "bag").topics()} >= {"/chatter"}
     robot.send_signal(signal.SIGINT)
     robot.communicate(timeout=60)
+
+
+def test_doctor_listens_for_a_moment_and_measures_the_robots_clock(router: str, tmp_path: Path) -> None:
+    joints = TALKER.replace("std_msgs", "sensor_msgs").replace("String(data=", "JointState(name=[")
+    joints = joints.replace('"hello")', '"hello"])').replace("String", "JointState")
+    (tmp_path / "joints.py").write_text(joints)
+    robot = course("run", str(tmp_path / "joints.py"), "--robot", router, "--send", "/chatter")
+    assert robot.stdout is not None
+    assert robot.stdout.readline() == "up\n"
+    said = course("ros2", "--robot", router, "doctor").communicate(timeout=60)[0]
+    assert "s from this computer's" in said
+    assert re.search(r"/chatter +: \d+\.\d Hz", said)
+    robot.send_signal(signal.SIGINT)
+    robot.communicate(timeout=60)
+
+
+def test_a_pair_that_dds_would_refuse_counts_over_a_link_without_a_warning(
+    kits: Kits, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listener(kits.join(), "/chatter")
+    (tmp_path / "best_effort.py").write_text(BEST_EFFORT_TALKER)
+    code = run(
+        [tmp_path / "best_effort.py"],
+        seconds=20.0,
+        seed=0,
+        bag=None,
+        args=(),
+        real_time=False,
+        robot=RobotAddress(kits.address, send=["/chatter"]),
+    )
+    said = capsys.readouterr()
+    assert (code, said.out) == (0, "heard by 1\n")
+    assert "No messages will be sent" not in said.err
+    assert "/chatter: publisher and subscription have incompatible QoS (RELIABILITY)" in said.err
 
 
 def test_goals_of_two_runs_have_different_ids(

@@ -10,11 +10,13 @@ from std_msgs.msg import String
 from course_lib.ros import wall
 from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.zenoh.ears import Ear
-from course_lib.ros.zenoh.explain import about_clock
+from course_lib.ros.zenoh.explain import NO_STOP, STOP_IS_DUE, about_clock
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
-from course_lib.ros.zenoh.link import Declared, open_session
+from course_lib.ros.zenoh.link import Declared
+from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import STALE
+from course_lib.ros.zenoh.session import open_session
 from course_lib.ros.zenoh.tokens import attachment, key_of
 from tests.ros.zenoh.conftest import Kits, Routers
 from tests.ros.zenoh.test_two_kits import (
@@ -186,3 +188,60 @@ def test_a_stop_that_was_due_without_a_link_is_sent_when_it_is_back(routers: Rou
         assert speeds(heard, Twist) == [0.2, 0.0]
     for graph in tuple(kits.graphs):
         kits.leave(graph)
+
+
+@pytest.fixture
+def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes]]]:
+    """Drive a robot, then kill the router; return the driver, its publisher, what the robot heard."""
+    kits = Kits(f"tcp/127.0.0.1:{routers.port}")
+    robot, student = kits.join(), kits.join(send="/cmd_vel")
+    heard = listener(robot, "/cmd_vel", type_name(Twist))
+    drive = talker(student, "/cmd_vel", type_name(Twist))
+    connect(kits, student, drive, heard, Twist())
+    student.publish(drive, serialize(MOVING))
+    kits.until(lambda: speeds(heard, Twist) == [0.2], "the command")
+    routers.kill()
+    kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
+    yield kits, student, drive, heard
+    for graph in tuple(kits.graphs):
+        kits.leave(graph)
+
+
+Driven = tuple[Kits, RobotGraph, int, list[bytes]]
+
+
+def test_the_stop_of_a_node_that_ends_without_a_link_goes_out_before_another_nodes_command(
+    routers: Routers, driven: Driven
+) -> None:
+    kits, student, drive, heard = driven
+    student.remove_endpoint(drive)
+    other = talker(student, "/cmd_vel", type_name(Twist))
+    routers.start()
+
+    def drives() -> bool:
+        student.publish(other, serialize(MOVING))
+        return len(speeds(heard, Twist)) > 2
+
+    kits.until(drives, "the stop and the other node's commands")
+    assert speeds(heard, Twist)[:3] == [0.2, 0.0, 0.2]
+
+
+def test_a_link_that_is_ended_while_it_is_down_sends_the_stop_when_it_is_back(
+    routers: Routers, driven: Driven
+) -> None:
+    kits, student, _, heard = driven
+    kits.leave(student)
+    assert STOP_IS_DUE in kits.lines
+    assert student.link.is_open
+    routers.start()
+    kits.until(lambda: len(speeds(heard, Twist)) > 1, "the stop")
+    assert speeds(heard, Twist) == [0.2, 0.0]
+    kits.until(lambda: not student.link.is_open, "the end of the link")
+
+
+def test_python_ends_though_the_robot_cannot_be_stopped_and_says_so(driven: Driven) -> None:
+    kits, student, _, _ = driven
+    kits.graphs.remove(student)
+    student.leave()
+    assert not student.link.is_open
+    assert kits.lines[-2:] == [STOP_IS_DUE, NO_STOP]

@@ -12,9 +12,9 @@ from course_lib.ros import wall
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER
-from course_lib.ros.zenoh.link import open_session
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import STALE
+from course_lib.ros.zenoh.session import open_session
 from tests.ros.zenoh.conftest import Kits
 
 STRING = "std_msgs/msg/String"
@@ -256,7 +256,10 @@ def test_another_domain_is_another_world_that_can_be_named(kits: Kits) -> None:
     ("type_hash", "line"),
     [
         ("TypeHashNotSupported", "The robot runs ROS 2 Humble"),
-        (f"RIHS01_{'0' * 64}", "std_msgs/msg/String is another definition than the one here, so /chatter is"),
+        (
+            f"RIHS01_{'0' * 64}",
+            "another definition of std_msgs/msg/String than this kit, so /chatter stays",
+        ),
     ],
 )
 def test_a_type_that_cannot_be_understood_is_named(kits: Kits, type_hash: str, line: str) -> None:

@@ -5,7 +5,6 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
@@ -17,7 +16,6 @@ from course_lib.ros.graph import Graph
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
-from tests.tools.bag.conftest import BAG_START
 
 Run = Callable[[str], str]
 Heard = list[tuple[float, str, str]]
@@ -90,20 +88,6 @@ def test_without_a_page_a_loop_ends(bag: Path, run: Run, heard: Heard) -> None:
     said = run("play five --loop -r 2")
     assert texts(heard) == "012345" * 2
     assert said.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
-
-
-def test_the_bags_own_time_is_published_on_clock(bag: Path, graph: Graph, run: Run) -> None:
-    times: list[int] = []
-    node = Node("watch")
-    node.create_subscription(
-        Clock, "/clock", lambda m: times.append(m.clock.sec * 10**9 + m.clock.nanosec), 99
-    )
-    running_nodes().append(node)
-    run("play five --clock 2")
-    assert times == [BAG_START + i * 5 * 10**8 for i in range(11)]
-    times.clear()
-    run("play five --clock -r 2")
-    assert len(times) == 5 * 40 // 2 + 1
 
 
 def test_latched_topics_are_played_latched(bag: Path, graph: Graph, run: Run) -> None:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
@@ -52,6 +53,13 @@ def test_it_waits_for_a_topic_and_names_those_there_are(run: Run, talker: Node) 
     with pytest.raises(CourseError, match=r"^Could not determine the type .* Did you mean /chatter\?"):
         run("topic hz /chater")
     assert run.written == "WARNING: topic [/chater] does not appear to be published yet\n"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("verb", ["hz", "bw", "delay", "echo"])
+def test_hidden_topics_are_not_among_those_that_are_named(run: Run, talker: Node, verb: str) -> None:
+    talker.create_publisher(String, "_hidden/status", 10)
+    with pytest.raises(CourseError, match=r"Topics here: /chatter, /parameter_events, /place, /rosout\.$"):
+        run(f"topic {verb} /unknown")
 
 
 @pytest.mark.parametrize("verb", ["hz", "bw", "delay"])

@@ -1,9 +1,10 @@
 """The actions of a launch; each takes a `condition`."""
 
-import os
-import shlex
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
+from contextlib import suppress
 from typing import Any
+
+from ament_index_python.packages import PackageNotFoundError
 
 from launch.entities import (
     Action,
@@ -13,71 +14,28 @@ from launch.entities import (
     LaunchContext,
     LaunchDescription,
     LaunchDescriptionEntity,
+    SubstitutionFailure,
     listed,
     text_of,
 )
 from launch.entities import SomeSubstitutionsType as Some
+from launch.events import ProcessExited
 from launch.events import Shutdown as ShutdownEvent
 from launch.launch_description_sources import LaunchDescriptionSource
-
-_PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2"}  # of the programs that the kit provides
-
-
-class DeclareLaunchArgument(Action):
-    """An argument that `name:=value` behind the launch file sets."""
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        default_value: Some | None = None,
-        description: str | None = None,
-        choices: list[str] | None = None,
-        **options: Any,
-    ) -> None:
-        super().__init__(self._declare, **options)
-        self.name, self.default_value, self.choices = name, default_value, choices
-        if choices is not None and isinstance(default_value, str) and default_value not in choices:
-            raise RuntimeError(
-                f'Provided default_value "{default_value}" is not in provided choices "{choices}".'
-            )
-        self.description = description or (f"One of: {choices}" if choices else "no description given")
-        if description and choices:
-            self.description = f"{description.removesuffix('.')}. Valid choices are: {choices}"
-
-    def _declare(self, context: LaunchContext) -> None:
-        """Set the default where nothing else is set; raises RuntimeError with launch's texts."""
-        configurations = context.launch_configurations
-        if self.name not in configurations:
-            if self.default_value is None:
-                raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
-            configurations[self.name] = text_of(context, self.default_value)
-        value = configurations[self.name]
-        if self.choices is not None and value not in self.choices:
-            raise RuntimeError(
-                f'Argument "{self.name}" provided value "{value}" is not valid. '
-                f"Valid options are: {self.choices}"
-            )
-
-
-class SetLaunchConfiguration(Action):
-    """Sets the value of an argument."""
-
-    def __init__(self, name: Some, value: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            context.launch_configurations[text_of(context, name)] = text_of(context, value)
-
-        super().__init__(do, **options)
-
-
-class SetEnvironmentVariable(Action):
-    """Sets a variable of the environment."""
-
-    def __init__(self, name: Some, value: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            os.environ[text_of(context, name)] = text_of(context, value)
-
-        super().__init__(do, **options)
+from launch.processes import ExecuteLocal as ExecuteLocal
+from launch.processes import ExecuteProcess as ExecuteProcess
+from launch.settings import AppendEnvironmentVariable as AppendEnvironmentVariable
+from launch.settings import DeclareLaunchArgument as DeclareLaunchArgument
+from launch.settings import PopEnvironment as PopEnvironment
+from launch.settings import PopLaunchConfigurations as PopLaunchConfigurations
+from launch.settings import PushEnvironment as PushEnvironment
+from launch.settings import PushLaunchConfigurations as PushLaunchConfigurations
+from launch.settings import ResetEnvironment as ResetEnvironment
+from launch.settings import ResetLaunchConfigurations as ResetLaunchConfigurations
+from launch.settings import SetEnvironmentVariable as SetEnvironmentVariable
+from launch.settings import SetLaunchConfiguration as SetLaunchConfiguration
+from launch.settings import UnsetEnvironmentVariable as UnsetEnvironmentVariable
+from launch.settings import UnsetLaunchConfiguration as UnsetLaunchConfiguration
 
 
 class OpaqueFunction(Action):
@@ -87,11 +45,32 @@ class OpaqueFunction(Action):
         self,
         *,
         function: Callable[..., Entities | None],
-        args: Iterable[Any] = (),
+        args: Iterable[Any] | None = None,
         kwargs: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> None:
-        super().__init__(lambda context: function(context, *args, **(kwargs or {})), **options)
+        super().__init__(lambda context: function(context, *(args or ()), **(kwargs or {})), **options)
+
+
+class OpaqueCoroutine(Action):
+    """Runs a coroutine function beside the processes, with the context unless `ignore_context`."""
+
+    goes_on = True
+
+    def __init__(
+        self,
+        *,
+        coroutine: Callable[..., Coroutine[Any, Any, None]],
+        args: Iterable[Any] | None = None,
+        kwargs: Mapping[str, Any] | None = None,
+        ignore_context: bool = False,
+        **options: Any,
+    ) -> None:
+        def do(context: LaunchContext) -> None:
+            first = () if ignore_context else (context,)
+            context.runner.start_coroutine(self, coroutine(*first, *(args or ()), **(kwargs or {})))
+
+        super().__init__(do, **options)
 
 
 class GroupAction(Action):
@@ -103,27 +82,25 @@ class GroupAction(Action):
         *,
         scoped: bool = True,
         forwarding: bool = True,
-        launch_configurations: Mapping[str, Some] | None = None,
+        launch_configurations: Mapping[Any, Some] | None = None,
         **options: Any,
     ) -> None:
         super().__init__(self._open, **options)
-        own = [SetLaunchConfiguration(*pair) for pair in (launch_configurations or {}).items()]
-        self.actions = [*own, *actions]
+        self.actions = list(actions)
+        self._own = dict(launch_configurations or {})
         self._scoped, self._forwarding = scoped, forwarding
 
     def _open(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        own = [SetLaunchConfiguration(*pair) for pair in self._own.items()]
         if not self._scoped:
-            return self.actions
-        before = dict(context.launch_configurations), dict(os.environ)
-        if not self._forwarding:
-            context.launch_configurations.clear()
-
-        def close(context: LaunchContext) -> None:
-            context.launch_configurations, environment = before
-            os.environ.clear()
-            os.environ.update(environment)
-
-        return [*self.actions, Action(close)]
+            return [*own, *self.actions]
+        only_own = [ResetEnvironment(), ResetLaunchConfigurations(self._own)]
+        return [
+            *(PushLaunchConfigurations(), PushEnvironment()),
+            *(own if self._forwarding else only_own),
+            *self.actions,
+            *(PopEnvironment(), PopLaunchConfigurations()),
+        ]
 
 
 class IncludeLaunchDescription(Action):
@@ -133,14 +110,14 @@ class IncludeLaunchDescription(Action):
         self,
         launch_description_source: LaunchDescriptionSource | Some,
         *,
-        launch_arguments: Iterable[tuple[Some, Some]] = (),
+        launch_arguments: Iterable[tuple[Some, Some]] | None = None,
         **options: Any,
     ) -> None:
         source = launch_description_source
         if not isinstance(source, LaunchDescriptionSource):
             source = LaunchDescriptionSource(source)
         self.source = source
-        arguments = [SetLaunchConfiguration(*pair) for pair in launch_arguments]
+        arguments = [SetLaunchConfiguration(*pair) for pair in launch_arguments or ()]
 
         def do(context: LaunchContext) -> list[LaunchDescriptionEntity]:
             outer, context.file = context.file, str(source.location(context))
@@ -151,16 +128,37 @@ class IncludeLaunchDescription(Action):
 
 
 class TimerAction(Action):
-    """Actions after so many seconds of robot time."""
+    """Actions after so many seconds of robot time.
+
+    A shutdown of the launch always cancels it: `cancel_on_shutdown` makes no difference here.
+    """
+
+    goes_on = True
 
     def __init__(
-        self, *, period: float | Some, actions: Iterable[LaunchDescriptionEntity], **options: Any
+        self,
+        *,
+        period: float | Some,
+        actions: Iterable[LaunchDescriptionEntity],
+        cancel_on_shutdown: bool | Some = True,
+        **options: Any,
     ) -> None:
-        def do(context: LaunchContext) -> None:
-            seconds = float(period if isinstance(period, int | float) else text_of(context, period))
-            context.runner.later(seconds, actions)
+        super().__init__(self._begin, **options)
+        self.period, self.actions = period, list(actions)
+        self._is_canceled = False
 
-        super().__init__(do, **options)
+    def cancel(self) -> None:
+        """Cancel it: its actions are not done."""
+        self._is_canceled = True
+
+    def _begin(self, context: LaunchContext) -> None:
+        period = self.period
+        seconds = float(period if isinstance(period, int | float) else text_of(context, period))
+        context.runner.later(seconds, Action(self._end))
+
+    def _end(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        context.complete(self)
+        return [] if self._is_canceled else self.actions
 
 
 class LogInfo(Action):
@@ -176,7 +174,15 @@ class RegisterEventHandler(Action):
     """Registers a handler of events; as in ROS the newest handler comes first."""
 
     def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
-        super().__init__(lambda context: context.handlers.insert(0, event_handler), **options)
+        super().__init__(lambda context: context.register_event_handler(event_handler), **options)
+        self.event_handler = event_handler
+
+
+class UnregisterEventHandler(Action):
+    """Removes a handler of events; raises ValueError if it was not registered."""
+
+    def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
+        super().__init__(lambda context: context.unregister_event_handler(event_handler), **options)
 
 
 class EmitEvent(Action):
@@ -186,41 +192,34 @@ class EmitEvent(Action):
         super().__init__(lambda context: context.runner.emit(event), **options)
 
 
-class Shutdown(EmitEvent):
+class Shutdown(Action):
     """Ends the launch; Node takes one as `on_exit`."""
 
-    def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
-        super().__init__(event=ShutdownEvent(reason=reason), **options)
+    def __init__(self, *, reason: Some = "reason not given", **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            event = getattr(context.locals, "event", None)
+            if isinstance(event, ProcessExited):
+                text = f"process[{event.process_name}] was required: shutting down launched system"
+                context.runner.log("INFO", "launch", text)
+            context.runner.emit(ShutdownEvent(reason=text_of(context, reason)))
 
-
-class ExecuteProcess(Action):
-    """Runs `ros2 …` or `rviz2 …`; other programs would not be on robot time."""
-
-    def __init__(self, *, cmd: Iterable[Some], **options: Any) -> None:
-        super().__init__(self._start, condition=options.get("condition"))
-        self._cmd = list(cmd)
-
-    def _start(self, context: LaunchContext) -> None:
-        words = [text_of(context, part) for part in self._cmd]
-        program, *rest = shlex.split(words[0]) if len(words) == 1 else words
-        if program not in _PACKAGES:
-            raise RuntimeError(
-                f"ExecuteProcess is not available here: `{shlex.join([program, *rest])}` would run outside "
-                "robot time. Start nodes with launch_ros.actions.Node; run other commands beside the launch."
-            )
-        context.runner.start(self, _PACKAGES[program], program, [*rest, "--ros-args"])
+        super().__init__(do, **options)
 
 
 def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
-    """List the arguments that entities, groups and included files declare."""
+    """List the arguments that entities declare, also in groups, timers and included files.
+
+    As in ROS those of a file are left out whose path is not known before the launch.
+    """
     found: list[DeclareLaunchArgument] = []
     for entity in listed(entities):
         if isinstance(entity, DeclareLaunchArgument):
             found.append(entity)
         elif isinstance(entity, LaunchDescription):
             found += declared(entity.entities, context)
-        elif isinstance(entity, GroupAction):
+        elif isinstance(entity, GroupAction | TimerAction):
             found += declared(entity.actions, context)
         elif isinstance(entity, IncludeLaunchDescription):
-            found += declared(entity.source.get_launch_description(context), context)
+            with suppress(SubstitutionFailure, PackageNotFoundError):
+                found += declared(entity.source.get_launch_description(context), context)
     return found

@@ -1,11 +1,13 @@
 """Conditions of actions."""
 
-from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, text_of
+import yaml  # type: ignore[import-untyped]  # it ships no types
+
+from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, SubstitutionFailure, text_of
 
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
-class InvalidConditionExpressionError(Exception):
+class InvalidConditionExpressionError(ValueError):
     """A condition is neither true nor false."""
 
 
@@ -13,14 +15,18 @@ class IfCondition(Condition):
     """True where the text is `true` or `1`, in capitals or not; it must be one of true, 1, false, 0."""
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
-        super().__init__(predicate=lambda context: is_true(context, predicate_expression))
+        super().__init__(
+            predicate=lambda context: evaluate_condition_expression(context, predicate_expression)
+        )
 
 
 class UnlessCondition(Condition):
     """True where the text is `false` or `0`."""
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
-        super().__init__(predicate=lambda context: not is_true(context, predicate_expression))
+        super().__init__(
+            predicate=lambda context: not evaluate_condition_expression(context, predicate_expression)
+        )
 
 
 class LaunchConfigurationEquals(Condition):
@@ -46,7 +52,7 @@ def _equals(context: LaunchContext, name: str, expected: SomeSubstitutionsType |
     return value == (None if expected is None else text_of(context, expected))
 
 
-def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
+def evaluate_condition_expression(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
     """Parse a text as true or false; any other raises an error with launch's text."""
     text = text_of(context, expression).strip().lower()
     if text not in _WORDS:
@@ -54,3 +60,17 @@ def is_true(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
             f"invalid condition expression, given '{text}', expected one of {list(_WORDS)}"
         )
     return _WORDS[text]
+
+
+def as_bool(context: LaunchContext, value: bool | SomeSubstitutionsType) -> bool:
+    """Return a bool, or read a text as YAML does: true, yes, on, 1 and their opposites."""
+    if isinstance(value, bool):
+        return value
+    text = text_of(context, value)
+    try:
+        read = {"1": True, "0": False}.get(text, yaml.safe_load(text))
+    except yaml.YAMLError:
+        read = None
+    if not isinstance(read, bool):
+        raise SubstitutionFailure(f"Cannot convert value '{text}' to '{bool}': expected true or false")
+    return read

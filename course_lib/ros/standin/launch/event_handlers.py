@@ -1,46 +1,123 @@
 """Handlers of the events of a launch."""
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from launch.entities import Action, BaseEventHandler, Event, Reaction
-from launch.events import ProcessExited, ProcessStarted, Shutdown
+from launch.entities import (
+    Action,
+    BaseEventHandler,
+    Entities,
+    Event,
+    ExecutionComplete,
+    LaunchContext,
+    LaunchDescriptionEntity,
+    Reaction,
+    listed,
+)
+from launch.events import IncludeLaunchDescription as _Included
+from launch.events import ProcessExited, ProcessIO, ProcessStarted
+from launch.events import Shutdown as _Shutdown
 
 Target: TypeAlias = Action | Callable[[Action], bool] | None
+Heard: TypeAlias = Callable[[ProcessIO], Entities | None] | None
 
 
 EventHandler = BaseEventHandler
 
 
-class OnProcessStart(BaseEventHandler):
-    """A reaction to the start of an action's process, or of any."""
-
-    kind: type[ProcessStarted] = ProcessStarted
+class OnActionEventBase(BaseEventHandler):
+    """A reaction to events of a class, of one action, of those that a function chooses, or of any."""
 
     def __init__(
-        self, *, target_action: Target = None, on_start: Reaction, handle_once: bool = False
+        self,
+        *,
+        action_matcher: Target,
+        on_event: Reaction,
+        target_event_cls: type[Event],
+        target_action_cls: type[Action] = Action,
+        **options: Any,
     ) -> None:
+        if not (action_matcher is None or callable(action_matcher) or isinstance(action_matcher, Action)):
+            raise ValueError(
+                f"{type(self).__name__} requires a '{target_action_cls.__name__}' action or a callable as "
+                f"the target, got {action_matcher!r}"
+            )
+
         def matches(event: Event) -> bool:
-            if type(event) is not self.kind:
+            if not isinstance(event, target_event_cls):
                 return False
-            if callable(target_action):
-                return target_action(event.action)
-            return target_action is None or event.action is target_action
+            action: Any = getattr(event, "action", None)
+            return (
+                bool(action_matcher(action)) if callable(action_matcher) else action_matcher in (None, action)
+            )
 
-        super().__init__(matcher=matches, entities=on_start, handle_once=handle_once)
+        super().__init__(matcher=matches, entities=on_event, **options)
 
 
-class OnProcessExit(OnProcessStart):
+class OnProcessStart(OnActionEventBase):
+    """A reaction to the start of an action's process, or of any."""
+
+    def __init__(self, *, target_action: Target = None, on_start: Reaction, **options: Any) -> None:
+        super().__init__(
+            action_matcher=target_action, on_event=on_start, target_event_cls=ProcessStarted, **options
+        )
+
+
+class OnProcessExit(OnActionEventBase):
     """A reaction to the end of an action's process, or of any."""
 
-    kind = ProcessExited
+    def __init__(self, *, target_action: Target = None, on_exit: Reaction, **options: Any) -> None:
+        super().__init__(
+            action_matcher=target_action, on_event=on_exit, target_event_cls=ProcessExited, **options
+        )
 
-    def __init__(self, *, target_action: Target = None, on_exit: Reaction, handle_once: bool = False) -> None:
-        super().__init__(target_action=target_action, on_start=on_exit, handle_once=handle_once)
+
+class OnExecutionComplete(OnActionEventBase):
+    """A reaction to the end of an action: of its process where it has one, else of what it does."""
+
+    def __init__(self, *, target_action: Target = None, on_completion: Reaction, **options: Any) -> None:
+        super().__init__(
+            action_matcher=target_action,
+            on_event=on_completion,
+            target_event_cls=ExecutionComplete,
+            **options,
+        )
+
+
+class OnProcessIO(OnActionEventBase):
+    """A reaction to the lines that an action's process writes; nothing is written to its input here."""
+
+    def __init__(
+        self,
+        *,
+        target_action: Target = None,
+        on_stdin: Heard = None,
+        on_stdout: Heard = None,
+        on_stderr: Heard = None,
+        **options: Any,
+    ) -> None:
+        reactions = {1: on_stdout, 2: on_stderr}
+
+        def react(event: ProcessIO, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+            reaction = reactions[event.fd]
+            return [] if reaction is None else listed(reaction(event))
+
+        super().__init__(action_matcher=target_action, on_event=react, target_event_cls=ProcessIO, **options)
 
 
 class OnShutdown(BaseEventHandler):
     """A reaction to the end of the launch."""
 
-    def __init__(self, *, on_shutdown: Reaction) -> None:
-        super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown)
+    def __init__(self, *, on_shutdown: Reaction, **options: Any) -> None:
+        super().__init__(matcher=lambda event: isinstance(event, _Shutdown), entities=on_shutdown, **options)
+
+
+class OnIncludeLaunchDescription(BaseEventHandler):
+    """A reaction to a description that is added: its entities are visited."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(
+            matcher=lambda event: isinstance(event, _Included),
+            entities=lambda event, context: event.launch_description,
+            **options,
+        )

@@ -1,9 +1,11 @@
 """The events of a launch."""
 
+import signal
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from launch.entities import Action, Event
+from launch.entities import Action, Event, LaunchDescription
+from launch.entities import ExecutionComplete as ExecutionComplete
 
 
 @dataclass
@@ -15,18 +17,64 @@ class Shutdown(Event):
 
 
 @dataclass
-class ProcessStarted(Event):
-    """The start of a process; `action` has started it."""
+class IncludeLaunchDescription(Event):
+    """A description that is added to the launch."""
 
-    action: Action
-    process_name: str = ""
+    launch_description: LaunchDescription
 
 
 @dataclass
-class ProcessExited(ProcessStarted):
+class RunningProcessEvent(Event):
+    """An event of a process; `action` has started it."""
+
+    action: Action
+    process_name: str = ""
+    pid: int = 0
+    cmd: list[str] = field(default_factory=list)
+
+
+@dataclass
+class ProcessStarted(RunningProcessEvent):
+    """The start of a process."""
+
+
+@dataclass
+class ProcessExited(RunningProcessEvent):
     """The end of a process."""
 
     returncode: int = 0
+
+
+@dataclass
+class ProcessIO(RunningProcessEvent):
+    """A line that a process has written; `fd` is 1 for standard output, 2 for standard error."""
+
+    text: bytes = b""
+    fd: int = 1
+
+    @property
+    def from_stdout(self) -> bool:
+        """True for standard output."""
+        return self.fd == 1
+
+    @property
+    def from_stderr(self) -> bool:
+        """True for standard error."""
+        return self.fd == 2
+
+
+@dataclass
+class ShutdownProcess(Event):
+    """The wish to end the processes of the matching actions."""
+
+    process_matcher: Callable[[Action], bool]
+
+
+@dataclass(kw_only=True)
+class SignalProcess(ShutdownProcess):
+    """A signal to the processes of the matching actions: SIGINT, SIGTERM and SIGKILL end them."""
+
+    signal_number: str | signal.Signals
 
 
 def matches_action(target: Action) -> Callable[[Action], bool]:

@@ -2,10 +2,15 @@
 
 import math
 import os
+import random
+import re
 import shlex
 import shutil
+import socket
 import subprocess
+import sys
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +18,17 @@ from course_lib.ros.xacro_program import Finished, run_xacro
 from launch.entities import LaunchContext, Substitution, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.entities import SubstitutionFailure as SubstitutionFailure
+from launch.logging import get_logger
+from launch.truth import AllSubstitution as AllSubstitution
+from launch.truth import AndSubstitution as AndSubstitution
+from launch.truth import AnySubstitution as AnySubstitution
+from launch.truth import EqualsSubstitution as EqualsSubstitution
+from launch.truth import IfElseSubstitution as IfElseSubstitution
+from launch.truth import NotEqualsSubstitution as NotEqualsSubstitution
+from launch.truth import NotSubstitution as NotSubstitution
+from launch.truth import OrSubstitution as OrSubstitution
 
+_ON_STDERR = ("fail", "ignore", "warn", "capture")
 _PROVIDED = ("ros2", "rviz2", "xacro")  # by the kit, though not on the PATH
 
 
@@ -22,6 +37,7 @@ class TextSubstitution(Substitution):
 
     def __init__(self, *, text: str) -> None:
         super().__init__(lambda context: text)
+        self.text = text
 
 
 class LaunchConfiguration(Substitution):
@@ -61,7 +77,7 @@ class EnvironmentVariable(Substitution):
             key = text_of(context, name)
             if key not in os.environ and default_value is None:
                 raise SubstitutionFailure(f"environment variable '{key}' does not exist")
-            return os.environ.get(key) or text_of(context, default_value or "")
+            return os.environ[key] if key in os.environ else text_of(context, default_value or "")
 
         super().__init__(make)
 
@@ -85,17 +101,62 @@ class Command(Substitution):
 
     def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
         def make(context: LaunchContext) -> str:
-            words = shlex.split(text_of(context, command))
-            done = _finished(words)
-            if done.code or (done.errors and text_of(context, on_stderr) == "fail"):
-                what = "failed" if done.code else "showed stderr output"
+            words, wanted = shlex.split(text_of(context, command)), text_of(context, on_stderr)
+            if wanted not in _ON_STDERR:
                 raise SubstitutionFailure(
-                    f"executed command {what}. Command: {shlex.join(words)}\n"
-                    f"Captured stderr output: {done.errors}"
+                    "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'"
                 )
-            return done.output
+            done = _finished(words)
+            what = "failed" if done.code else "showed stderr output"
+            text = f"executed command {what}. Command: {shlex.join(words)}"
+            text += f"\nCaptured stderr output: {done.errors}"
+            if done.code or (done.errors and wanted == "fail"):
+                raise SubstitutionFailure(text)
+            if done.errors and wanted == "warn":
+                get_logger().warning(text)
+            return done.output + (done.errors if wanted == "capture" else "")
 
         super().__init__(make)
+
+
+class FileContent(Substitution):
+    """The text of a file."""
+
+    def __init__(self, path: Some) -> None:
+        def make(context: LaunchContext) -> str:
+            file = Path(text_of(context, path))
+            if not file.is_file():
+                raise SubstitutionFailure(f"File not found: {file}")
+            return file.read_text(encoding="utf-8")
+
+        super().__init__(make)
+
+
+class AnonName(Substitution):
+    """A name that no other launch has; within a launch always the same for the same `name`."""
+
+    def __init__(self, name: Some) -> None:
+        def make(context: LaunchContext) -> str:
+            base = text_of(context, name)
+            words = f"{base}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"
+            unique = re.sub("[.:-]", "_", words)
+            return str(context.launch_configurations.setdefault(f"anon{base}", unique))
+
+        super().__init__(make)
+
+
+class LaunchLogDir(Substitution):
+    """The folder of logs: $ROS_LOG_DIR, or .ros/log in the home folder."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda context: os.environ.get("ROS_LOG_DIR") or str(Path.home() / ".ros" / "log"))
+
+
+class LocalSubstitution(Substitution):
+    """A value of the context's `locals`, like `event.returncode` in a handler of events."""
+
+    def __init__(self, expression: str, description: str | None = None) -> None:
+        super().__init__(lambda context: str(attrgetter(expression)(context.locals)))
 
 
 class ThisLaunchFile(Substitution):

@@ -3,10 +3,13 @@
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 import yaml  # type: ignore[import-untyped]  # it ships no types
+from launch.conditions import as_bool
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of
+from launch.frontend import parse_substitution
 
 
 class ParameterValue:
@@ -24,23 +27,34 @@ class ParameterValue:
         return self._type(value) if isinstance(self._type, type) else value
 
 
+class Parameter:
+    """A name with a value of a chosen type."""
+
+    def __init__(self, name: SomeSubstitutionsType, value: Any, *, value_type: Any = None) -> None:
+        self._name, self._value = name, ParameterValue(value, value_type=value_type)
+
+    def evaluate(self, context: LaunchContext) -> tuple[str, Any]:
+        """Return both."""
+        return text_of(context, self._name), self._value.evaluate(context)
+
+
 class ParameterFile:
-    """A YAML file of parameters."""
+    """A YAML file of parameters; with `allow_substs` each `$(…)` in it is replaced."""
 
     def __init__(self, param_file: SomeSubstitutionsType, *, allow_substs: Any = False) -> None:
-        self._file = param_file
+        self._file, self._allow_substs = param_file, allow_substs
 
     def evaluate(self, context: LaunchContext) -> Path:
-        """Return its path; `$(…)` in files is not replaced here."""
+        """Return its path; where something may be replaced, that of a copy."""
         file = Path(text_of(context, self._file))
-        if file.is_file() and "$(" in file.read_text(encoding="utf-8"):
-            raise RuntimeError(
-                f"{file} holds $(…), which is not replaced here; use values, or ReplaceString."
-            )
-        return file
-
-
-Parameter = ParameterValue
+        if not as_bool(context, self._allow_substs):
+            return file
+        text = text_of(context, parse_substitution(file.read_text(encoding="utf-8")))
+        with NamedTemporaryFile(
+            "w", prefix="launch_params_", suffix=".yaml", delete=False, encoding="utf-8"
+        ) as copy:
+            copy.write(text)
+        return Path(copy.name)
 
 
 def evaluated(context: LaunchContext, value: Any) -> Any:
@@ -57,6 +71,8 @@ def evaluated(context: LaunchContext, value: Any) -> Any:
 
 def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
     """Yield one entry of a node's `parameters` as words behind --ros-args."""
+    if isinstance(parameters, Parameter):
+        parameters = dict([parameters.evaluate(context)])
     if isinstance(parameters, Mapping):
         for name, value in _flat(context, parameters, ""):
             yield from ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")

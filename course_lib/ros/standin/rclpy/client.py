@@ -55,8 +55,8 @@ class Client(ServiceEnd):
                 "the client in another callback group."
             )
         what = f"the response of {self.full_name} and {_SPINNER}"
-        wait_until(self.node_handle, future.done, timeout_sec, what)
-        if not future.done():
+        wait_until(self.node_handle, future.arrived, timeout_sec, what)
+        if not future.arrived():
             self.remove_pending_request(future)
             if timeout_sec is None and not self._is_spun():
                 raise DeadlockError(f"call() on {self.full_name} waited in vain for {_SPINNER}.")

@@ -22,6 +22,7 @@ from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
+from rclpy.time_source import TimeSource
 
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
@@ -111,10 +112,11 @@ class Node(node_parameters.Node):
             LoggingService(self)
 
     def _declare_own_parameters(self) -> None:
-        """Declare what every node of ROS has, unless an override did."""
-        for name, value in {"use_sim_time": False, "start_type_description_service": True}.items():
-            if not self.has_parameter(name):
-                self.declare_parameter(name, value)
+        """Declare what every node of ROS has, unless an override did; `use_sim_time` sets its clock."""
+        self._time_source = TimeSource(node=self)
+        self._time_source.attach_clock(self._clock)
+        if not self.has_parameter("start_type_description_service"):
+            self.declare_parameter("start_type_description_service", True)
 
     @property
     def context(self) -> Context:

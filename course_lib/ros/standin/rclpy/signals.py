@@ -7,6 +7,7 @@ from types import FrameType
 from typing import Any
 
 from course_lib.ros.graph import current_graph
+from course_lib.ros.own_signals import real_getsignal, real_signal
 from rclpy.context import Contexts
 
 
@@ -28,16 +29,16 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
         return
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
         number = signal.Signals[option.name or ""]
-        if option in options and signal.getsignal(number) is not _handle:
-            _former[number] = signal.signal(number, _handle)
+        if option in options and real_getsignal(number) is not _handle:
+            _former[number] = real_signal(number, _handle)
 
 
 def uninstall_signal_handlers() -> None:
     """Put the former handlers back, where nobody has replaced ours."""
     if threading.current_thread() is threading.main_thread():
         for number, former in _former.items():
-            if signal.getsignal(number) is _handle:
-                signal.signal(number, former)
+            if real_getsignal(number) is _handle:
+                real_signal(number, former)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:

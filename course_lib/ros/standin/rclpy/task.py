@@ -7,6 +7,8 @@ from collections.abc import Callable, Generator
 from functools import partial
 from typing import Any, Generic, Protocol, TypeVar
 
+from course_lib.ros.baton import baton
+
 T = TypeVar("T")
 
 
@@ -44,7 +46,13 @@ class Future(Generic[T]):
         return self.result()
 
     def done(self) -> bool:
-        """Return whether the result, or an exception instead of it, is there."""
+        """Return whether the result, or an exception instead of it, is there; looped on, it passes time."""
+        if not self._done:
+            baton.poll()
+        return self._done
+
+    def arrived(self) -> bool:
+        """Return the same to the kit's own waits."""
         return self._done
 
     def result(self) -> T | None:

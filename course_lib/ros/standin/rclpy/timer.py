@@ -7,18 +7,21 @@ from course_lib.ros.clock import Alarm
 from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.notices import say
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock
+from rclpy.clock import Clock, ClockChange, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle, RCLError, ROSInterruptException
 from rclpy.impl.node_handle import Entity, NodeHandle
 
 SHORTEST_NS = 1_000_000  # [ns] a period of 0 means "as fast as possible"; callbacks take no robot time
+_ANY_JUMP = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
 
 
 class Timer(Entity):
     """A callback once per period, first after one full period; made by `Node.create_timer`.
 
-    Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c).
+    Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c). Under
+    `use_sim_time` a timer is due when its clock has jumped to the time of its call, or past it.
     """
 
     mistake = Mistake.TIMER_CALLBACK
@@ -40,13 +43,20 @@ class Timer(Entity):
         self.clock = clock
         self.timer_period_ns = timer_period_ns
         self._graph = node.graph
-        self._last_ns = self._graph.now_ns
+        self._last_ns = clock.handle.now_ns
         self._alarm: Alarm | None = None
         self._due = False  # it has become ready and was not taken yet
         self._canceled = not autostart
         self._hinted = False
         self.is_destroyed = False
-        self._next_ns = self._graph.now_ns + timer_period_ns
+        self._next_ns = clock.handle.now_ns + timer_period_ns
+        self._left_ns = 0  # until the next call, before a jump; 0 if the clock showed no time yet
+        self._credit_ns = 0  # of that, what counts when the clock gets another source of time
+        self._jumps: JumpHandle | None = None
+        if clock.clock_type is ClockType.ROS_TIME:
+            self._jumps = clock.create_jump_callback(
+                _ANY_JUMP, pre_callback=self._before_jump, post_callback=self._after_jump
+            )
         if autostart:
             self._arm()
 
@@ -55,7 +65,7 @@ class Timer(Entity):
         if not self._due:
             return None
         self._due = False
-        now_ns = self._last_ns = self._graph.now_ns
+        now_ns = self._last_ns = self.clock.handle.now_ns
         self._next_ns += self.timer_period_ns
         if self._next_ns <= now_ns:
             late_ns = now_ns - self._next_ns
@@ -89,7 +99,7 @@ class Timer(Entity):
         self._require()
         self._disarm()
         self._canceled = False
-        self._next_ns = self._graph.now_ns + self.timer_period_ns
+        self._next_ns = self.clock.handle.now_ns + self.timer_period_ns
         self._arm()
 
     def is_canceled(self) -> bool:
@@ -103,26 +113,56 @@ class Timer(Entity):
 
     def time_since_last_call(self) -> int:
         """Return the time since the last call, or since its making, [ns]."""
-        return self._require()._graph.now_ns - self._last_ns
+        return self._require().clock.handle.now_ns - self._last_ns
 
     def time_until_next_call(self) -> int | None:
         """Return the time until the next call, [ns], negative if it is late; None if it was cancelled."""
         self._require()
-        return None if self._canceled else self._next_ns - self._graph.now_ns
+        return None if self._canceled else self._next_ns - self.clock.handle.now_ns
 
     def destroy(self) -> None:
         """Stop for good; call `Node.destroy_timer` instead."""
         self.is_destroyed = True
         self._disarm()
+        if self._jumps is not None:
+            self._jumps.unregister()
 
     def _require(self) -> "Timer":
         if self.is_destroyed:
             raise InvalidHandle
         return self
 
+    def _before_jump(self) -> None:
+        """Note the time until the next call: it counts on in the time of another source."""
+        now_ns = self.clock.handle.now_ns
+        self._left_ns = self._next_ns - now_ns if now_ns else 0
+
+    def _after_jump(self, jump: TimeJump) -> None:
+        """Move the next call as rcl does, then become due, or wait."""
+        now_ns = self.clock.handle.now_ns
+        if jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE:
+            self._credit_ns = self._left_ns or self._credit_ns
+            if now_ns and self._credit_ns:
+                self._last_ns, self._credit_ns = now_ns - self._credit_ns, 0
+                self._next_ns = self._last_ns + self.timer_period_ns
+        elif now_ns < self._next_ns and now_ns < self._last_ns:
+            self._next_ns, self._last_ns = now_ns + self.timer_period_ns, now_ns
+        if self.timer_period_ns and not self._canceled:
+            self._arm()
+
     def _arm(self) -> None:
-        due_ns = self._next_ns if self.timer_period_ns else self._graph.now_ns + SHORTEST_NS
-        self._alarm = self._graph.call_at(due_ns, self._ring, node=self.node_handle.id, entity=self.entity)
+        """Become due at the time of the next call; a clock that follows /clock comes there by a jump."""
+        if self._alarm is not None:
+            self._alarm.cancel()
+        if not self.clock.handle.is_overridden or not self.timer_period_ns:
+            due_ns = self._next_ns if self.timer_period_ns else self._graph.now_ns + SHORTEST_NS
+            self._alarm = self._graph.call_at(
+                due_ns, self._ring, node=self.node_handle.id, entity=self.entity
+            )
+        elif self._next_ns <= self.clock.handle.now_ns:
+            self._ring()
+        else:
+            self._due = False
 
     def _disarm(self) -> None:
         self._due = False
@@ -130,8 +170,9 @@ class Timer(Entity):
             self._alarm.cancel()
 
     def _ring(self) -> None:
-        self._due = True
-        self.node_handle.mark_ready(self)
+        if not self._due:
+            self._due = True
+            self.node_handle.mark_ready(self)
 
 
 class Rate:

@@ -1,4 +1,16 @@
+from rosbag2_py._compression_options import CompressionMode as CompressionMode
+from rosbag2_py._compression_options import CompressionOptions as CompressionOptions
+from rosbag2_py._compression_options import compression_mode_from_string as compression_mode_from_string
+from rosbag2_py._compression_options import compression_mode_to_string as compression_mode_to_string
 from rosbag2_py._info import Info as Info
+from rosbag2_py._not_offered import LocalMessageDefinitionSource as LocalMessageDefinitionSource
+from rosbag2_py._not_offered import MetadataIo as MetadataIo
+from rosbag2_py._not_offered import Player as Player
+from rosbag2_py._not_offered import PlayOptions as PlayOptions
+from rosbag2_py._not_offered import Recorder as Recorder
+from rosbag2_py._not_offered import RecordOptions as RecordOptions
+from rosbag2_py._not_offered import Reindexer as Reindexer
+from rosbag2_py._not_offered import bag_rewrite as bag_rewrite
 from rosbag2_py._reader import SequentialCompressionReader as SequentialCompressionReader
 from rosbag2_py._reader import SequentialReader as SequentialReader
 from rosbag2_py._reader import get_registered_readers as get_registered_readers
@@ -11,5 +23,7 @@ from rosbag2_py._storage import StorageOptions as StorageOptions
 from rosbag2_py._storage import TopicInformation as TopicInformation
 from rosbag2_py._storage import TopicMetadata as TopicMetadata
 from rosbag2_py._storage import get_default_storage_id as get_default_storage_id
+from rosbag2_py._writer import SequentialCompressionWriter as SequentialCompressionWriter
 from rosbag2_py._writer import SequentialWriter as SequentialWriter
+from rosbag2_py._writer import get_registered_compressors as get_registered_compressors
 from rosbag2_py._writer import get_registered_writers as get_registered_writers

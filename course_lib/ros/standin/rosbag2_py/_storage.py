@@ -32,7 +32,12 @@ class ConverterOptions:
 
 @dataclass
 class StorageOptions:
-    """A bag's folder and storage; the kit's bags are one file, so sizes and caches change nothing."""
+    """A bag's folder and storage, and what a writer does with messages.
+
+    Only messages whose stamps are from `start_time_ns` to `end_time_ns` are written, [ns]; -1 is no limit.
+    With `snapshot_mode` the last `max_cache_size` bytes are kept until `take_snapshot()` writes them. Bags
+    are one file here: a writer says so where `max_bagfile_size` or `max_bagfile_duration` ask for several.
+    """
 
     uri: str
     storage_id: str = ""
@@ -45,6 +50,12 @@ class StorageOptions:
     start_time_ns: int = -1
     end_time_ns: int = -1
     custom_data: dict[str, str] = field(default_factory=dict)
+
+
+PRESETS = {
+    "mcap": {"none": "none", "fastwrite": "none", "zstd_fast": "storage", "zstd_small": "storage"},
+    "sqlite3": {"none": "none", "resilient": "none"},
+}  # storage -> preset profile -> what is compressed
 
 
 @dataclass

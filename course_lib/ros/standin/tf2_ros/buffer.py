@@ -5,9 +5,11 @@ from typing import Any
 
 import builtin_interfaces.msg
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
+from rclpy.clock import Clock, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.executors import wait_driving_live_nodes
 from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.task import Future
 from rclpy.time import Time
@@ -19,6 +21,7 @@ from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from tf2_ros.buffer_interface import NO_WAIT, AnyTime, BufferInterface
 
+_BACK = JumpThreshold(min_forward=None, min_backward=Duration(seconds=-1))
 _log = RcutilsLogger()  # C++ names none
 
 
@@ -32,14 +35,22 @@ class Buffer(BufferInterface):
 
     Args:
         cache_time: How long dynamic transforms are remembered; default 10 s.
-        node: Answers the service tf2_frames with a description of all frames.
+        node: Answers the service tf2_frames with a description of all frames. When its clock jumps back by
+            a second or more, or `use_sim_time` changes, the buffer is cleared.
     """
 
     def __init__(self, cache_time: Duration | None = None, node: Node | None = None) -> None:
         self._core = tf2_core.BufferCore(tf2_core.CACHE_NS if cache_time is None else cache_time.nanoseconds)
         if node is not None:
             self.srv = node.create_service(FrameGraph, "tf2_frames", self._describe)
+        self.clock = Clock() if node is None else node.get_clock()
+        self.jump_handle = self.clock.create_jump_callback(_BACK, post_callback=self.time_jump_callback)
         self._on_new_data: dict[Callable[[], None], None] = {}  # a set that keeps its order
+
+    def time_jump_callback(self, time_jump: TimeJump) -> None:
+        """Clear the buffer."""
+        get_logger("tf2_buffer").warning("Detected jump back in time. Clearing tf buffer.")
+        self.clear()
 
     def set_transform(self, transform: TransformStamped, authority: str) -> None:
         """Store a transform; one that breaks tf2's rules is logged and ignored."""
@@ -93,7 +104,7 @@ class Buffer(BufferInterface):
         future: Future[TransformStamped] = Future()
 
         def look() -> None:
-            if not future.done() and self._core.can_transform(*asked) is None:
+            if not future.arrived() and self._core.can_transform(*asked) is None:
                 future.set_result(_message(self._core.lookup(*asked)))
 
         self._on_new_data[look] = None

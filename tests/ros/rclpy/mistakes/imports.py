@@ -8,6 +8,11 @@ IMPORTS = [
         "%ros2 interface package std_msgs lists its types.",
     ),
     (
+        "from example_interfaces.msg import WString",
+        "ImportError: cannot import name 'WString' from 'example_interfaces.msg'",
+        "the kit has no wide strings; String holds all characters, too.",
+    ),
+    (
         "from geometry_msgs import Twist",
         "ImportError: cannot import name 'Twist' from 'geometry_msgs'",
         "write from geometry_msgs.msg import Twist, or .srv, or .action.",

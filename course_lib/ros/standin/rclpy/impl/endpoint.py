@@ -5,8 +5,7 @@ from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.qos import incompatible
-from course_lib.ros.topics import EndpointInfo, matches
+from course_lib.ros.topics import EndpointInfo
 from rclpy.event_handler import Deadline, Events
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.node_handle import NodeHandle
@@ -50,13 +49,14 @@ class Endpoint:
 
     def partners(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each endpoint that it exchanges messages with."""
-        return [pair for pair in self._pairs() if matches(*pair)]
+        alike = [pair for pair in self._pairs() if pair[0].type_name == pair[1].type_name]
+        return [pair for pair in alike if self.node.graph.apart(*pair) is None]
 
     def watch(self, events: Events) -> None:
         """Report all endpoints on the other side of the topic to `events`, and this one to theirs."""
         _told.setdefault(self.node.graph, {})[self.id] = events
         for publisher, subscription in self._pairs():
-            policy = incompatible(publisher.qos, subscription.qos)
+            policy = self.node.graph.apart(publisher, subscription)
             for side in _sides(self.node.graph, publisher, subscription):
                 if publisher.type_name != subscription.type_name:
                     side.count("incompatible_type")

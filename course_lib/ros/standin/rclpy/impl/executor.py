@@ -157,14 +157,14 @@ class Executor(AbstractContextManager["Executor"]):
         graph, limit_ns = self.context.graph, timeout_sec_to_nsec(timeout_sec)
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         with baton.known():
-            while self.is_running and self.context.ok() and not future.done():
-                self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.done)
+            while self.is_running and self.context.ok() and not future.arrived():
+                self._spin_once(-1 if end_ns is None else end_ns - graph.now_ns, future.arrived)
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
 
     def spin_once_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
         """Wait for a callback and run it, unless the future is done before."""
-        self._spin_once(timeout_sec_to_nsec(timeout_sec), future.done)
+        self._spin_once(timeout_sec_to_nsec(timeout_sec), future.arrived)
 
     def _spin_once(self, limit_ns: int, condition: Callable[[], bool]) -> None:
         with baton.known():
@@ -268,7 +268,7 @@ class Executor(AbstractContextManager["Executor"]):
                 del self._under_way[ident]
             else:
                 self._under_way[ident] = outer
-        if not task.done():
+        if not task.arrived():
             self._tasks.append(task)
         error = task.exception()
         if error is not None:

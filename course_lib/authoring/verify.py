@@ -1,0 +1,196 @@
+"""`course verify`: everything of a week that a command can see before students do."""
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_lib.authoring.fields import unbuildable
+from course_lib.authoring.flaw import ASPECTS, Flaw
+from course_lib.authoring.lesson_rules import FOR_EXTRAS, FOR_LESSONS, FOR_REVIEWS, WITH_EXERCISE
+from course_lib.authoring.page import NotebookPage
+from course_lib.authoring.rules import FOR_ALL, Rule
+from course_lib.authoring.taught import untaught
+from course_lib.authoring.week import WeekRehearsals, missing_files
+from course_lib.course.course_file import read_course_file
+from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
+from course_lib.course.questions import read_questions
+from course_lib.errors import CourseError, counted, did_you_mean
+from course_lib.grading.executors import executors
+from course_lib.grading.records import Course, catalog_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+EXTRAS = "extras"  # the row of pages that belong to no week
+UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
+
+
+@dataclass(frozen=True)
+class WeekReport:
+    """One row of the table.
+
+    Args:
+        week: "week01", or the extras.
+        findings: What is wrong.
+        unknown: Aspects that could not be looked at.
+    """
+
+    week: str
+    findings: tuple[Flaw, ...]
+    unknown: frozenset[str] = frozenset()
+
+    def cell(self, aspect: str) -> str:
+        """Return the mark of one aspect."""
+        if any(finding.aspect == aspect for finding in self.findings):
+            return "✘"
+        return "." if aspect in self.unknown else "✔"
+
+
+def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -> Iterator[WeekReport]:
+    """Verify weeks, one after the other; a broken one does not keep the others from it.
+
+    Args:
+        course: Where the files are.
+        weeks: "week01", …; default: all weeks of course.toml, then the extras.
+        jobs: Notebooks that run at a time; default: the number of processors.
+
+    Raises:
+        CourseError: course.toml can't be read, or there is no such week.
+    """
+    known = weeks_of(course)
+    for week in weeks:
+        if week not in known:
+            meant = did_you_mean(week, known) or f", known: {', '.join(known)}"
+            raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{meant}")
+    with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
+        for week in weeks or known:
+            yield _report(week, course, pool)
+    if not weeks and (found := list(page_findings(EXTRAS, course))):
+        yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
+
+
+def weeks_of(course: Course) -> list[str]:
+    """Return the weeks of course.toml, and those that have a check file only."""
+    named = read_course_file(course.exercises / "course.toml").weeks
+    written = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
+    return sorted({*named, *written})
+
+
+def _report(week: str, course: Course, pool: Executor) -> WeekReport:
+    found = [*page_findings(week, course), *_quizzes(week, course), *_fresh(week, course)]
+    try:
+        tasks = catalog_of(course).of_week(week)
+        if not tasks:
+            return WeekReport(week, tuple(found), UNKNOWN)
+        broken = list(missing_files(week, course))
+        if not broken:
+            found += _inputs(week, course)
+            found += WeekRehearsals(week, course, pool).findings()
+            return WeekReport(week, tuple(found))
+    except CourseError as error:
+        broken = [Flaw("files", str(error))]
+    return WeekReport(week, (*broken, *found), UNKNOWN)
+
+
+def _inputs(week: str, course: Course) -> Iterator[Flaw]:
+    catalog = catalog_of(course)
+    for task in catalog.of_week(week):
+        yield from unbuildable(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
+        hidden = catalog.hidden.get(task.id, ())
+        yield from unbuildable(replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py")
+
+
+def page_findings(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield what the rules say of a week's notebooks, or of the extras."""
+    if week == EXTRAS:
+        for path in sorted(course.lessons.glob("extra_*.ipynb")):
+            yield from _obeys(path, course, [*FOR_ALL, *FOR_EXTRAS])
+        return
+    reviews = sorted(course.lessons.glob(f"{week}_your_review.ipynb"))
+    pages = sorted(set(course.lessons.glob(f"{week}_*.ipynb")) - set(reviews))
+    solution = course.solutions / f"{week}_solution.ipynb"
+    if len(pages) != 1:
+        text = f"{counted(len(pages), 'lesson')}, expected one"
+        yield Flaw("lesson", text, str(course.lessons / f"{week}_*.ipynb"))
+    for path in pages:
+        rules = [*FOR_ALL, *FOR_LESSONS, *(WITH_EXERCISE if solution.is_file() else ())]
+        yield from _obeys(path, course, rules)
+    for path in reviews:
+        yield from _obeys(path, course, [*FOR_ALL, *FOR_REVIEWS])
+    for path in (solution, course.exercises / f"{week}_exercise.ipynb"):
+        if path.is_file():
+            yield from _obeys(path, course, FOR_ALL)
+    if solution.is_file():
+        known = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
+        with suppress(CourseError, SyntaxError):  # the rules have named that
+            yield from (Flaw("lesson", text, str(solution)) for text in untaught(solution, known))
+
+
+def _obeys(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
+    page = NotebookPage(path, course.exercises)
+    try:
+        for rule in rules:
+            yield from (Flaw("lesson", text, str(path)) for text in rule(page))
+    except (CourseError, KeyError) as error:  # no notebook; a cell without its parts
+        yield Flaw("lesson", f"it can't be read as a notebook: {error}", str(path))
+
+
+def _quizzes(week: str, course: Course) -> Iterator[Flaw]:
+    for path in sorted((course.exercises / "quizzes").glob(f"{week}*.toml")):
+        for kind in ("question", "prediction"):
+            try:
+                read_questions(path, kind)
+            except CourseError as error:
+                yield Flaw("quiz", str(error))
+    for lesson in sorted(course.lessons.glob(f"{week}_*.ipynb")):
+        with suppress(CourseError):
+            for name in _asked(NotebookPage(lesson, course.exercises)):
+                if not (course.exercises / "quizzes" / f"{name}.toml").is_file():
+                    yield Flaw("quiz", f"it asks quiz({name!r}): there is no {name}.toml", str(lesson))
+
+
+def _asked(page: NotebookPage) -> list[str]:
+    return re.findall(r'^quiz\("(\w+)"\)', page.code, re.MULTILINE)
+
+
+def _fresh(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield an exercise that differs from what is made of its solution."""
+    solution = course.solutions / f"{week}_solution.ipynb"
+    exercise = course.exercises / f"{week}_exercise.ipynb"
+    if not (solution.is_file() and exercise.is_file()):
+        return
+    try:
+        made = notebook_text(exercise_from(read_notebook(solution)))
+    except CourseError as error:
+        yield Flaw("fresh", str(error), str(solution))
+        return
+    if exercise.read_text(encoding="utf-8") != made:
+        how = "python -m course_lib.course.exercise writes it again"
+        yield Flaw("fresh", f"it is not what the solution gives: {how}", str(exercise))
+
+
+def table(reports: Sequence[WeekReport]) -> "Table":
+    """Return one table: a row per week, a column per aspect."""
+    from rich.table import Table
+
+    made = Table("week", *ASPECTS)
+    for report in reports:
+        made.add_row(report.week, *(report.cell(aspect) for aspect in ASPECTS))
+    return made
+
+
+def lines(reports: Sequence[WeekReport]) -> list[str]:
+    """Return every finding as one line, and a summary."""
+    found = [
+        f"{report.week}, {finding.aspect}: {finding}" for report in reports for finding in report.findings
+    ]
+    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.findings}
+    said = [f"{aspect}: {text}" for aspect, text in meant.items()]
+    bad = sum(bool(report.findings) for report in reports)
+    end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
+    return [*found, *["What must hold:"] * bool(said), *said, end]

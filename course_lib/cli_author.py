@@ -1,0 +1,45 @@
+"""`course …` for authors: verify and release; every command calls one function of the library."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+NOT_READY = 1  # exit code
+
+authors = typer.Typer()
+
+
+@authors.command()
+def verify(
+    weeks: Annotated[list[str] | None, typer.Argument(help="week09 …; default: all.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Notebooks that run at a time.")] = None,
+) -> None:
+    """Try the answers of each week, its checks, quiz and lesson, before students do."""
+    from rich.console import Console
+
+    from course_lib.authoring.memory import remember
+    from course_lib.authoring.verify import lines, table
+    from course_lib.authoring.verify import verify as look
+    from course_lib.grading.records import this_course
+
+    course, reports = this_course(), []
+    for report in look(course, weeks or (), jobs):
+        typer.echo(f"{report.week}: {len(report.findings) or 'nothing'} to correct", err=True)
+        reports.append(report)
+    remember(course, reports)
+    Console().print(table(reports))
+    typer.echo("\n".join(lines(reports)))
+    raise typer.Exit(NOT_READY if any(report.findings for report in reports) else 0)
+
+
+@authors.command()
+def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
+    """Write the students' copy: installable, without solutions and hidden checks. Verify first."""
+    from course_lib.authoring.memory import refuse_broken
+    from course_lib.course.hand_out import release as write
+    from course_lib.grading.records import this_course
+
+    refuse_broken(this_course())
+    paths = write(out)
+    typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")

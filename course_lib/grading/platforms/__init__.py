@@ -1,0 +1,1 @@
+"""Grading elsewhere: autograders for Gradescope, workflows for GitHub."""

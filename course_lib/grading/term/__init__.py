@@ -1,0 +1,1 @@
+"""A term: the class list, weights, groups, totals, and requests to look again."""

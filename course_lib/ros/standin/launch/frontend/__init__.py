@@ -1,0 +1,5 @@
+"""XML and YAML launch files."""
+
+from launch.frontend.element import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
+from launch.frontend.element import description_of as description_of
+from launch.frontend.grammar import parse_substitution as parse_substitution

@@ -1,0 +1,65 @@
+"""The view, its panels and the results of checks have no serious fault that axe-core finds."""
+
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from playwright.sync_api import Page
+
+from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.reports.table import Table
+from course_lib.viewer.html import save_html
+from tests.browser.axe import faults
+from tests.browser.bench import Bench
+from tests.browser.test_page import RED, colored
+
+pytestmark = pytest.mark.browser
+BUTTONS = {  # that are pressed to open a panel or a window
+    "closed": (),
+    "displays": ("Displays panel",),
+    "views": ("Views panel",),
+    "add": ("Displays panel", "Add a display"),
+    "save": ("Displays panel", "Save the layout (Ctrl+S)"),
+    "open": ("Displays panel", "Open a layout (Ctrl+O)"),
+}
+
+
+@pytest.mark.parametrize("opened", BUTTONS)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_panels_and_windows_serve_keyboard_and_screen_reader(
+    opened: str, scheme: Literal["light", "dark"], bench: Bench
+) -> None:
+    bench.page.emulate_media(color_scheme=scheme)
+    for name in BUTTONS[opened]:
+        bench.press(name)
+    if opened == "displays":
+        for label in ("Global Options", "Marker", "Grid", "Offset"):
+            bench.row(label).press("ArrowRight")
+    assert faults(bench.page, ".course-viewer") == []
+    bench.page.emulate_media(color_scheme=None)
+
+
+def test_the_result_of_a_check_serves_a_screen_reader(one_page: Page) -> None:
+    checks = (
+        CheckResult("The topic is /cube", "public", False, 1.0, 1.0, "", ""),
+        CheckResult("The cube stands on the ground", "public", False, 1.0, 0.0, "expected 0.25 m", "height"),
+    )
+    result = TaskResult("week01.cube", "A cube", 10.0, False, checks, ("line 3: NameError",))
+    table = Table(result, ("Hint: look up.",), ("hello",))
+    one_page.set_content(table._repr_mimebundle_()["text/html"])
+    assert one_page.get_by_role("row").count() >= 2
+    assert faults(one_page, "body > *") == []
+
+
+def test_a_saved_scene_serves_a_screen_reader(one_page: Page, tmp_path: Path) -> None:
+    one_page.goto(save_html(colored(RED), tmp_path / "scene.html").as_uri())
+    one_page.wait_for_selector("canvas")
+    assert faults(one_page) == []
+
+
+def test_a_nameless_button_and_pale_words_are_faults(one_page: Page) -> None:
+    one_page.set_content("<button></button><p style='color: #ccc; background: #fff'>Pale</p>")
+    assert {fault.split(":")[0] for fault in faults(one_page, "body > *")} == {
+        "button-name",
+        "color-contrast",
+    }

@@ -1,0 +1,34 @@
+"""Interact's property Hide Inactive Objects."""
+
+import pytest
+from visualization_msgs.msg import InteractiveMarkerControl as C
+
+from course_lib.displays.panel.orders import OrderDesk
+from tests.displays.interactive.control_stage import Stage, box
+from tests.displays.interactive.pointing import order
+
+HANDLES = "displays/InteractiveMarkers/handles"
+HELD = f"{HANDLES}/box/controls/move"
+OTHERS = (f"{HANDLES}/box/controls/button", f"{HANDLES}/far/controls/turn")
+
+
+def shown(stage: Stage) -> list[bool]:
+    return [stage.viewer.scene.visible(path) for path in (HELD, *OTHERS, f"{HANDLES}/far/controls/button")]
+
+
+@pytest.mark.parametrize("hides", [True, False])
+def test_other_controls_are_hidden_while_one_is_held_but_those_that_are_always_visible(
+    stage: Stage, hides: bool
+) -> None:
+    far = box(C.ROTATE_AXIS, name="far")
+    far.controls[-1].always_visible = True
+    stage.add(far)
+    stage.show(box(C.MOVE_AXIS))
+    session = stage.viewer.session
+    session.tools[0]["Hide Inactive Objects"] = hides
+    desk = OrderDesk(session)
+    desk.carry_out(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
+    desk.carry_out(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
+    assert shown(stage) == [True, not hides, not hides, True]
+    desk.carry_out(order(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
+    assert shown(stage) == [True] * 4

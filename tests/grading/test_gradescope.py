@@ -1,0 +1,234 @@
+"""Gradescope's layout in a temporary root: source, submission, results and the metadata."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.course.course_file import read_course_file
+from course_lib.errors import CourseError
+from course_lib.grading.platforms.gradescope import write_autograder
+from course_lib.grading.platforms.harness import METADATA, grade_upload, results_of
+from course_lib.grading.records import Course
+from tests.grading.platforms import zipped
+
+ROSTER = "id,name,email\nada1,Ada,ada@x.org\nbob2,Bob,bob@x.org\n"
+SOLUTION = Path(__file__).parents[2] / "solutions" / "week01_solution.ipynb"
+VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
+
+
+def metadata(email: str = "ada@x.org", created: str = "2026-10-11T12:00:00.365935-07:00") -> str:
+    user = {"email": email, "id": 1234, "name": "<b>Ada</b>"}
+    return json.dumps({"created_at": created, "users": [user], "previous_submissions": []})
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    root = tmp_path / "autograder"
+    (root / "submission").mkdir(parents=True)
+    (root / METADATA).write_text(metadata())
+    return root
+
+
+Run = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture
+def run(root: Path, course: Course) -> Run:
+    """Grades what lies in the root, and checks the result against Gradescope's published format."""
+
+    def do(roster: str = ROSTER, hidden: str = "after_published") -> dict[str, Any]:
+        if roster:
+            (course.solutions / "roster.csv").write_text(roster)
+        path = grade_upload("week01", root, hidden=hidden, need="partial", course=course)
+        assert path == root / "results/results.json"
+        results: dict[str, Any] = json.loads(path.read_text())
+        for test in results["tests"]:
+            assert test["visibility"] in VISIBILITIES
+            assert test.get("output_format", "text") == "text"
+            assert 0 <= test.get("score", 0) <= test.get("max_score", 0)
+        return results
+
+    return do
+
+
+def test_a_right_answer_gets_all_points_in_visible_and_hidden_tests(
+    root: Path, run: Run, right: str, write_notebook: Callable[..., Path]
+) -> None:
+    write_notebook(root / "submission/week01_exercise.ipynb", right, student="ada1")
+    results = run()
+    assert results["score"] == 110.0
+    shown = {
+        test["name"]: (test["score"], test["max_score"], test["visibility"]) for test in results["tests"]
+    }
+    assert shown == {
+        "A red cube": (30.0, 30.0, "visible"),
+        "A red cube, hidden checks": (30.0, 30.0, "after_published"),
+        "Half of it": (20.0, 20.0, "visible"),
+        "Half of it, hidden checks": (20.0, 20.0, "after_published"),
+        "Your number (bonus)": (10.0, 10.0, "visible"),
+    }
+    assert results["execution_time"] > 0
+    assert results["extra_data"]["status"] == "graded"
+
+
+def test_a_half_right_answer_gets_partial_credit_and_reasons(
+    root: Path, run: Run, right: str, write_notebook: Callable[..., Path]
+) -> None:
+    wrong = right.replace("return length / 2", "return abs(length) / 2").replace("z = 0.5", "z = 0.75")
+    write_notebook(root / "submission/deep/week01_exercise.ipynb", wrong, student="ada1")
+    results = run(hidden="after_due_date")
+    tests = {test["name"]: test for test in results["tests"]}
+    assert tests["A red cube"]["score"] == 15.0
+    assert tests["A red cube"]["status"] == "failed"
+    assert "0.25 m" in tests["A red cube"]["output"]
+    half = tests["Half of it, hidden checks"]
+    assert (half["score"], half["max_score"], half["visibility"]) == (0.0, 20.0, "after_due_date")
+    assert "hidden check 1" in half["output"]
+    assert "3.5" not in half["output"]
+    assert results["score"] == pytest.approx(sum(test["score"] for test in results["tests"]))
+
+
+def test_the_upload_time_decides_about_lateness_and_the_roster_about_the_student(
+    root: Path, run: Run, right: str, write_notebook: Callable[..., Path]
+) -> None:
+    (root / METADATA).write_text(metadata("BOB@x.org", "2026-10-12T12:00:00.000000+02:00"))
+    write_notebook(root / "submission/week01_exercise.ipynb", right, student="ada1")
+    (root / "submission/received.csv").write_text("file,received\nweek01_exercise.ipynb,2026-01-01T00:00Z\n")
+    results = run()
+    assert "1 started day late" in results["output"]
+    assert results["score"] == pytest.approx(99.0)
+    assert "the file names ada1, but bob2 handed it in" in results["output"]
+
+
+def test_without_a_roster_the_file_says_whose_values_count(
+    root: Path, run: Run, right: str, write_notebook: Callable[..., Path]
+) -> None:
+    write_notebook(root / "submission/week01_exercise.ipynb", right, student="anybody")
+    (root / METADATA).unlink()
+    assert run(roster="")["score"] == 110.0
+
+
+@pytest.mark.parametrize(
+    "files",
+    [{}, {"essay.pdf": b"%PDF"}, {"week02_exercise.ipynb": b"{}"}, {"\x1b[31m<script>.exe": b"MZ"}],
+    ids=["nothing", "another file", "another week", "a strange name"],
+)
+def test_a_missing_exercise_gets_no_points_and_is_told_what_was_expected(
+    root: Path, run: Run, files: dict[str, bytes]
+) -> None:
+    for name, data in files.items():
+        (root / "submission" / name).write_bytes(data)
+    results = run()
+    assert results["score"] == 0
+    assert "week01_exercise.ipynb is missing" in results["output"]
+    assert "\x1b" not in results["output"]
+
+
+def test_hostile_files_are_refused_and_the_exercise_counts(
+    root: Path, run: Run, right: str, course: Course, write_notebook: Callable[..., Path]
+) -> None:
+    spy = right + f"# next cell\nprint(open({str(course.solutions / 'checks/week01.py')!r}).read())\n"
+    write_notebook(root / "submission/week01_exercise.ipynb", spy, student="ada1")
+    (root / "submission/link.ipynb").symlink_to(course.solutions / "checks/week01.py")
+    os.mkfifo(root / "submission/pipe.ipynb")
+    (root / "submission/bomb.zip").write_bytes(zipped({"../../week01_exercise.ipynb": b"{}"}))
+    results = run()
+    assert results["score"] == 110.0
+    assert "HIDDEN" not in json.dumps(results)
+    assert "Error" in results["output"]  # of the cell that would read the checks
+
+
+def test_a_fault_of_ours_leaves_no_results_so_that_nobody_gets_zero(
+    root: Path, run: Run, course: Course
+) -> None:
+    (root / "results").mkdir()
+    (root / "results/results.json").write_text("{}")
+    (root / METADATA).write_text('{"users": []')
+    with pytest.raises(CourseError, match=r"submission_metadata\.json can't be read"):
+        run()
+    assert not (root / "results/results.json").exists()
+    failed = {"student": "a", "exercise": "week01_exercise", "file": "x", "twins": (), "received": None}
+    failed |= {"received_from": "", "status": "grader_error", "reason": "OSError", "message": "disk"}
+    with pytest.raises(CourseError, match="not the student's fault: OSError disk"):
+        results_of(failed | {"row": {}}, "hidden")
+
+
+def test_the_zip_has_scripts_at_its_top_and_one_weeks_answers(tmp_path: Path) -> None:
+    (tmp_path / "roster.csv").write_text(ROSTER)
+    made = {"hidden": "hidden", "need": "full", "roster": tmp_path / "roster.csv"}
+    write_autograder("week03", tmp_path / "a.zip", **made)  # type: ignore[arg-type]
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
+        archive.extractall(tmp_path / "source")
+    assert modes["setup.sh"] == modes["run_autograder"] == 0o755
+    answers = {name for name in modes if name.startswith("course/solutions/")}
+    assert answers == {
+        f"course/solutions/{n}" for n in ("week03_solution.ipynb", "checks/week03.py", "roster.csv")
+    }
+    assert not [name for name in modes if "tests/" in name or "__pycache__" in name]
+    assert list(read_course_file(tmp_path / "source/course/exercises/course.toml").weeks) == ["week03"]
+    script = (tmp_path / "source/run_autograder").read_text()
+    assert 'gradescope week03 --run "$root" --hidden hidden --require-sandbox\n' in script
+    for name in ("setup.sh", "run_autograder"):
+        subprocess.run(["bash", "-n", tmp_path / "source" / name], check=True)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"week": "week99"}, "no exercise of 'week99'; weeks with an exercise: week01, week02"),
+        ({"week": "week0\n"}, "no exercise of"),
+        ({"hidden": "never"}, "--hidden never: expected one of after_published"),
+        ({"roster": "id,name\nada1,Ada\n"}, "has no column 'email'"),
+        ({"roster": "id,email\nada1,a@x\nADA1,b@x\n"}, "id 'ada1' is there 2 times"),
+        ({"out": "roster.csv/a.zip"}, "can't be written: File exists. Name another file: --out FILE"),
+    ],
+)
+def test_what_cannot_be_built_says_why(tmp_path: Path, change: dict[str, str], said: str) -> None:
+    roster = None
+    if "roster" in change:
+        roster = tmp_path / "roster.csv"
+        roster.write_text(change["roster"])
+    out = tmp_path / change.get("out", "a.zip")
+    week, hidden = change.get("week", "week01"), change.get("hidden", "hidden")
+    (tmp_path / "roster.csv").touch()
+    with pytest.raises(CourseError, match=re.escape(said)):
+        write_autograder(week, out, hidden=hidden, need="partial", roster=roster)
+
+
+@pytest.mark.slow
+def test_setup_and_run_work_in_gradescopes_layout(tmp_path: Path) -> None:
+    root, tools = tmp_path / "autograder", tmp_path / "bin"
+    for folder in (root / "submission", root / "results", tools):
+        folder.mkdir(parents=True)
+    (tools / "apt-get").write_text('#!/bin/sh\n[ "$1" = update ]\n')  # the image's packages are there
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    (tools / version).symlink_to(sys.executable)
+    (tools / "apt-get").chmod(0o755)
+    write_autograder("week01", tmp_path / "a.zip", hidden="hidden", need="partial", roster=None)
+    subprocess.run([sys.executable, "-m", "zipfile", "-e", tmp_path / "a.zip", root / "source"], check=True)
+    (root / "run_autograder").write_bytes((root / "source/run_autograder").read_bytes())
+    venv.create(root / "venv", with_pip=True)
+    packages = next((root / "venv/lib").glob("python*/site-packages"))
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")  # not downloaded again
+    environment = os.environ | {"PATH": f"{tools}:{os.environ['PATH']}"}
+    done = subprocess.run(
+        ["bash", root / "source/setup.sh"], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    (root / "submission/week01_exercise.ipynb").write_bytes(SOLUTION.read_bytes())
+    done = subprocess.run(
+        ["bash", root / "run_autograder"], cwd=root, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads((root / "results/results.json").read_text())["score"] == 110.0

@@ -1,0 +1,99 @@
+"""rosbag2_py: the options of writers, and what the kit does not have."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rosbag2_py
+from rclpy.serialization import serialize_message
+from std_msgs.msg import String
+
+from tests.ros.test_rosbag2_py import NO_CONVERSION, reader_of, rest, topic
+
+
+def filled(folder: Path, *, writer: rosbag2_py.SequentialWriter | None = None, **options: Any) -> str:
+    """Write messages 0 to 9 at 100 to 109 ns with a writer of these options; return what the bag holds."""
+    writer = writer or rosbag2_py.SequentialWriter()
+    writer.open(rosbag2_py.StorageOptions(uri=str(folder), **options), NO_CONVERSION)
+    writer.create_topic(topic("/a"))
+    for number in range(10):
+        writer.write("/a", serialize_message(String(data=str(number))), 100 + number)
+        if options.get("snapshot_mode") and number == 7:
+            assert writer.take_snapshot()
+    writer.close()
+    return rest(reader_of(folder))
+
+
+SIZE = len(serialize_message(String(data="0")))
+
+
+@pytest.mark.parametrize(
+    ("options", "digits"),
+    [
+        ({"start_time_ns": 103, "end_time_ns": 105}, "345"),
+        ({"snapshot_mode": True, "max_cache_size": 3 * SIZE}, "567"),
+        ({"storage_preset_profile": "zstd_small"}, "0123456789"),
+        ({"storage_id": "sqlite3", "storage_preset_profile": "resilient"}, "0123456789"),
+    ],
+)
+def test_a_writer_s_options_choose_what_is_written(
+    tmp_path: Path, options: dict[str, Any], digits: str
+) -> None:
+    assert filled(tmp_path / "bag", **options) == digits
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("mode", ["FILE", "MESSAGE"])
+def test_a_compressed_bag_is_read_as_it_was_written(tmp_path: Path, storage: str, mode: str) -> None:
+    chosen = rosbag2_py.compression_mode_from_string(mode.lower())
+    writer = rosbag2_py.SequentialCompressionWriter(rosbag2_py.CompressionOptions("zstd", chosen))
+    assert filled(tmp_path / "bag", writer=writer, storage_id=storage) == "0123456789"
+    about = rosbag2_py.Info().read_metadata(str(tmp_path / "bag"), storage)
+    assert (about.compression_format, about.compression_mode) == ("zstd", mode.lower())
+
+
+def test_data_of_the_user_s_own_stand_in_the_metadata(tmp_path: Path) -> None:
+    filled(tmp_path / "bag", custom_data={"robot": "ten"})
+    assert rosbag2_py.Info().read_metadata(str(tmp_path / "bag"), "mcap").custom_data == {"robot": "ten"}
+
+
+def test_a_bag_that_is_asked_to_be_several_files_says_that_it_is_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert filled(tmp_path / "bag", max_bagfile_size=10) == "0123456789"
+    assert capsys.readouterr().out == "A bag of the kit is one file. max_bagfile_size=10 changes nothing.\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"snapshot_mode": True}, "Max cache size must be greater than 0 when snapshot mode is enabled"),
+        ({"storage_preset_profile": "fast"}, r"unknown storage preset profile \(valid options are none, "),
+        ({"storage_config_uri": "mcap.yaml"}, "The kit reads no storage_config_uri"),
+    ],
+)
+def test_an_option_that_the_kit_does_not_have_is_refused(
+    tmp_path: Path, options: dict[str, Any], text: str
+) -> None:
+    with pytest.raises(RuntimeError, match=text):
+        filled(tmp_path / "bag", **options)
+    assert not (tmp_path / "bag").exists()
+
+
+@pytest.mark.parametrize(
+    ("use", "text"),
+    [
+        (rosbag2_py.Player, r"The kit has no rosbag2_py\.Player\. Instead: ros2 bag play"),
+        (rosbag2_py.RecordOptions, r"no rosbag2_py\.RecordOptions\. Instead: ros2 bag record"),
+        (rosbag2_py.bag_rewrite, "Instead: SequentialReader and SequentialWriter"),
+        (lambda: rosbag2_py.CompressionOptions("lz4", rosbag2_py.CompressionMode.FILE).checked(), "zstd"),
+        (lambda: rosbag2_py.compression_mode_from_string("x"), "Choose NONE, FILE or MESSAGE"),
+        (
+            lambda: rosbag2_py.SequentialCompressionWriter(rosbag2_py.CompressionOptions()),
+            "requires a CompressionMode that is not NONE!",
+        ),
+    ],
+)
+def test_what_the_kit_does_not_have_is_refused_with_what_to_do(use: Any, text: str) -> None:
+    with pytest.raises(RuntimeError, match=text):
+        use()

@@ -1,0 +1,80 @@
+"""The sdist and the wheel, as an index would get them."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from course_lib.course.installation import checkout_root
+
+pytestmark = pytest.mark.slow
+LARGEST_WHEEL = 2 * 2**20  # [B]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with an sdist, and the wheel that was built from it."""
+    out = tmp_path_factory.mktemp("dist")
+    build(out)
+    return out
+
+
+def build(out: Path, *which: str) -> None:
+    # A copy: hatchling takes what stands in the folder, and tests beside this one write there.
+    copy = out.parent / f"{out.name}_source"
+    subprocess.run(["git", "clone", "-q", str(checkout_root()), str(copy)], check=True)
+    command = [sys.executable, "-m", "build", "--no-isolation", *which, "--outdir", str(out), str(copy)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def wheel(folder: Path) -> Path:
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+def test_sdist_and_wheel_are_what_an_index_accepts(built: Path) -> None:
+    command = [sys.executable, "-m", "twine", "check", "--strict", *map(str, built.iterdir())]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+    assert len(list(built.iterdir())) == 2
+
+
+def test_the_wheel_of_the_sdist_and_of_the_checkout_are_equal(built: Path, tmp_path: Path) -> None:
+    build(tmp_path / "again", "--wheel")
+    assert wheel(built).read_bytes() == wheel(tmp_path / "again").read_bytes()
+
+
+def test_the_wheel_is_small_and_holds_no_answers(built: Path) -> None:
+    assert wheel(built).stat().st_size <= LARGEST_WHEEL
+    with zipfile.ZipFile(wheel(built)) as archive:
+        tops = {name.split("/")[0] for name in archive.namelist()}
+        assert {top.split("-")[0] for top in tops} == {"course_lib"}
+        assert not [
+            name for name in archive.namelist() if "HIDDEN = {" in archive.read(name).decode(errors="replace")
+        ]
+
+
+def test_the_installed_wheel_shows_the_demo(built: Path, tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        "--no-deps",
+        "--target",
+        str(site),
+        str(wheel(built)),
+    ]
+    subprocess.run(install, check=True, capture_output=True)
+    run = [sys.executable, "-m", "course_lib", "demo"]
+    done = subprocess.run(
+        run, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(site)}, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert str(site) not in done.stderr
