@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -11,16 +12,26 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from course_lib.authoring.mutants import mutants, operators
+from course_lib.course.installation import solutions_dir
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import run_scenarios
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, solution
-from tests.notebooks.test_answers import rounds
 
 
 def submissions(week: str, most: int) -> list[list[str]]:
     """Return the cells of the solution and of so many of its mutants at most, spread over all of them."""
-    mutants = [parameters.values[2] for parameters in rounds(week)]
-    return [cells_of(solution(week)), *mutants[:: -(-len(mutants) // max(most, 1)) or 1][:most]]
+    cells, names = cells_of(solution(week)), "|".join(task.name for task in catalog().of_week(week))
+    places = [
+        n for n, cell in enumerate(cells) if re.search(rf"^(class|def) ({names})\b", cell, re.MULTILINE)
+    ]
+    mutated = [
+        [*cells[:place], mutant, *cells[place + 1 :]]
+        for place in places
+        for _, mutant in mutants(cells[place], operators(solutions_dir()))
+    ]
+    step = max(len(mutated) // max(most, 1), 1)
+    return [cells, *mutated[::step][:most]]
 
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
