@@ -10,6 +10,7 @@ from course_lib.displays.frames import Frames
 from course_lib.displays.node import RvizNode
 from course_lib.displays.properties import Property, PropertyHolder, flag
 from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.displays.view_time import ViewTime
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos, incompatible
 from course_lib.viewer.camera import Camera
@@ -33,7 +34,7 @@ class Context:
 
     scene: Scene  # what they draw into
     frames: Frames  # where frames are
-    now_ns: int = 0  # robot time, [ns]
+    time: ViewTime
     # called with new interests, to get what publishers hold for latecomers
     joined: Callable[[Iterable[Interest]], None] = lambda interests: None
     # called when a property has changed, to show it immediately
@@ -48,6 +49,11 @@ class Context:
         if not self.is_seen:
             self.is_seen = True
             self.touched()
+
+    @property
+    def now_ns(self) -> int:
+        """ROS time, [ns]."""
+        return self.time.now_ns
 
     def follow(self, frame: str) -> tuple[str, Matrix] | None:
         """Return a node of the scene that moves with a frame, and its transform to the fixed frame.
