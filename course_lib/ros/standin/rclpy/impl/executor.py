@@ -20,7 +20,7 @@ from rclpy.exceptions import (
     TimeoutException,
 )
 from rclpy.impl.callback import CallbackTask
-from rclpy.impl.node_handle import Entity, HandledNode, Turn
+from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
 from rclpy.task import Future, Task
 from rclpy.utilities import timeout_sec_to_nsec
 
@@ -41,7 +41,7 @@ class Executor(AbstractContextManager["Executor"]):
         self.context = context or get_default_context()  # whose shutdown ends it
         if not self.context.is_valid:
             raise NotInitializedException("cannot create executor")
-        self._nodes: dict[HandledNode, None] = {}  # a set that keeps its order
+        self._nodes: dict[HandledNode, NodeHandle] = {}  # in the order of their coming
         self._tasks: list[Task] = []
         self._under_way: dict[int, Task] = {}  # by thread identifier
         self._num_threads = 1
@@ -63,7 +63,7 @@ class Executor(AbstractContextManager["Executor"]):
         """Run a node's callbacks from now on; False if it does already."""
         if node in self._nodes:
             return False
-        self._nodes[node] = None
+        self._nodes[node] = node.handle
         self._name_nodes()
         node.handle.graph.wake(node.handle.id)
         former, node.handle.executor = node.handle.executor, self
@@ -214,11 +214,11 @@ class Executor(AbstractContextManager["Executor"]):
         for task in self._tasks:
             if task.can_go_on():
                 return True
-        return any(node.handle.first_ready() for node in self._nodes) if self._nodes else False
+        return any(handle.first_ready() is not None for handle in self._nodes.values())
 
     def _name_nodes(self) -> None:
         """Note what it waits for, for the message about a deadlock: each wait says it, few need it."""
-        names = ", ".join(node.handle.full_name for node in self._nodes)
+        names = ", ".join(handle.full_name for handle in self._nodes.values())
         self._what = f"a callback of {names or 'no node'}"
 
     def is_held_up(self, entity: Entity) -> bool:
@@ -237,16 +237,16 @@ class Executor(AbstractContextManager["Executor"]):
                 self._tasks.remove(task)
                 return task
         while True:
-            first: tuple[Turn, HandledNode] | None = None
-            for node in self._nodes:
-                turn = node.handle.first_ready()
-                if turn is not None and (first is None or turn.order < first[0].order):
-                    first = turn, node
+            first: Turn | None = None
+            for handle in self._nodes.values():
+                turn = handle.first_ready()
+                if turn is not None and (first is None or turn.order < first.order):
+                    first = turn
             if first is None:
                 return None
-            call = first[1].handle.take(first[0])
+            call = first.entity.node_handle.take(first)
             if call is not None:
-                return self._begin(first[0], call)
+                return self._begin(first, call)
 
     def _begin(self, turn: Turn, call: Callable[[], object]) -> Task:
         turn.entity.callback_group.beginning_execution(turn.entity)
