@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from course_lib.errors import CourseError
+
 if TYPE_CHECKING:
     from course_lib.grading.jail.isolation import Need
 
@@ -53,4 +55,48 @@ def gradescope(
         typer.echo(f"Wrote {grade_upload(week, run, hidden=hidden, need=need)}")
         return
     for line in write_autograder(week, out, hidden=hidden, need=need, roster=roster):
+        typer.echo(line)
+
+
+@classes.command()
+def term(
+    out: Graded,
+    roster: Annotated[Path, typer.Option(help="The class list: id,name,email,section,group,login.")],
+    exemptions: Annotated[Path | None, typer.Option(help="A CSV: id,week,reason.")] = None,
+    quizzes: Annotated[Path | None, typer.Option(help="A CSV, if quizzes count: id,week,percent.")] = None,
+) -> None:
+    """Write term.csv, the marks of all weeks with totals, and name those without a hand-in."""
+    from course_lib.grading.term.term import Files, write_term
+
+    for line in write_term(out, Files(roster, exemptions, quizzes)):
+        typer.echo(line)
+
+
+@classes.command()
+def regrade(
+    out: Graded,
+    about: Annotated[
+        list[str] | None, typer.Argument(metavar="[STUDENT EXERCISE]", help="To answer.")
+    ] = None,
+    answer: Annotated[str, typer.Option(help="The answer, which the report shows.")] = "",
+    requests: Annotated[
+        Path | None, typer.Option(help="A folder of STUDENT/week01_exercise.txt, to enter.")
+    ] = None,
+) -> None:
+    """Enter requests to look at marks again, list those that wait, or answer one."""
+    from course_lib.grading.term.regrade import answer as reply
+    from course_lib.grading.term.regrade import take_in, waiting
+
+    if requests is not None and not about and not answer:
+        lines = take_in(out, requests)
+    elif requests is None and answer and about and len(about) == len(("STUDENT", "EXERCISE")):
+        lines = reply(out, about[0], about[1], answer)
+    elif requests is None and not about and not answer:
+        lines = waiting(out)
+    else:
+        raise CourseError(
+            "write: course regrade OUT; or: course regrade OUT --requests FOLDER; "
+            'or: course regrade OUT STUDENT EXERCISE --answer "TEXT"'
+        )
+    for line in lines:
         typer.echo(line)

@@ -71,6 +71,29 @@ class WeekSettings:
 
 
 @dataclass(frozen=True)
+class Term:
+    """The way from the marks of weeks to a total.
+
+    Args:
+        weights: Of weeks; 1 for each that is not named.
+        drop_lowest: The number of lowest weeks of each student that do not count.
+        group_weeks: In these the hand-in of one student counts for the whole group.
+        quiz_percent: The share of the quizzes in the total.
+    """
+
+    weights: Mapping[str, float] = field(default_factory=dict)
+    drop_lowest: float = 0.0
+    group_weeks: tuple[str, ...] = ()
+    quiz_percent: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.drop_lowest % 1:
+            raise CourseError(f"drop_lowest: {self.drop_lowest:g}, expected a whole number of weeks")
+        if self.quiz_percent > 100:
+            raise CourseError(f"quiz_percent: {self.quiz_percent:g}, expected 0 to 100")
+
+
+@dataclass(frozen=True)
 class CourseFile:
     """All of course.toml."""
 
@@ -80,8 +103,12 @@ class CourseFile:
     late: Late = Late()
     limits: Limits = Limits()
     counts: Counts = "last"  # of several submissions
+    term: Term = Term()
 
     def __post_init__(self) -> None:
+        for week in (*self.term.weights, *self.term.group_weeks):
+            if week not in self.weeks or not self.weeks[week].points:
+                raise CourseError(f"term: {week!r} is not a week with points")
         if strange := [week for week in self.weeks if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
@@ -141,13 +168,16 @@ def read_course_file(path: Path) -> CourseFile:
     """Read and check course.toml.
 
     Raises:
-        CourseError: Naming the file and the key that is missing, unknown or of a wrong kind.
+        CourseError: Naming the file, the line and the key that is missing, unknown or of a wrong kind.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        course: CourseFile = _read(CourseFile, tomllib.loads(text))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
-    course: CourseFile = _read(CourseFile, table, str(path))
+    except _MisfitError as error:
+        line = _line_of(text, error.keys)
+        raise CourseError(f"{path}{f' line {line}' if line else ''}: {error}") from error
     return course
 
 
@@ -166,32 +196,62 @@ KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     float: (lambda v: type(v) in (int, float) and 0 <= v < math.inf, "a number of at least 0", float),
     ZoneInfo: (lambda v: str(v) in available_timezones(), 'a name such as "Europe/Paris"', ZoneInfo),
     Counts: (lambda v: v in get_args(Counts), '"last" or "best"', str),
+    tuple[str, ...]: (
+        lambda v: isinstance(v, list) and all(isinstance(item, str) for item in v),
+        "a list of texts",
+        tuple,
+    ),
     datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
 }
 KINDS[datetime | None] = KINDS[datetime]
 KINDS[ZoneInfo | None] = KINDS[ZoneInfo]
 
 
-def _read(kind: Any, value: Any, where: str) -> Any:
+class _MisfitError(CourseError):
+    """A value of course.toml that does not fit, with the keys that lead to it."""
+
+    def __init__(self, keys: tuple[str, ...], text: str) -> None:
+        super().__init__(": ".join((*keys, text)))
+        self.keys = keys
+
+
+def _line_of(text: str, keys: tuple[str, ...]) -> int:
+    """Return the line of the key, or of the innermost table on the way to it that has one; else 0."""
+    table: tuple[str, ...] = ()
+    best = (0, 0)  # how many keys fit, and the line
+    for number, line in enumerate(text.splitlines(), 1):
+        if heading := re.match(r"\s*\[([^\[\]]+)\]", line):
+            table = place = tuple(part.strip() for part in heading[1].split("."))
+        elif entry := re.match(r"\s*([\w.-]+)\s*=", line):
+            place = (*table, *entry[1].split("."))
+        else:
+            continue
+        if place == keys[: len(place)] and len(place) > best[0]:
+            best = (len(place), number)
+    return best[1]
+
+
+def _read(kind: Any, value: Any, keys: tuple[str, ...] = ()) -> Any:
     """Convert a value of TOML to the type of an annotation; a table becomes the dataclass."""
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
             came = repr(value) if isinstance(value, str) else value
-            raise CourseError(f"{where}: {came}, expected {expected}")
+            raise _MisfitError(keys, f"{came}, expected {expected}")
         return make(value)
     if not isinstance(value, dict):
-        raise CourseError(f"{where}: {value!r}, expected a table")
+        raise _MisfitError(keys, f"{value!r}, expected a table")
     if get_origin(kind) is Mapping:
-        return {key: _read(get_args(kind)[1], item, f"{where}: {key}") for key, item in value.items()}
+        return {key: _read(get_args(kind)[1], item, (*keys, key)) for key, item in value.items()}
     hints = get_type_hints(kind)
     if strange := sorted(value.keys() - hints.keys()):
-        raise CourseError(f"{where}: unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}")
+        text = f"unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}"
+        raise _MisfitError((*keys, strange[0]), text)
     needed = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
     if missing := sorted(needed - value.keys()):
-        raise CourseError(f"{where}: the key {missing[0]!r} is missing")
-    items = {key: _read(hints[key], item, f"{where}: {key}") for key, item in value.items()}
+        raise _MisfitError(keys, f"the key {missing[0]!r} is missing")
+    items = {key: _read(hints[key], item, (*keys, key)) for key, item in value.items()}
     try:
         return kind(**items)
     except CourseError as error:
-        raise CourseError(f"{where}: {error}") from error
+        raise _MisfitError(keys, str(error)) from error

@@ -42,7 +42,7 @@ from course_lib.grading.records import (
     this_course,
     writing,
 )
-from course_lib.grading.reports.report import is_current, page_digest, report
+from course_lib.grading.reports.report import is_current, page_digest, report, requests_of
 from course_lib.grading.reports.table import (
     NO_REPORT,
     Line,
@@ -152,7 +152,7 @@ def _is_done(attempts: Attempts, out: Path) -> bool:
         return False
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     page = report_path(out, attempts.student, attempts.exercise)
-    return is_current(page, page_digest(result.digest, marks))
+    return is_current(page, page_digest(result.digest, marks, requests_of(result, out)))
 
 
 def _kept(attempts: Attempts, out: Path) -> Result | None:

@@ -18,7 +18,7 @@ from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.jail.isolation import Need
 
 LOCK = ".lock"
-KEPT = ("results", "evidence", "marks", "reports", "copies", "preflight")
+KEPT = ("results", "evidence", "marks", "requests", "reports", "copies", "preflight")
 
 
 @dataclass(frozen=True)

@@ -119,6 +119,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         handed_in = (folder / "week01_exercise.ipynb").read_bytes()
         archive.writestr("Ada_101_assignsubmission_file_/week01_exercise.ipynb", handed_in)
     (folder / "worksheet.csv").write_text("Identifier,Full name,ID number,Grade\nParticipant 101,Ada,ada,\n")
+    (folder / "roster.csv").write_text("id,name,email\nada,Ada,ada@x.org\n")
+    (folder / "requests" / "ada").mkdir(parents=True)
+    (folder / "requests" / "ada" / "week01_exercise.txt").write_text("My cube is right.")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")

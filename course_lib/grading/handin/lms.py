@@ -12,6 +12,7 @@ from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.platform_files import LmsFile
 from course_lib.grading.reports.table import printable
 
+TERM, TERM_TABLE = "term", "term.csv"  # instead of an exercise, and what `course term` writes
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the most that each column gives
 MAXIMUM = "maximum grade"  # Moodle's column of it, in English
 FINAL = ("graded", "limit")
@@ -41,7 +42,7 @@ def fill_lms(
         out: The folder with gradebook.csv.
         lms: The platform's export.
         target: The file to write.
-        exercise: "week01_exercise".
+        exercise: "week01_exercise", or "term" for the totals of the term.
         column: Its heading there.
         id_column: The heading of the students' IDs.
         raw: Use the score before the late policy.
@@ -108,19 +109,26 @@ def _fill(
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
-    path = out / "gradebook.csv"
+    is_term = exercise == TERM
+    path = out / (TERM_TABLE if is_term else "gradebook.csv")
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+            rows = [_of_term(row) if is_term else row for row in csv.DictReader(file)]
         marks = {_key(row["student"]): row for row in rows if row["exercise"] == exercise}
     except (OSError, UnicodeError, KeyError, csv.Error) as error:
-        raise CourseError(
-            f"{path} can't be read: {error!r}. Type: course grade SUBMISSIONS --out {out}"
-        ) from error
+        command = f"term {out} --roster roster.csv" if is_term else f"grade SUBMISSIONS --out {out}"
+        raise CourseError(f"{path} can't be read: {error!r}. Type: course {command}") from error
     if not marks:
         known = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
         raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known}.")
     return marks
+
+
+def _of_term(row: Mapping[str, str]) -> dict[str, str]:
+    """Return a line of the term as one of the gradebook; a total is final when no week is open."""
+    total, is_final = row["total"], row["total"] and not row["open"]
+    same = {"student": row["student"], "exercise": TERM, "score": total, "final": total, "max_score": "100"}
+    return {**same, "status": "graded" if is_final else "open"}
 
 
 def _key(text: str) -> str:

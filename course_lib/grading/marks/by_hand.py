@@ -36,8 +36,8 @@ def mark_by_hand(
     Args:
         out: The folder that `course grade` wrote.
         student: As it stands in the gradebook.
-        exercise: "week05_exercise".
-        task: "week05.essay", or "essay".
+        exercise: "week01_exercise".
+        task: "week01.essay", or "essay".
         points: A number: for the row, else for the whole task instead of what the checks give.
         row: Of the rubric: its number from 1, or how it begins.
         comment: For the student.
@@ -47,8 +47,8 @@ def mark_by_hand(
         CourseError: No such student, exercise, task or row; too many points; or `out` is in use.
     """
     number, catalog = _number(points), catalog_of(course or this_course())
-    student = _known(student, out / "results", "student")
-    exercise = _known(exercise, out / "results" / student, "exercise")
+    student = known_name(student, out / "results", "student")
+    exercise = known_name(exercise, out / "results" / student, "exercise")
     path = result_path(out, student, exercise)
     with sole_use(out), writing(out):
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
@@ -69,7 +69,7 @@ def _number(points: str) -> float:
         raise CourseError(f"{points!r} is not a number of points") from error
 
 
-def _known(name: str, folder: Path, what: str) -> str:
+def known_name(name: str, folder: Path, what: str) -> str:
     """Return the name of a student or an exercise as the results have it.
 
     Raises:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.identity import normalise
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.grade import grade
@@ -24,7 +23,7 @@ from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.records import Course, catalog_of, result_path
+from course_lib.grading.records import Course, catalog_of, result_path, this_course
 from course_lib.grading.reports.table import printable, rows, say
 from course_lib.grading.term.class_list import read_class_list
 
@@ -65,7 +64,7 @@ def grade_upload(week: str, root: Path, *, hidden: str, need: Need, course: Cour
         CourseError: A fault that is not the student's; then there is no results.json, so that Gradescope
             shows an error of the autograder and no mark.
     """
-    begin, course = time.monotonic(), course or Course(exercises_dir(), solutions_dir())
+    begin, course = time.monotonic(), course or this_course()
     target = root / "results" / "results.json"
     target.parent.mkdir(exist_ok=True)
     target.unlink(missing_ok=True)

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.sender import Platform, PlatformName, platform_name
 from course_lib.grading.marks.mark import Result, results_in
 from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.records import Course, catalog_of, marks_path, writing
+from course_lib.grading.records import Course, catalog_of, marks_path, this_course, writing
 from course_lib.grading.reports.report import standalone
 from course_lib.grading.reports.table import printable
 
@@ -72,7 +71,7 @@ def feedback(out: Path, lms: str, *, course: Course | None = None) -> list[str]:
     if lms not in FORMATS:
         raise CourseError(f"--lms {lms}: expected one of {', '.join(FORMATS)}")
     form = FORMATS[lms]
-    course = course or Course(exercises_dir(), solutions_dir())
+    course = course or this_course()
     lines, ready = _ready(out, form)
     wrote = []
     for exercise, group in ready.items():

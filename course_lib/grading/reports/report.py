@@ -11,6 +11,7 @@ from course_lib.grading.catalog import Catalog
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.marks.mark import Result
 from course_lib.grading.marks.marks import HandMark
+from course_lib.grading.marks.requests import RegradeRequest, read_requests, requests_path
 from course_lib.grading.records import digest_of, evidence_path, report_path
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.reports.table import Row, fill, scored_rows
@@ -36,8 +37,9 @@ def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalo
     """
     tasks = _sections(result, marks, out, catalog)
     script = shared_script(out / "reports") if any(task["figures"] for task in tasks) else ""
-    page = _page(result, marks, catalog, tasks, script=script)
     submission = result.submission
+    asked = requests_of(result, out)
+    page = _page(result, marks, asked, catalog, tasks, script=script)
     write_whole(report_path(out, submission.student, submission.exercise), page)
 
 
@@ -50,14 +52,14 @@ def standalone(result: Result, marks: Sequence[HandMark], out: Path, catalog: Ca
         out: The folder of records, which has the evidence for the scenes.
         catalog: The tasks with their hidden scenarios.
     """
-    tasks, viewer = _sections(result, marks, out, catalog), bundle_script()
+    tasks, viewer, asked = _sections(result, marks, out, catalog), bundle_script(), requests_of(result, out)
     sizes = [len(figure.view) for task in tasks for figure in task["figures"] if figure.view]
     if not sizes:
-        return _page(result, marks, catalog, tasks)
-    rest = len(_page(result, marks, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
+        return _page(result, marks, asked, catalog, tasks)
+    rest = len(_page(result, marks, asked, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
     if rest + sum(sizes) > MAX_ALONE:
         tasks = _sections(result, marks, out, catalog, _share(sizes, MAX_ALONE - rest))
-    return _page(result, marks, catalog, tasks, viewer=viewer)
+    return _page(result, marks, asked, catalog, tasks, viewer=viewer)
 
 
 def _share(sizes: Sequence[int], room: int) -> int:
@@ -70,9 +72,15 @@ def _share(sizes: Sequence[int], room: int) -> int:
     return max(sizes)
 
 
+def requests_of(result: Result, out: Path) -> tuple[RegradeRequest, ...]:
+    """Return the student's requests about an exercise, with the answers."""
+    return read_requests(requests_path(out, result.submission.student, result.submission.exercise))
+
+
 def _page(
     result: Result,
     marks: Sequence[HandMark],
+    asked: Sequence[RegradeRequest],
     catalog: Catalog,
     tasks: Sequence[Mapping[str, Any]],
     *,
@@ -102,14 +110,15 @@ def _page(
         max_output=MAX_OUTPUT,
         script=script,
         viewer=Markup(viewer),
-        page_digest=page_digest(result.digest, marks),
+        asked=asked,
+        page_digest=page_digest(result.digest, marks, asked),
     )
     return page.encode("utf-8", "replace")
 
 
-def page_digest(result: str, marks: Iterable[HandMark]) -> str:
-    """Return the digest of all that a page depends on: that of the result, and the points of persons."""
-    return digest_of([result, [asdict(mark) for mark in marks]])
+def page_digest(result: str, marks: Iterable[HandMark], asked: Iterable[RegradeRequest] = ()) -> str:
+    """Return the digest of all that a page depends on: that of the result, points of persons, requests."""
+    return digest_of([result, [asdict(mark) for mark in marks], [asdict(one) for one in asked]])
 
 
 def is_current(path: Path, digest: str) -> bool:

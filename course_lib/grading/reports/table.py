@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 FOR_A_PERSON = "noted; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
@@ -85,6 +86,11 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
 def fill(template: str, **values: Any) -> str:
     """Return a page of templates/, in which every text is escaped."""
     return _templates().get_template(template).render(values)
+
+
+def harmless(value: Any) -> Any:
+    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
 def printable(line: str) -> str:
@@ -161,7 +167,7 @@ def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
             for check in (check for check in task["checks"] if check.get("broken")):
                 what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
                 met.setdefault(what, []).append(result["student"])
-    return [f"A check could not judge {_few(students)}: {what}. {MEND}" for what, students in met.items()]
+    return [f"A check could not judge {few(students)}: {what}. {MEND}" for what, students in met.items()]
 
 
 def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
@@ -170,9 +176,10 @@ def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
     for result in results:
         for note in (note for note in result["notes"] if note.startswith(NO_REPORT)):
             lost.setdefault(note, []).append(result["student"])
-    return [f"{note} ({_few(students)}). The marks are right." for note, students in lost.items()]
+    return [f"{note} ({few(students)}). The marks are right." for note, students in lost.items()]
 
 
-def _few(students: list[str]) -> str:
+def few(students: list[str]) -> str:
+    """Return the first names of a list, and how many there are besides."""
     shown = ", ".join(students[:MOST_NAMED])
     return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)
