@@ -38,9 +38,9 @@ LACKS = re.compile(r"No module named '([^'.]+)")
 class Row:
     """One program, launch file or layout: its place, what it is given, what became of it and why.
 
-    `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs` (of a
-    launch file `described`, of a layout `kept`), `needs` (a module or package that is not there, `reason`), or
-    `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
+    `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs`
+    (of a launch file `described`, of a layout `kept`), `needs` (a module or package that is not there,
+    `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
     """
 
     repository: str
