@@ -135,7 +135,11 @@ def write_exercises() -> list[Path]:
     """Write every exercise again from its solution; return the files that changed."""
     changed = []
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
-        text, path = notebook_text(exercise_from(read_notebook(solution))), exercise_path(solution)
+        path = exercise_path(solution)
+        try:
+            text = notebook_text(exercise_from(read_notebook(solution)))
+        except CourseError as error:
+            raise CourseError(f"{solution}: {error}") from error
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_whole(path, text.encode())
             changed.append(path)
