@@ -169,18 +169,18 @@ def view(
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,
+    use_sim_time: Annotated[bool, typer.Option(help="Follow the /clock of --robot.")] = False,
 ) -> None:
     """Show a layout, play a recording or see a robot through it, in a browser's tab."""
-    from course_lib.displays.render import view as show
-    from course_lib.displays.robot_view import view_robot
+    from course_lib.displays import render, robot_view
 
     to = address(robot, domain, send, None)
     if to is None:
-        show(bag, rviz, port=port, token=token, browser=browser)
+        render.view(bag, rviz, port=port, token=token, browser=browser)
     elif bag is not None:
         raise CourseError("Say what to show: --bag folder, or --robot tcp/HOST:7447.")
     else:
-        view_robot(to, rviz, port=port, token=token, browser=browser)
+        robot_view.view_robot(to, rviz, port=port, token=token, browser=browser, use_sim_time=use_sim_time)
 
 
 @bag.command()

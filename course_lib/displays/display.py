@@ -10,6 +10,7 @@ from course_lib.displays.frames import Frames
 from course_lib.displays.node import RvizNode
 from course_lib.displays.properties import Property, PropertyHolder, flag
 from course_lib.displays.statuses import Statuses, StatusRow
+from course_lib.displays.view_time import ViewTime
 from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos, incompatible
 from course_lib.viewer.camera import Camera
@@ -33,13 +34,26 @@ class Context:
 
     scene: Scene  # what they draw into
     frames: Frames  # where frames are
-    now_ns: int = 0  # robot time, [ns]
+    time: ViewTime
     # called with new interests, to get what publishers hold for latecomers
     joined: Callable[[Iterable[Interest]], None] = lambda interests: None
     # called when a property has changed, to show it immediately
     touched: Callable[[], None] = lambda: None
     node: RvizNode | None = None  # of the viewer in the running graph; a recording has none
+    is_seen: bool = True  # False where no page can show the scene, as long as nobody asks for it
+    draws: bool = True  # whether the frame that is made is seen: by a page, or because somebody asks for it
     _followed: dict[str, Matrix] = field(default_factory=dict)
+
+    def show(self) -> None:
+        """Draw what was left out while no page could show it, and all that comes from now on."""
+        if not self.is_seen:
+            self.is_seen = True
+            self.touched()
+
+    @property
+    def now_ns(self) -> int:
+        """ROS time, [ns]."""
+        return self.time.now_ns
 
     def follow(self, frame: str) -> tuple[str, Matrix] | None:
         """Return a node of the scene that moves with a frame, and its transform to the fixed frame.

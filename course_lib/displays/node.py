@@ -4,6 +4,7 @@ from collections.abc import Callable
 from itertools import count
 from typing import Any
 
+from course_lib.displays.view_time import ViewTime
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import deserialize, serialize, service_class, type_name
 from course_lib.ros.qos import Qos
@@ -17,8 +18,9 @@ Message = Any  # of the generated classes, which are known by name only
 class RvizNode:
     """A node that is in the graph from its first use."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, time: ViewTime) -> None:
         self._graph = graph
+        self._time = time
         self._node: int | None = None
         self._publishers: dict[tuple[str, str, Qos], int] = {}  # endpoints
         self._clients: dict[str, int] = {}  # the endpoints that send requests, by service
@@ -27,8 +29,8 @@ class RvizNode:
 
     @property
     def now_ns(self) -> int:
-        """Robot time, [ns]."""
-        return self._graph.now_ns
+        """ROS time, [ns]."""
+        return self._time.ros_ns(self._graph.now_ns)
 
     def publish(self, topic: str, type_name: str, qos: Qos, message: Message) -> None:
         """Publish a message on a fully resolved topic."""

@@ -13,9 +13,10 @@ from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
 from course_lib.displays.marker.store import ADD
+from course_lib.displays.own_topics import TF
 from course_lib.displays.panel.desk import Desk
 from course_lib.displays.panel.time_panel import Playback, TimePanel
-from course_lib.displays.session import TF, RvizSession
+from course_lib.displays.session import RvizSession
 from course_lib.recording import Recording, read_bag
 from course_lib.ros import wall
 from course_lib.viewer.film import Film
@@ -61,7 +62,7 @@ def film_of(
     context = session.context
     film = Film(context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned)
     playback, end_ns = Playback(session, recording), _end_ns(recording, at)
-    for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.frame_rate)):
+    for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.time.frame_rate)):
         playback.go_to(now_ns)
     playback.go_to(end_ns)
     film.stop()

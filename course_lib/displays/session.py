@@ -1,7 +1,6 @@
 """RViz without a window: its displays, and the order in which messages change the scene."""
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -16,19 +15,17 @@ from course_lib.displays.display import (
     reaches,
     silence,
 )
-from course_lib.displays.frames import NS, Frames
+from course_lib.displays.frames import Frames
 from course_lib.displays.layout import Layout, Options, text_at
+from course_lib.displays.own_topics import OwnTopics
 from course_lib.displays.panel.tools import all_tools, load_tools
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
+from course_lib.displays.view_time import ViewTime
 from course_lib.displays.views import Orbit, ViewController, view_of
 from course_lib.ros.graph import Sample
-from course_lib.ros.qos import Qos
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene, summary
-
-TF = "tf2_msgs/msg/TFMessage"
-_TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 
 
 class RvizSession:
@@ -42,13 +39,19 @@ class RvizSession:
         fixed_frame: RViz's Fixed Frame.
         start_ns: Robot time, [ns].
         match_qos: Whether messages only come from publishers that match, as live; a recording has them all.
+        use_sim_time: RViz's parameter.
     """
 
     def __init__(
-        self, scene: Scene, fixed_frame: str = "map", start_ns: int = 0, match_qos: bool = True
+        self,
+        scene: Scene,
+        fixed_frame: str = "map",
+        start_ns: int = 0,
+        match_qos: bool = True,
+        use_sim_time: bool = False,
     ) -> None:
-        self.frame_rate = 30  # [Hz]
-        self.context = Context(scene, Frames(fixed_frame), start_ns, self.catch_up, self.refresh)
+        self.time = ViewTime(start_ns, use_sim_time)
+        self.context = Context(scene, Frames(fixed_frame), self.time, self.catch_up, self.refresh)
         self.tree = Group()  # of the displays
         self.layout = Layout()  # that was taken over last
         self.saved_views: list[ViewController] = []
@@ -61,15 +64,19 @@ class RvizSession:
         self.after_frame: list[Callable[[], None]] = []
         self._match_qos = match_qos
         self.types: dict[str, str] = {}  # of the topics with messages
-        self._due_ns: int | None = None  # when the next frame must be, if anything waits for it
-        self._last_ns = start_ns  # of the last message
-        self._frame_ns = start_ns  # of the last frame
-        self.transforms = [
-            Interest(
-                topic, TF, qos, partial(self._take_transforms, is_static=topic == "/tf_static"), self.statuses
-            )
-            for topic, qos in _TF_TOPICS.items()
-        ]
+        self._own = OwnTopics(self.context.frames, self.time, self.statuses, self._reset)
+
+    @property
+    def interests(self) -> list[Interest]:
+        """Its own subscriptions, besides those of its displays."""
+        return self._own.interests
+
+    def follow_clock(self, use_sim_time: bool) -> None:
+        """Set RViz's parameter `use_sim_time`: whether time is that on /clock; a change resets all."""
+        if use_sim_time != self.time.use_sim_time:
+            self.time.use_sim_time = use_sim_time
+            self._reset("Detected time source change.")
+            self.refresh()
 
     @property
     def displays(self) -> list[Display]:
@@ -93,7 +100,7 @@ class RvizSession:
     @property
     def options(self) -> Options:
         """RViz's Global Options, as they are now."""
-        values = (self.fixed_frame, self.context.scene.background, self.frame_rate)
+        values = (self.fixed_frame, self.context.scene.background, self.time.frame_rate)
         return Options(values, self.layout.options, self._set_option)
 
     def _set_option(self, label: str, value: Any) -> None:
@@ -102,7 +109,7 @@ class RvizSession:
         elif label == "Background Color":
             self.context.scene.background = value
         else:
-            self.frame_rate = value
+            self.time.frame_rate = value
 
     @property
     def view(self) -> ViewController:
@@ -157,8 +164,7 @@ class RvizSession:
 
     def group(self, name: str) -> Group:
         """Return the first group with a name, which is made if there is none."""
-        found = (group for group in self.tree.groups() if group.name == name)
-        return next(found, None) or self.add_group(name)
+        return next((g for g in self.tree.groups() if g.name == name), None) or self.add_group(name)
 
     def add_group(self, name: str, group: Group | None = None) -> Group:
         """Add a group of displays, in another one or at the end of the tree."""
@@ -204,37 +210,38 @@ class RvizSession:
     def topics(self) -> set[str]:
         """Return the topics that displays that are switched on listen to, and those of tf."""
         shown = (display.interests for display in self.displays if display.enabled)
-        return {interest.topic for interest in chain(self.transforms, *shown)}
+        return {interest.topic for interest in chain(self.interests, *shown)}
 
     def receive(self, sample: Sample) -> None:
         """Deliver a published message, after the frames that were due before it."""
-        if sample.stamp_ns < self._last_ns:
-            self._jump_back()
-        if self._due_ns is not None and self._due_ns <= sample.stamp_ns:
-            self.update(self._due_ns)
-        self.context.now_ns = self._last_ns = sample.stamp_ns
+        if self.time.has_passed(sample.stamp_ns):
+            self._reset("Detected jump back in time.")
+            self.time.restart()
+        due_ns = self.time.overdue_ns(sample.stamp_ns)
+        if due_ns is not None:
+            self.update(due_ns, is_look=False)
+        self.time.hear(sample.stamp_ns)
         self.types[sample.topic] = sample.type_name
-        self._deliver(sample, chain(self.transforms, *(display.interests for display in self.displays)))
+        self._deliver(sample, chain(self.interests, *(display.interests for display in self.displays)))
 
     def tick(self, now_ns: int) -> None:
         """Update the scene if a frame is due at a robot time, [ns]; things expire without a message."""
-        due_ns = self._frame_ns + NS // self.frame_rate if self._due_ns is None else self._due_ns
-        if now_ns >= due_ns:
-            self.update(now_ns)
+        if self.time.is_frame_due(now_ns):
+            self.update(now_ns, is_look=False)
 
     def refresh(self) -> None:
         """Update the scene now."""
-        self.update(self.context.now_ns)
+        self.update(self.time.robot_ns)
 
-    def update(self, now_ns: int) -> None:
-        """Update the scene at a robot time, [ns]."""
-        self.context.now_ns = self._frame_ns = max(now_ns, self.context.now_ns)
-        self._due_ns = None
+    def update(self, now_ns: int, *, is_look: bool = True) -> None:
+        """Update the scene at a robot time, [ns]: when somebody looks, or when a frame is due."""
+        self.context.draws = is_look or self.context.is_seen
+        self.time.begin_frame(now_ns)
         for display in self.displays:
             if display.enabled:
                 display.update()
-        camera = self.view.camera(self.context.frames)
-        if camera != self._camera:  # a camera set in the scene itself stays
+        camera = self._view.camera(self.context.frames) if self.context.draws else None
+        if camera not in (None, self._camera):  # a camera set in the scene itself stays
             self._camera = self.context.scene.camera = camera
         self._tell()
 
@@ -282,19 +289,11 @@ class RvizSession:
         message = sample.message()
         for interest in reached:
             interest.take(message)
-        if self._due_ns is None:
-            self._due_ns = self.context.now_ns + NS // self.frame_rate
+        self.time.request_frame()
 
-    def _take_transforms(self, message: Any, *, is_static: bool) -> None:
-        complaints = self.context.frames.take(message.transforms, is_static)
-        if complaints:
-            self.statuses.hint("TF", *complaints)
-
-    def _jump_back(self) -> None:
-        """Restart when time runs backwards, as RViz does."""
+    def _reset(self, why: str) -> None:
+        """Restart when time jumps, as RViz does."""
         self.context.frames.buffer.clear()
         for display in self.displays:
             display.reset()
-        self._due_ns = None
-        self.context.now_ns = 0
-        self.statuses.hint("Time", "RViz's log: Detected jump back in time. Resetting RViz.")
+        self.statuses.hint("Time", f"RViz's log: {why} Resetting RViz.")

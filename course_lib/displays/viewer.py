@@ -3,7 +3,7 @@
 import sys
 import weakref
 import webbrowser
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -15,7 +15,7 @@ from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
 from course_lib.displays.node import RvizNode
-from course_lib.displays.panel.cell import ViewerCell
+from course_lib.displays.panel.cell import ViewerCell, end_all
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import RvizSession
@@ -44,35 +44,40 @@ class Viewer:
 
     Args:
         fixed_frame: RViz's Fixed Frame: where everything is placed.
+        use_sim_time: RViz's parameter: whether its time is that on the topic /clock.
     """
 
-    def __init__(self, fixed_frame: str = "map") -> None:
+    is_seen = True  # False where no page can show a viewer: when graded
+
+    def __init__(self, fixed_frame: str = "map", *, use_sim_time: bool = False) -> None:
         self._graph = graph = current_graph()
-        self.scene = Scene()
-        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, match_qos=not graph.keeps_wall_time)
-        self.session.latched = graph.latched
-        self.session.context.node = node = RvizNode(graph)
-        self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._cell = ViewerCell(self.session, graph)
-        stops = (
-            graph.tap(self.session.receive, self.session.topics),
-            graph.watch_time(self.session.tick),
-            node.close,
-        )
-        self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
+        scene, matching = Scene(), not graph.keeps_wall_time
+        session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
+        session.context.is_seen, session.latched = self.is_seen, graph.latched
+        session.context.node = node = RvizNode(graph, session.time)
+        self.session, self._film = session, Film(scene, lambda: graph.now_ns / NS)
+        self._cell = ViewerCell(session, graph)
+        stops = (graph.tap(session.receive, session.topics), graph.watch_time(session.tick), node.close)
+        self._end = weakref.finalize(self, end_all, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
-        self.session.catch_up(self.session.transforms)
+        session.catch_up(session.interests)
         self.add("Grid")
 
+    @property
+    def scene(self) -> Scene:
+        """The scene, drawn if it was not yet."""
+        self.session.context.show()
+        return self.session.context.scene
+
     @classmethod
-    def from_rviz(cls, path: str | Path) -> Self:
+    def from_rviz(cls, path: str | Path, *, use_sim_time: bool = False) -> Self:
         """Create a viewer with the displays, options and view of an .rviz file.
 
         Raises:
             CourseError: If it is not an .rviz file; with line and column.
         """
         layout = read_layout(path)
-        viewer = cls()
+        viewer = cls(use_sim_time=use_sim_time)
         viewer.session.apply(layout)
         return viewer
 
@@ -123,9 +128,8 @@ class Viewer:
         return list(self.session.displays)
 
     def __repr__(self) -> str:
-        return (
-            f"<Viewer of {self.fixed_frame} with {', '.join(d.name for d in self.displays) or 'no display'}>"
-        )
+        shown = ", ".join(display.name for display in self.displays) or "no display"
+        return f"<Viewer of {self.fixed_frame} with {shown}>"
 
     def __getitem__(self, name: str) -> Display:
         """Return the first display with a name."""
@@ -142,6 +146,15 @@ class Viewer:
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
         self.session.fixed_frame = frame
+
+    @property
+    def use_sim_time(self) -> bool:
+        """RViz's parameter: whether its time is that on the topic /clock; a change resets all displays."""
+        return self.session.time.use_sim_time
+
+    @use_sim_time.setter
+    def use_sim_time(self, use_sim_time: bool) -> None:
+        self.session.follow_clock(use_sim_time)
 
     @property
     def options(self) -> Options:
@@ -181,7 +194,7 @@ class Viewer:
 
     def statuses(self) -> StatusTable:
         """Return the statuses of RViz's Displays panel, and hints where RViz is silent."""
-        self.look()
+        self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
         return StatusTable(self.session.rows())
 
     def show_robot(self, robot: "Robot", configuration: npt.ArrayLike | None = None) -> None:
@@ -246,6 +259,7 @@ class Viewer:
         Returns:
             The address.
         """
+        self.look()
         url = self._cell.opened(port, token)
         sys.stdout.write(f"The viewer is at {url}\n")
         if browser:
@@ -272,6 +286,7 @@ class Viewer:
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""
+        self.session.context.show()
         self.session.update(self._graph.now_ns)
 
     def close(self) -> None:
@@ -281,9 +296,3 @@ class Viewer:
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
         return self._cell.shown(self, **kwargs)
-
-
-def _end(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
-    for stop in stops:
-        stop()
-    cell.close()

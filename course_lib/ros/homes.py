@@ -24,6 +24,7 @@ FOLDERS = (
 HOMES = {
     "launch.actions.shutdown_action": "launch.actions",
     "launch.descriptions": "launch.processes",
+    "launch.launch_description": "launch.actions",
     "launch.events.matchers": "launch.events",
     "launch.events.process": "launch.events",
     "launch.launch_description_entity": "launch.entities",

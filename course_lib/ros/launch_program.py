@@ -183,8 +183,7 @@ class LaunchProgram(Process):
 
     def describe(self) -> Entities:
         """Return the description of the launch."""
-        source(self.file)
-        sys.path += [place for place in python_path(self.file) if place not in sys.path]
+        prepare_imports(self.file)
         return LaunchDescriptionSource(self.file).get_launch_description(self._context)
 
     def _visit(self, entities: Entities | None) -> None:
@@ -251,6 +250,12 @@ class _Launched(Function):
         """Run it to its end."""
         with self._prefixes.behind(self.file.name):
             super().run()
+
+
+def prepare_imports(file: Path) -> None:
+    """Add the packages of a launch file's workspace to the paths, also for what it imports."""
+    source(file)
+    sys.path += [place for place in python_path(file) if place not in sys.path]
 
 
 def arguments_of(file: Path) -> str:

@@ -43,6 +43,11 @@ _NOT_OFFERED = (
         "course_lib.robots has JointTrajectoryController and OmniBase",
     ),
     _NotOffered(
+        r"demo_nodes_cpp(_native)?|composition|image_tools|intra_process_demo|dummy_robot_bringup",
+        "the demos in C++ are compiled programs",
+        "demo_nodes_py has talker, listener, add_two_ints_server and add_two_ints_client",
+    ),
+    _NotOffered(
         r"usb_cam|v4l2_camera|urg_node2?|[rs]llidar_ros2?|rplidar_ros|realsense2_camera|velodyne(_\w+)?|"
         r"ydlidar_ros2_driver|micro_ros_agent|ur_robot_driver|turtlebot3_(node|bringup)",
         "a driver runs beside its device",

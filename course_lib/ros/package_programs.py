@@ -64,12 +64,11 @@ def find_component(package: str, plugin: str, own: Executables) -> Callable[[], 
         return partial(_spin_component, found, *found.components[plugin])
     if plugin in _AS_EXECUTABLE:
         return find_executable(package, _AS_EXECUTABLE[plugin], own)
-    why = not_offered(package)
-    if why or found is None:
-        raise CourseError(f"component '{plugin}' is left out: {why or why_not_found(package)}")
+    if why := not_offered(package):
+        raise CourseError(f"component '{plugin}' is left out: {why}")
     raise CourseError(
-        f"component '{plugin}' of package '{package}' is a C++ plugin, and this kit runs Python only: it is "
-        "left out. Start a Python node in its place, or run it on a computer with ROS 2 and link to that: "
+        f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this kit runs "
+        "Python only. Start a Python node in its place, or run it on a computer with ROS 2 and link to that: "
         "course run FILE --robot tcp/HOST:7447"
     )
 

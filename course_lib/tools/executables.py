@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,8 @@ from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
     from course_lib.displays.viewer import Viewer
+    from course_lib.robots.teleop import TwistTeleop
+    from course_lib.robots.turtlesim.programs import TurtleTeleop
     from course_lib.ros.package_programs import Executables
 
 SETTLED = 1.0  # [s] of robot time after which the first messages of all nodes have arrived
@@ -29,10 +31,22 @@ def _rviz2() -> None:
     if current_graph().notebook:
         from course_lib.displays.viewer import Viewer
 
-        _show(Viewer.from_rviz(layout) if layout else Viewer())
+        sim = _uses_sim_time("rviz2")
+        _show(Viewer.from_rviz(layout, use_sim_time=sim) if layout else Viewer(use_sim_time=sim))
     else:
         _print_how_to_look(layout)
     spin()
+
+
+def _uses_sim_time(name: str) -> bool:
+    """Return a node's parameter `use_sim_time` of the command line, for one that is not rclpy's."""
+    from rclpy.context import get_default_context
+    from rclpy.impl import names
+
+    arguments = get_default_context().arguments
+    namespace, name = (arguments.renamed(name, what, old) for what, old in (("__ns", "/"), ("__node", name)))
+    given = arguments.parameters(names.join(namespace, name)).get("use_sim_time")
+    return given is not None and given.value is True
 
 
 def _show(viewer: "Viewer") -> None:
@@ -80,17 +94,40 @@ def _turtle_program(name: str) -> None:
 
 
 def _turtle_teleop() -> None:
-    """Run the node that steers a turtle, with its keys as buttons in a notebook's cell."""
-    from course_lib.robots.turtlesim.programs import TurtleTeleop, teleop_buttons
+    from course_lib.robots.turtlesim.programs import KEYS, TurtleTeleop
 
-    node = TurtleTeleop()
+    _spin_with_keys(TurtleTeleop(), KEYS)
+
+
+def _twist_teleop() -> None:
+    from course_lib.robots.teleop import KEYS, TwistTeleop
+
+    _spin_with_keys(TwistTeleop(), KEYS)
+
+
+def _spin_with_keys(node: "TurtleTeleop | TwistTeleop", keys: Sequence[str]) -> None:
+    """Run a node that is steered by keys, with its keys as buttons in a notebook's cell."""
     if current_graph().notebook and pace.wanted() != "fast":
         from IPython.display import display
 
-        display(teleop_buttons(node))  # type: ignore[no-untyped-call]  # untyped there
+        from course_lib.robots.teleop import key_buttons
+
+        display(key_buttons(node.press, keys))  # type: ignore[no-untyped-call]  # untyped there
     else:
         node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
     spin(node)
+
+
+def _demo_node(name: str) -> None:
+    from course_lib.tools import demo_nodes
+
+    spin(getattr(demo_nodes, name)())
+
+
+def _add_two_ints() -> None:
+    from course_lib.tools.demo_nodes import add_two_ints
+
+    add_two_ints()
 
 
 def _robot_state_publisher() -> None:
@@ -202,6 +239,11 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("turtlesim", "turtlesim_node"): _turtlesim,
     ("turtlesim", "turtle_teleop_key"): _turtle_teleop,
+    ("teleop_twist_keyboard", "teleop_twist_keyboard"): _twist_teleop,
+    ("demo_nodes_py", "talker"): partial(_demo_node, "Talker"),
+    ("demo_nodes_py", "listener"): partial(_demo_node, "Listener"),
+    ("demo_nodes_py", "add_two_ints_server"): partial(_demo_node, "AddTwoIntsServer"),
+    ("demo_nodes_py", "add_two_ints_client"): _add_two_ints,
     ("turtlesim", "mimic"): partial(_turtle_program, "TurtleMimic"),
     ("turtlesim", "draw_square"): partial(_turtle_program, "DrawSquare"),
     ("unknown_robot", "robot"): _unknown_robot,

@@ -110,6 +110,7 @@ def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
     if not source.live:
         raise CourseError("Nothing can be started in a recording. Do it in a notebook, or: course run FILE")
     if not graph.notebook:
+        rclpy.try_shutdown()  # ros2's own; the program begins with none
         program.run()
         return
     for former in live_runs(graph):

@@ -1,7 +1,9 @@
-"""Programs from public repositories, run as they are: `python tests/benchmarks/wild_programs.py FOLDER`.
+"""Programs from public repositories, run as they are: `python -m tests.benchmarks.wild_programs FOLDER`.
 
 FOLDER holds clones, named `owner+name`. The rows of tests/data/wild_programs.toml are run for five seconds of
 robot time and compared with their results; `--find` runs all programs of the clones and writes their rows.
+`--what launch` and `--what layout` do the same with launch files, which are described, and with layouts,
+which are loaded, saved and loaded again: tests/benchmarks/wild_files.py.
 """
 
 import argparse
@@ -17,7 +19,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-ROWS = Path(__file__).parents[1] / "data" / "wild_programs.toml"
+from tests.benchmarks.wild_files import files_of, judgement
+
+_DATA = Path(__file__).parents[1] / "data"
+ROWS = _DATA / "wild_programs.toml"
+TABLES = {
+    "program": ROWS,
+    "launch": _DATA / "wild_launch_files.toml",
+    "layout": _DATA / "wild_layouts.toml",
+}
 SECONDS, LIMIT = "5", 90.0  # [s] of robot time, and of the wall clock
 IMPORTS = re.compile(r"^\s*(import|from) rclpy", re.MULTILINE)
 NO_PROGRAM = ("test", "tests", "setup.py", "conftest.py", "__init__.py", "build", "install")
@@ -26,10 +36,10 @@ LACKS = re.compile(r"No module named '([^'.]+)")
 
 @dataclass(frozen=True)
 class Row:
-    """One program: its place, what it is given, what became of it and why.
+    """One program, launch file or layout: its place, what it is given, what became of it and why.
 
-    `result` is `runs`, `needs` (a module that is not there, `reason`), or `fails`; `theirs`: the reason is a
-    mistake in the program, which fails in ROS, too.
+    `result` is `runs` (of a launch file `described`, of a layout `kept`), `needs` (a module or package that
+    is not there, `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
     """
 
     repository: str
@@ -41,28 +51,28 @@ class Row:
     reason: str = ""
     theirs: bool = False
 
-    def text(self) -> str:
+    def text(self, what: str = "program") -> str:
         """Return the row as TOML."""
         fields = {name: value for name, value in vars(self).items() if value}
         lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]
-        return "\n".join(["[[program]]", *lines, ""])
+        return "\n".join([f"[[{what}]]", *lines, ""])
 
 
 def main() -> int:
     """Run the programs; return how many results differ from the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--what", choices=TABLES, default="program")
     parser.add_argument("--find", action="store_true", help="print a row for each program of the clones")
     parser.add_argument("--most", type=int, default=10**6, help="how many of a clone `--find` runs")
     arguments = parser.parse_args()
-    rows = [Row(**row) for row in tomllib.loads(ROWS.read_text())["program"]] if not arguments.find else []
-    counts, changed = Counter[str](), 0
-    for row in rows or found(arguments.folder, arguments.most):
-        file = arguments.folder / row.repository.replace("/", "+") / row.path
-        result, reason = outcome(file, row) if file.is_file() else ("missing", "no such clone")
+    what, counts, changed = arguments.what, Counter[str](), 0
+    for row in found(arguments.folder, arguments.most, what) if arguments.find else table(what):
+        clone = arguments.folder / row.repository.replace("/", "+")
+        result, reason = outcome(clone / row.path, row) if what == "program" else judgement(clone, row, what)
         counts["fails in ROS, too" if result == "fails" and row.theirs else result] += 1
         if arguments.find:
-            print(replace(row, result=result, reason=reason).text(), flush=True)
+            print(replace(row, result=result, reason=reason).text(what), flush=True)
         else:
             changed += result != row.result
             note = "" if result == row.result else f"   (was: {row.result})"
@@ -71,12 +81,19 @@ def main() -> int:
     return changed
 
 
-def found(folder: Path, most: int) -> Iterator[Row]:
-    """List the programs of the clones, evenly chosen where a clone has more."""
+def table(what: str) -> list[Row]:
+    """Return the rows of programs, launch files or layouts."""
+    return [Row(**row) for row in tomllib.loads(TABLES[what].read_text())[what]]
+
+
+def found(folder: Path, most: int, what: str) -> Iterator[Row]:
+    """List the files of the clones, evenly chosen where a clone has more."""
     for clone in sorted(path for path in folder.iterdir() if (path / ".git").exists()):
         command = ["git", "-C", str(clone), "rev-parse", "HEAD"]
         commit = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-        paths = [file.relative_to(clone) for file in sorted(clone.rglob("*.py")) if is_program(clone, file)]
+        programs = (file for file in sorted(clone.rglob("*.py")) if is_program(clone, file))
+        files = programs if what == "program" else files_of(clone, what)
+        paths = [file.relative_to(clone) for file in files]
         for path in paths[:: max(1, -(-len(paths) // most))]:
             yield Row(clone.name.replace("+", "/"), commit, str(path))
 
@@ -91,6 +108,8 @@ def is_program(clone: Path, file: Path) -> bool:
 
 def outcome(file: Path, row: Row) -> tuple[str, str]:
     """Run a program alone; return its result and the reason."""
+    if not file.is_file():
+        return "missing", "no such clone"
     words = [str(file.resolve()), "--seconds", SECONDS, "--", *row.args.split()]
     command = [sys.executable, "-m", "course_lib", "run", *words]
     with tempfile.TemporaryDirectory() as folder:

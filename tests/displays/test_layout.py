@@ -78,7 +78,7 @@ def session(tmp_path: Path) -> RvizSession:
 
 
 def test_a_layout_gives_options_displays_and_view(session: RvizSession) -> None:
-    assert (session.fixed_frame, session.frame_rate) == ("world", 10)
+    assert (session.fixed_frame, session.time.frame_rate) == ("world", 10)
     assert session.context.scene.background == (200, 220, 255)
     assert [display.name for display in session.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
     view = session.view

@@ -4,6 +4,7 @@ import pytest
 
 from course_lib.displays.panel.time_panel import LiveTime, Playback, TimeChange, TimePanel
 from course_lib.displays.session import RvizSession
+from course_lib.displays.view_time import ViewTime
 from course_lib.ros.graph import Graph
 from course_lib.ros.pace import speed_of
 from course_lib.viewer.page_link import PageLink
@@ -12,7 +13,7 @@ from course_lib.viewer.scene import Scene
 
 def test_orders_of_a_page_reach_the_speed_of_robot_time() -> None:
     graph = Graph()
-    live, speed = LiveTime(graph), speed_of(graph)
+    live, speed = LiveTime(graph, ViewTime(0, False)), speed_of(graph)
     live.act(TimeChange(rate=0.5, paused=False))
     assert speed.passed_ns(1.0) == 500_000_000
     live.act(TimeChange(step=1))
@@ -37,7 +38,7 @@ class Page:
 @pytest.mark.parametrize("change", [{"rate": 0}, {"rate": -2}, {"step": 9}], ids=str)
 def test_what_is_out_of_range_changes_nothing(change: dict[str, Any]) -> None:
     graph = Graph()
-    assert "note" not in Page(RvizSession(Scene()), LiveTime(graph)).send(**change)
+    assert "note" not in Page(RvizSession(Scene()), LiveTime(graph, ViewTime(0, False))).send(**change)
     assert speed_of(graph).passed_ns(1.0) == 10**9
 
 
@@ -46,14 +47,14 @@ def test_what_is_out_of_range_changes_nothing(change: dict[str, Any]) -> None:
 )
 def test_what_is_malformed_is_refused_with_a_note(change: dict[str, Any]) -> None:
     graph = Graph()
-    note = Page(RvizSession(Scene()), LiveTime(graph)).send(**change)["note"]
+    note = Page(RvizSession(Scene()), LiveTime(graph, ViewTime(0, False))).send(**change)["note"]
     assert repr(next(iter(change))) in note
     assert speed_of(graph).passed_ns(1.0) == 10**9
 
 
 def test_a_page_that_asks_is_told_the_time_and_every_order_is_answered() -> None:
     session, graph = RvizSession(Scene()), Graph()
-    page = Page(session, LiveTime(graph))
+    page = Page(session, LiveTime(graph, session.time))
     times = [page.send(), page.send(paused=True)]
     assert [time["paused"] for time in times] == [False, True]
     assert times[0]["now"] == 1_700_000_000

@@ -89,3 +89,20 @@ def test_rqt_and_tools_of_tf2_are_there(launch_file: Write, capsys: pytest.Captu
     shown = capsys.readouterr()
     assert "%rqt graph" in shown.out
     assert "Waiting for transform world ->  base" in shown.out + shown.err
+
+
+def demo(name: str) -> str:
+    return f"Node(package='demo_nodes_py', executable={name!r})"
+
+
+def test_the_demo_nodes_talk_listen_and_add(launch_file: Write, capfd: pytest.CaptureFixture[str]) -> None:
+    names = ("talker", "listener", "add_two_ints_server", "add_two_ints_client")
+    recording, code = recorded(launch_file(*map(demo, names)), seconds=2.5)
+    assert code == 0
+    assert [message.data for _, message in recording.messages("/chatter")] == [  # type: ignore[attr-defined]
+        "Hello World: 0",
+        "Hello World: 1",
+    ]
+    printed = capfd.readouterr().err
+    for line in ("I heard: [Hello World: 1]", "Incoming request\n", "a: 2 b: 3", "Result of add_two_ints: 5"):
+        assert line in printed

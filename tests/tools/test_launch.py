@@ -95,6 +95,31 @@ def test_a_view_that_nobody_watches_shows_in_the_end_what_has_come(
     assert ["does not exist" in statuses for statuses in seen] == [True, False]
 
 
+@pytest.mark.parametrize(
+    ("options", "follows"),
+    [
+        ("", False),
+        ("parameters=[{'use_sim_time': True}]", True),
+        ("parameters=[{'use_sim_time': False}]", False),
+        ("name='view', namespace='a', ros_arguments=['-p', 'view:use_sim_time:=true']", True),
+        ("name='view', ros_arguments=['-p', 'rviz2:use_sim_time:=true']", False),
+    ],
+)
+def test_rviz_of_a_launch_file_takes_its_parameter_for_the_time(
+    graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch, options: str, follows: bool
+) -> None:
+    seen: list[bool] = []
+
+    def display(viewer: Viewer, display_id: bool) -> None:
+        seen.append(viewer.use_sim_time)
+
+    monkeypatch.setattr("IPython.display.display", display)
+    launch_file(f"Node(package='rviz2', executable='rviz2', {options})")
+    run(graph, "launch my_robot robot.launch.py")
+    spin_for(1.0)
+    assert seen == [follows]
+
+
 def test_the_same_launch_again_takes_the_place_of_the_first(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER)")
     for _ in range(2):

@@ -66,3 +66,11 @@ def test_what_the_tool_finds_wrong_is_told_after_the_run(
     assert "does not appear to be published yet" in capsys.readouterr().out
     with pytest.raises(CourseError, match="invalid choice: 'lst'"):
         ros2_over(["topic", "lst"], files=[program], bag=None, seconds=3.0)
+
+
+def test_run_starts_a_program_that_calls_init_itself(capfd: pytest.CaptureFixture[str]) -> None:
+    words = ["run", "demo_nodes_py", "talker"]
+    assert ros2_over(words, files=[], bag=None, seconds=2.5) == 0
+    printed = capfd.readouterr()
+    assert 'Publishing: "Hello World: 1"' in printed.err
+    assert "Process exited" not in printed.out

@@ -5,6 +5,7 @@ from typing import Any
 
 from course_lib.displays.frames import NS
 from course_lib.displays.session import RvizSession
+from course_lib.displays.view_time import ViewTime
 from course_lib.recording import Recording
 from course_lib.ros import pace, wall
 from course_lib.ros.graph import Graph
@@ -43,25 +44,34 @@ class TimeChange:
 
 
 class LiveTime:
-    """Robot time of the running graph: paused, stepped, slower or faster."""
+    """Robot time of the running graph: paused, stepped, slower or faster; it shows the view's ROS time."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, view_time: ViewTime) -> None:
         self._graph = graph
+        self._view_time = view_time
         self._speed = pace.speed_of(graph)
-        self._start_ns = graph.now_ns
+        self._start: tuple[bool, int] | None = None  # the source of ROS time, and its first time, [ns]
         self._wall = wall.monotonic()
 
     def time(self) -> TimeState:
-        """Return robot time and wall time."""
-        elapsed = (self._graph.now_ns - self._start_ns) / NS
-        now, wall_now, wall_elapsed = (
-            self._graph.now_ns / NS,
-            wall.time_ns() / NS,
-            wall.monotonic() - self._wall,
-        )
+        """Return ROS time and wall time."""
+        now_ns = self._view_time.ros_ns(self._graph.now_ns)
+        wall_now, wall_elapsed = wall.time_ns() / NS, wall.monotonic() - self._wall
         return TimeState(
-            elapsed, self._speed.paused, self._speed.rate, now, wall=wall_now, wall_elapsed=wall_elapsed
+            (now_ns - self._started_ns(now_ns)) / NS,
+            self._speed.paused,
+            self._speed.rate,
+            now_ns / NS,
+            wall=wall_now,
+            wall_elapsed=wall_elapsed,
         )
+
+    def _started_ns(self, now_ns: int) -> int:
+        """Return the first time since ROS time was reset: it came from elsewhere, jumped back, or began."""
+        source = self._view_time.use_sim_time
+        if self._start is None or self._start[0] != source or not 0 < self._start[1] <= now_ns:
+            self._start = source, now_ns
+        return self._start[1]
 
     def act(self, change: TimeChange) -> None:
         """Step, pause or change the rate; raises a MessageError where time is a robot's."""
@@ -118,7 +128,7 @@ class Playback:
             self._seek(self.start_ns + round(change.now * NS))
         if change.step is not None:
             self.paused = True
-            self._seek(self.now_ns + change.step * NS // self.session.frame_rate)
+            self._seek(self.now_ns + change.step * NS // self.session.time.frame_rate)
         if change.rate is not None and 0 < change.rate <= RATES[1]:
             self.rate = change.rate
         self.loop = self.loop if change.loop is None else change.loop

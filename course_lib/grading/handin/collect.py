@@ -17,8 +17,7 @@ from course_lib.grading.handin.ids import PLATFORM, ROSTER
 from course_lib.grading.handin.received import COLUMNS, ID_FROM, LIST, TIMESTAMP
 from course_lib.grading.handin.roster import Times, read_ids, read_times
 from course_lib.grading.handin.sender import NBGRADERS, Sender, platform_name, sender_of
-from course_lib.grading.reports.table import printable
-from course_lib.grading.reports.tables import harmless
+from course_lib.grading.reports.table import harmless, printable
 
 KEPT = (".ipynb", ".zip", ".rviz", ".yaml", ".yml", ".py")
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)

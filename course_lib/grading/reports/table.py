@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 FOR_A_PERSON = "noted; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
@@ -85,6 +86,11 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
 def fill(template: str, **values: Any) -> str:
     """Return a page of templates/, in which every text is escaped."""
     return _templates().get_template(template).render(values)
+
+
+def harmless(value: Any) -> Any:
+    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
 def printable(line: str) -> str:

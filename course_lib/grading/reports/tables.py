@@ -16,10 +16,9 @@ from course_lib.errors import counted
 from course_lib.grading.handin.copies import Alike, alike_in
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
-from course_lib.grading.reports.table import fill
+from course_lib.grading.reports.items import write_items
+from course_lib.grading.reports.table import fill, harmless
 from course_lib.grading.run.run import read_usage
-
-FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 
 
 def write_gradebook(out: Path) -> Path:
@@ -32,11 +31,6 @@ def write_gradebook(out: Path) -> Path:
     path = out / "gradebook.csv"
     write_whole(path, text.getvalue().encode())
     return path
-
-
-def harmless(value: Any) -> Any:
-    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
-    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
 NAMED = 5  # names in one line; the index has all
@@ -112,7 +106,8 @@ INDEX_COLUMNS = (
 
 
 def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
-    """Write what is derived from all results and marks: the gradebook and the index."""
+    """Write what is derived from all results and marks; returns the gradebook and the index."""
+    write_items(out)
     return [write_gradebook(out), write_index(out, zone)]
 
 

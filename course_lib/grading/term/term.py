@@ -16,8 +16,7 @@ from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.lms import TERM_TABLE
 from course_lib.grading.marks.mark import results_in
 from course_lib.grading.records import writing
-from course_lib.grading.reports.table import few, printable
-from course_lib.grading.reports.tables import harmless
+from course_lib.grading.reports.table import few, harmless, printable
 from course_lib.grading.term.class_list import ClassList, Member, read_class_list
 from course_lib.grading.term.lists import read_exemptions, read_quizzes
 from course_lib.grading.term.totals import FULL, Kind, TermLine, WeekMark, add_up_term

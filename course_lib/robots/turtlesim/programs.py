@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.action import ActionClient
@@ -14,9 +14,6 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Pose
 
 from course_lib.robots.turtlesim.turtle import QOS
-
-if TYPE_CHECKING:
-    from ipywidgets import GridBox
 
 PERIOD = 0.016  # [s]
 EDGE = 2.0  # [m] of a square
@@ -116,20 +113,6 @@ class TurtleTeleop(Node):
 
     def _remember(self, sent: "Future[Any]") -> None:
         self._goal = sent.result()
-
-
-def teleop_buttons(teleop: TurtleTeleop) -> "GridBox":
-    """Return the keys as buttons for a cell."""
-    import ipywidgets
-
-    def button(key: str) -> Any:
-        made = ipywidgets.Button(description=key.upper(), tooltip=f"The key {key.upper()}")
-        made.layout.width, made.layout.visibility = "3.2em", "visible" if key else "hidden"
-        made.on_click(lambda _: teleop.press(key))
-        return made
-
-    columns = {"grid_template_columns": "repeat(3, 3.6em)"}
-    return ipywidgets.GridBox([button(key) for key in KEYS], layout=columns)
 
 
 def _twist(forward: float, turn: float) -> Twist:

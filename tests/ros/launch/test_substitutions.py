@@ -1,20 +1,47 @@
+import os
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
-from launch import LaunchContext
-from launch.conditions import LaunchConfigurationEquals, LaunchConfigurationNotEquals
+import yaml  # type: ignore[import-untyped]  # it ships no types
+from launch import Action, LaunchContext, Substitution
+from launch.actions import (
+    AppendEnvironmentVariable,
+    PopEnvironment,
+    PopLaunchConfigurations,
+    PushEnvironment,
+    PushLaunchConfigurations,
+    ResetEnvironment,
+    ResetLaunchConfigurations,
+    UnsetEnvironmentVariable,
+    UnsetLaunchConfiguration,
+)
+from launch.conditions import IfCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals
+from launch.entities import SomeSubstitutionsType as Some
 from launch.entities import SubstitutionFailure, text_of
 from launch.substitutions import (
+    AllSubstitution,
+    AndSubstitution,
+    AnonName,
+    AnySubstitution,
     Command,
     EnvironmentVariable,
+    EqualsSubstitution,
+    FileContent,
     FindExecutable,
+    IfElseSubstitution,
     LaunchConfiguration,
+    NotEqualsSubstitution,
+    NotSubstitution,
+    OrSubstitution,
     PathJoinSubstitution,
     PythonExpression,
     TextSubstitution,
 )
-from nav2_common.launch import ReplaceString
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch_ros.actions import SetParameter
+from launch_ros.substitutions import Parameter
+from nav2_common.launch import HasNodeParams, ReplaceString, RewrittenYaml
 
 
 @pytest.fixture
@@ -87,3 +114,159 @@ def test_the_value_of_an_argument_is_a_condition(
 ) -> None:
     assert LaunchConfigurationEquals(name, expected).evaluate(context) is equal
     assert LaunchConfigurationNotEquals(name, expected).evaluate(context) is not equal
+
+
+V = LaunchConfiguration
+
+
+@pytest.mark.parametrize(
+    ("substitution", "text"),
+    [
+        (NotSubstitution(V("use")), "true"),
+        (AndSubstitution("yes", "1"), "true"),
+        (AndSubstitution("on", V("use")), "false"),
+        (OrSubstitution("0", V("use")), "false"),
+        (AnySubstitution("off", "true", "0"), "true"),
+        (AllSubstitution("true", "1", "no"), "false"),
+        (EqualsSubstitution("1", "TRUE"), "true"),
+        (EqualsSubstitution(V("n"), 3.0), "true"),
+        (EqualsSubstitution("0.1", 0.1 + 1e-12), "true"),
+        (EqualsSubstitution(None, ""), "true"),
+        (EqualsSubstitution(["a", V("n")], "a3"), "true"),
+        (EqualsSubstitution("a", "A"), "false"),
+        (NotEqualsSubstitution(V("n"), "4"), "true"),
+        (IfElseSubstitution(V("use"), "a", ["b", V("n")]), "b3"),
+        (IfElseSubstitution("true", if_value="a"), "a"),
+        (PythonExpression(["platform.system() != ''"], ["platform"]), "True"),
+        (Parameter("p"), "5"),
+        (Parameter("q", default="none"), "none"),
+    ],
+)
+def test_truths_choices_and_parameters_give_their_texts(
+    context: LaunchContext, substitution: Substitution, text: str
+) -> None:
+    SetParameter("p", 5).visit(context)
+    assert substitution.perform(context) == text
+
+
+@pytest.mark.parametrize("substitution", [NotSubstitution("maybe"), IfElseSubstitution("2"), Parameter("q")])
+def test_what_is_neither_true_nor_false_is_a_failure(
+    context: LaunchContext, substitution: Substitution
+) -> None:
+    with pytest.raises(SubstitutionFailure):
+        substitution.perform(context)
+
+
+def test_an_empty_variable_of_the_environment_is_not_its_default(
+    context: LaunchContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT", "")
+    assert EnvironmentVariable("ROBOT", default_value="none").perform(context) == ""
+
+
+def test_a_file_s_content_and_names_of_their_own(context: LaunchContext, tmp_path: Path) -> None:
+    (tmp_path / "robot.urdf").write_text("<robot/>")
+    assert FileContent([str(tmp_path), "/robot.urdf"]).perform(context) == "<robot/>"
+    with pytest.raises(SubstitutionFailure, match="File not found"):
+        FileContent("nowhere").perform(context)
+    name = AnonName("cam.era").perform(context)
+    assert name.startswith("cam_era_")
+    assert AnonName("cam.era").perform(context) == name
+    assert AnonName("cam.era").perform(LaunchContext()) != name
+
+
+@pytest.mark.parametrize(
+    ("on_stderr", "expected"), [("ignore", "out\n"), ("warn", "out\n"), ("capture", "out\nerr\n")]
+)
+def test_what_a_command_writes_to_standard_error_is_ignored_shown_or_captured(
+    context: LaunchContext, on_stderr: str, expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = Command(["sh -c 'echo out; echo err >&2'"], on_stderr=on_stderr)
+    assert command.perform(context) == expected
+    assert ("showed stderr output" in capsys.readouterr().out) == (on_stderr == "warn")
+
+
+def test_the_environment_and_the_arguments_are_changed_kept_and_brought_back(
+    context: LaunchContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("A_PATH", "b")
+    monkeypatch.delenv("OTHER", raising=False)
+    context.environment_at_start = dict(os.environ)
+    for action in (
+        PushEnvironment(),
+        PushLaunchConfigurations(),
+        AppendEnvironmentVariable("A_PATH", "c"),
+        AppendEnvironmentVariable("A_PATH", "a", prepend=True, separator=";"),
+        AppendEnvironmentVariable("OTHER", "x"),
+        UnsetLaunchConfiguration("n"),
+    ):
+        action.visit(context)
+    assert (os.environ["A_PATH"], os.environ["OTHER"], "n" in context.launch_configurations) == (
+        f"a;b{os.pathsep}c", "x", False)  # fmt: skip
+    ResetEnvironment().visit(context)
+    ResetLaunchConfigurations({"kept": ["use is ", V("use")]}).visit(context)
+    assert (os.environ["A_PATH"], context.launch_configurations) == ("b", {"kept": "use is False"})
+    UnsetEnvironmentVariable("A_PATH").visit(context)
+    PopLaunchConfigurations().visit(context)
+    PopEnvironment().visit(context)
+    assert (os.environ["A_PATH"], context.launch_configurations) == ("b", {"use": "False", "n": "3"})
+    with pytest.raises(RuntimeError, match="no environment to bring back"):
+        PopEnvironment().visit(context)
+
+
+class Shout(Substitution):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.text = text
+
+    def perform(self, context: LaunchContext) -> str:
+        return f"{self.text}!"
+
+
+class Note(Action):
+    notes: ClassVar[list[str]] = []
+
+    def __init__(self, text: Substitution, **options: Any) -> None:
+        super().__init__(**options)
+        self.text = normalize_to_list_of_substitutions(text)
+
+    def execute(self, context: LaunchContext) -> None:
+        self.notes.append(perform_substitutions(context, self.text))
+
+
+def test_own_actions_and_substitutions_are_done(context: LaunchContext) -> None:
+    Note(Shout("a"), condition=IfCondition("true")).visit(context)
+    Note(Shout("b"), condition=IfCondition("false")).visit(context)
+    assert Note.notes == ["a!"]
+
+
+NAV = "amcl:\n  ros__parameters:\n    rate: 5.0\n    names: [a, b]\n    deep: {rate: 1}\nother: {x: 1}\n"
+
+
+def test_yaml_is_rewritten_as_nav2_does(context: LaunchContext, tmp_path: Path) -> None:
+    (tmp_path / "nav.yaml").write_text(NAV)
+    rewrites: dict[str, Some] = {
+        "rate": V("n"),
+        "amcl.ros__parameters.deep.rate": "2.5",
+        "amcl.ros__parameters.added.more": "true",
+        "amcl.ros__parameters.names.1": "c",
+        "nowhere": "1",
+    }
+    file = RewrittenYaml(str(tmp_path / "nav.yaml"), rewrites, root_key=V("use"),
+                         key_rewrites={"other": "another"}, convert_types=True)  # fmt: skip
+    assert yaml.safe_load(Path(file.perform(context)).read_text()) == {
+        "False": {
+            "amcl": {
+                "ros__parameters": {
+                    "rate": 3, "names": ["a", "c"], "deep": {"rate": 2.5}, "added": {"more": True}
+                }
+            },
+            "another": {"x": 1},
+        }
+    }  # fmt: skip
+    plain = RewrittenYaml(str(tmp_path / "nav.yaml"), {"x": "2"}).perform(context)
+    assert yaml.safe_load(Path(plain).read_text())["other"] == {"x": "2"}
+    assert [HasNodeParams(str(tmp_path / "nav.yaml"), node).perform(context) for node in ("amcl", "x")] == [
+        "True",
+        "False",
+    ]

@@ -3,6 +3,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib import Viewer
 from course_lib.displays.panel.time_panel import LiveTime, TimeChange
+from course_lib.displays.view_time import ViewTime
 from course_lib.ros.graph import use_graph
 from course_lib.tools.rqt.monitors import RobotMonitorView
 from course_lib.viewer.wire import MessageError
@@ -45,7 +46,7 @@ def test_a_view_of_rqt_asks_a_robot_for_its_own_topics_only(kits: Kits) -> None:
 
 
 def test_the_time_of_a_robot_takes_no_orders(kits: Kits) -> None:
-    time = LiveTime(kits.join())
+    time = LiveTime(kits.join(), ViewTime(0, False))
     time.act(TimeChange())
     with pytest.raises(MessageError, match="cannot be paused"):
         time.act(TimeChange(paused=True))

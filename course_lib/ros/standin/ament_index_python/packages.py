@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from course_lib.ros import packages
+from course_lib.ros.share_folder import share_folder
 
 
 class PackageNotFoundError(KeyError):
@@ -14,10 +15,8 @@ class PackageNotFoundError(KeyError):
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:
     """Return the folder with the package's launch/, config/ and rviz/; raises PackageNotFoundError."""
-    found = packages.find_package(package_name)
-    if found is None:
-        raise PackageNotFoundError(packages.why_not_found(package_name))
-    return found.share
+    found = _found(package_name)
+    return found.share if found.share.parent.name == "share" else share_folder(found.name, found.share)
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:
@@ -27,10 +26,17 @@ def get_package_share_directory(package_name: str, print_warning: bool = True) -
 
 def get_package_prefix(package_name: str) -> str:
     """Return the folder that the package is installed under, or else the folder above its sources."""
-    share = get_package_share_path(package_name)
+    share = _found(package_name).share
     return str(share.parent.parent if share.parent.name == "share" else share.parent)
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
     """Return all packages with the folders that they are installed under."""
     return {name: get_package_prefix(name) for name in packages.packages()}
+
+
+def _found(name: str) -> packages.Package:
+    found = packages.find_package(name)
+    if found is None:
+        raise PackageNotFoundError(packages.why_not_found(name))
+    return found

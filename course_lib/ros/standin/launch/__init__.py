@@ -11,3 +11,5 @@ from launch.entities import SomeSubstitutionsType as SomeSubstitutionsType
 from launch.entities import Substitution as Substitution
 from launch.event_handlers import EventHandler as EventHandler
 from launch.launch_description_sources import LaunchDescriptionSource as LaunchDescriptionSource
+from launch.service import LaunchIntrospector as LaunchIntrospector
+from launch.service import LaunchService as LaunchService

@@ -55,6 +55,8 @@ class ExecuteLocal(Action):
             context.runner.start(self, rest[1], rest[2], rest[3:])
         elif package is not None:
             context.runner.start(self, package, name, [*rest, "--ros-args"])
+        elif Path(program).parts[-3:-2] == ("lib",):  # as ExecutableInPackage has it
+            context.runner.start(self, Path(program).parent.name, name, rest)
         elif name in _PYTHON and rest and not rest[0].startswith("-"):
             context.runner.start_file(self, Path(rest[0]), rest[1:])
         else:

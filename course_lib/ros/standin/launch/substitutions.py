@@ -176,6 +176,11 @@ class ThisLaunchFileDir(Substitution):
 def _finished(words: Sequence[str]) -> Finished:
     if Path(words[0]).name == "xacro":
         return run_xacro(words[1:])
+    if Path(words[0]).name == "ros2":
+        raise SubstitutionFailure(
+            f"`{shlex.join(words)}` cannot run here while the launch file is read. Write its output into the "
+            "file, or run it with ExecuteProcess"
+        )
     if shutil.which(words[0]) is None:
         raise SubstitutionFailure(f"file not found: {words[0]}")
     done = subprocess.run(words, capture_output=True, text=True, check=False)

@@ -7,6 +7,7 @@ from typing import Any
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, SubstitutionFailure, text_of
 
+from course_lib.ros.packages import find_package
 from launch_ros.settings import PARAMETERS
 
 
@@ -30,19 +31,20 @@ class FindPackageShare(FindPackagePrefix):
 
 
 class ExecutableInPackage(FindPackagePrefix):
-    """The path of an executable of a package; raises SubstitutionFailure where it has no file."""
+    """The path that an executable of a package has, once it is installed."""
 
     def __init__(self, executable: SomeSubstitutionsType, package: SomeSubstitutionsType) -> None:
         super().__init__(package)
-        self._executable = executable
+        self._executable, self._package = executable, package
 
     def perform(self, context: LaunchContext) -> str:
-        """Return the path."""
-        prefix, name = super().perform(context), text_of(context, self._executable)
-        found = next((path for path in sorted(Path(prefix).glob(f"lib/*/{name}")) if path.is_file()), None)
-        if found is None:
+        """Return the path; raises SubstitutionFailure for an executable that the package has not."""
+        prefix = super().perform(context)
+        name, package = text_of(context, self._executable), text_of(context, self._package)
+        found = find_package(package)
+        if found is None or name not in found.executables:
             raise SubstitutionFailure(f"executable '{name}' not found on the libexec directory of '{prefix}'")
-        return str(found)
+        return str(Path(prefix) / "lib" / package / name)
 
 
 class Parameter(Substitution):

@@ -16,6 +16,12 @@ from launch.frontend.reading import read_entity
 from launch.substitutions import TextSubstitution
 
 Reader: TypeAlias = Callable[[Entity, str], Any]  # of an attribute; None where it is not there
+_OF_ROS_1 = {  # elements, and what stands for them
+    "machine": "start the launch on each computer",
+    "param": "it stands in a node, or it is set_parameter",
+    "remap": "it stands in a node, or it is set_remap",
+    "rosparam": "it is <param from=…/> in a node",
+}
 _EXTENSIONS = ("launch.frontend.elements", "launch_ros.frontend")  # ROS finds them by entry points
 
 
@@ -69,11 +75,16 @@ def inner_actions(entity: Entity, but: str = "") -> list[Action]:
 def _action(entity: Entity) -> Action:
     element = ELEMENTS.get(entity.type_name)
     if element is None:
-        close = did_you_mean(entity.type_name, ELEMENTS)
-        raise entity.error(f"there is no such element{close or f'. There are: {sorted(ELEMENTS)}'}")
+        raise entity.error(f"there is no such element{_other_element(entity.type_name)}")
     action = built(entity, element)
     assert isinstance(action, Action)
     return action
+
+
+def _other_element(name: str) -> str:
+    if name in _OF_ROS_1:
+        return f" in ROS 2: {_OF_ROS_1[name]}"
+    return did_you_mean(name, ELEMENTS) or f". There are: {', '.join(sorted(ELEMENTS))}"
 
 
 def built(entity: Entity, element: Element) -> Any:

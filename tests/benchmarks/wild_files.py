@@ -1,0 +1,195 @@
+"""The kit's judgement of a launch file or a layout of a public repository; nothing is started."""
+
+import multiprocessing
+import os
+import re
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from multiprocessing.connection import Connection
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Protocol
+
+LIMIT = 60.0  # [s] of the wall clock for one file
+SUFFIXES = {"launch": (".py", ".xml", ".yaml", ".yml", ".launch"), "layout": (".rviz",)}
+NO_FILES = {"build", "install", "log", "test", "tests"}
+_PRELOADED = (
+    *("course_lib.ros.launch_program", "launch_ros.frontend", "nav2_common.launch", "xacro"),
+    *("course_lib.displays.session", "course_lib.displays.writer"),
+)
+_COMMON = {"TURTLEBOT3_MODEL": "burger", "USER": "student"}  # of the environment, in courses
+_NEEDED = re.compile(r'Required launch argument "(\w+)"')
+_MISSING = re.compile(  # the name of a package in a line that says that it is missing, or of a program
+    r"package '([\w.-]+)' not found|No module named '([\w-]+)|"
+    r"`([\w./-]+)[^`]*` (?:would run outside|cannot run)"
+)
+_ABSENT = re.compile(r"No such file or directory|[Ff]ile not found|No such launch file")
+
+Judged = tuple[str, str]  # the result and its reason
+
+
+class Placed(Protocol):
+    """A row of a table, as far as it names a file in its clone."""
+
+    @property
+    def path(self) -> str:
+        """The path in the clone."""
+
+
+def files_of(clone: Path, what: str) -> Iterator[Path]:
+    """List the launch files or layouts of a clone; launch files have "launch" in their names."""
+    for file in sorted(clone.rglob("*")):
+        if file.suffix not in SUFFIXES[what] or not file.is_file() or file.name.startswith("test_"):
+            continue
+        if set(file.relative_to(clone).parts[:-1]) & NO_FILES:
+            continue
+        if what == "layout" or re.search(r"launch\.\w+$", file.name) or file.suffix == ".launch":
+            yield file
+
+
+def judgement(clone: Path, row: Placed, what: str) -> Judged:
+    """Judge a file in a process of its own, which has what is imported here already."""
+    if not (clone / row.path).is_file():
+        return "missing", "no such clone"
+    _preload()
+    context = multiprocessing.get_context("fork")
+    results, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_child, args=(sender, clone.resolve() / row.path, clone.resolve(), what))
+    process.start()
+    sender.close()
+    try:
+        judged: Judged = results.recv() if results.poll(LIMIT) else ("fails", f"took more than {LIMIT:g} s")
+    except EOFError:
+        judged = "fails", "its process died"
+    process.kill()
+    process.join()
+    return judged
+
+
+def _preload() -> None:
+    from course_lib.ros import standin_path
+
+    standin_path.install()
+    for name in _PRELOADED:
+        import_module(name)
+
+
+def _child(sender: "Connection[Judged, Judged]", file: Path, clone: Path, what: str) -> None:
+    with TemporaryDirectory() as folder:
+        packages = sorted({str(path.parents[1]) for path in clone.rglob("package.xml")})
+        os.environ |= {"HOME": folder, "ROS_PACKAGE_PATH": os.pathsep.join(packages), **_COMMON}
+        os.chdir(folder)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        try:
+            judged = described(file) if what == "launch" else kept(file, Path(folder))
+        except BaseException as error:  # whatever the file raises
+            judged = judged_error(error, clone)
+        sender.send(judged)
+
+
+def judged_error(error: BaseException, clone: Path) -> Judged:
+    """Return the result and the reason for what a file raised, without paths of this machine."""
+    text = f"{type(error).__name__}: {error}".replace(f"{clone}/", "").strip()
+    missing = _MISSING.search(text)
+    if missing is not None:
+        return "needs", next(name for name in missing.groups() if name)
+    return "fails", "a file is missing" if _ABSENT.search(text) else text.splitlines()[0][:160]
+
+
+def described(file: Path) -> Judged:
+    """Visit all that a launch file describes; arguments that it needs get a text."""
+    from launch.entities import LaunchContext
+    from launch.launch_description_sources import AnyLaunchDescriptionSource
+
+    from course_lib.ros.launch_program import prepare_imports
+
+    given: dict[str, str] = {}
+    prepare_imports(file)
+    while True:
+        context = LaunchContext(file=str(file))
+        context.launch_configurations |= given
+        context.runner = dry = _Dry(context)
+        try:
+            dry.visit(AnyLaunchDescriptionSource(str(file)).get_launch_description(context))
+        except RuntimeError as error:
+            needed = _NEEDED.search(str(error))
+            if needed is None or needed[1] in given:
+                raise
+            given[needed[1]] = "1"
+        else:
+            return "described", ""
+
+
+class _Dry:
+    """A runner that starts nothing, and visits at once what timers would."""
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def visit(self, entities: Any) -> None:
+        """Visit entities, and those that they return."""
+        from launch.entities import listed
+
+        for entity in listed(entities):
+            self.visit(entity.visit(self._context))
+
+    def start(self, action: Any, package: str, executable: str, words: Iterable[str]) -> None:
+        """Evaluate the words."""
+        list(words)
+
+    start_component = start
+
+    def start_file(self, action: Any, file: Path, words: Iterable[str]) -> None:
+        """Evaluate the words."""
+        list(words)
+
+    def start_coroutine(self, action: Any, coroutine: Any) -> None:
+        """Close the coroutine."""
+        coroutine.close()
+
+    def later(self, seconds: float, entities: Any) -> None:
+        """Visit now."""
+        self.visit(entities)
+
+    def emit(self, event: Any) -> None:
+        """Do nothing."""
+
+    def log(self, level: str, name: str, text: str) -> None:
+        """Write nothing."""
+
+
+def kept(file: Path, folder: Path) -> Judged:
+    """Load a layout, save it and load it again; every value of the file must still have its place."""
+    from course_lib.displays.layout import read_layout
+    from course_lib.displays.session import RvizSession
+    from course_lib.displays.writer import save_rviz
+    from course_lib.viewer.scene import Scene
+
+    saved = [folder / f"{number}.rviz" for number in range(2)]
+    for source, target in zip((file, saved[0]), saved, strict=True):
+        session = RvizSession(Scene())
+        session.apply(read_layout(source))
+        save_rviz(session, target)
+    if saved[0].read_text(encoding="utf-8") != saved[1].read_text(encoding="utf-8"):
+        return "fails", "it is saved otherwise when it was loaded again"
+    there = _places(saved[0])
+    lost = sorted(place for place in _places(file) if place not in there)
+    return ("fails", f"{len(lost)} values are lost: {', '.join(lost[:3])}") if lost else ("kept", "")
+
+
+def _places(file: Path) -> set[str]:
+    """Return the paths of all values of a YAML file; RViz 1 wrote some mappings as their Value."""
+    import yaml  # type: ignore[import-untyped]  # it ships no types
+
+    def paths(data: Any, prefix: str) -> Iterator[str]:
+        pairs = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+        for key, value in pairs:
+            yield from paths(value, f"{prefix}/{key}")
+            if key == "Value":
+                yield prefix
+        if not isinstance(data, dict | list):
+            yield prefix
+
+    return set(paths(yaml.safe_load(file.read_text(encoding="utf-8")), ""))
