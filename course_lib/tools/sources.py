@@ -27,6 +27,7 @@ NODE_NAME = "_ros2cli"  # ROS hides names that begin with an underscore
 PLAYER = "rosbag2_player"  # the node that publishes when ROS plays a recording
 DISCOVERY = 0.5  # [s] that ros2cli waits for nodes to come up
 
+Topics = Mapping[tuple[str, str], Qos]  # (name, type) of topics, and how they are subscribed to
 TimedSample = tuple[int, Sample | None]  # robot time [ns] and a message; None at a tick of the clock
 
 
@@ -78,7 +79,7 @@ class Source(ABC):
         """Wait for at most so much robot time [s]; return the last value of `ready()`."""
 
     @abstractmethod
-    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
         """Yield the messages of several topics, and ticks."""
 
     @abstractmethod
@@ -110,11 +111,11 @@ class GraphSource(Source):
             )
         return wait_for(ready, seconds=seconds)
 
-    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
         """Yield the messages that reach subscriptions of a node of our own, and ticks."""
         graph, every = self.graph, limits.every
         start_ns = heard_ns = tick_ns = graph.now_ns
-        with self._arrivals(topics, type_name) as arrived:
+        with self._arrivals(topics) as arrived:
             while True:
                 spans = [(start_ns, limits.seconds), (heard_ns, limits.patience)]
                 ends = [since + round(time * 1e9) for since, time in spans if time is not None]
@@ -142,18 +143,17 @@ class GraphSource(Source):
         return " No node is running: start one, like run_live(MyNode())."
 
     @contextmanager
-    def _arrivals(self, topics: Mapping[str, Qos], type_name: str) -> Iterator[deque[tuple[int, Sample]]]:
+    def _arrivals(self, topics: Topics) -> Iterator[deque[tuple[int, Sample]]]:
         """Subscribe within a `with` block, to a queue that messages are appended to."""
         arrived: deque[tuple[int, Sample]] = deque()
         node = self.graph.add_node(NODE_NAME, "/")
 
-        def receive(topic: str, cdr: bytes, source_ns: int, received_ns: int) -> None:
-            sample = Sample(source_ns, topic, type_name, cdr, topics[topic], node)
-            arrived.append((received_ns, sample))
+        def receive(topic: tuple[str, str], cdr: bytes, source_ns: int, received_ns: int) -> None:
+            arrived.append((received_ns, Sample(source_ns, *topic, cdr, topics[topic], node)))
 
         try:
             for topic, qos in topics.items():
-                self.graph.add_subscription(node, 0, topic, type_name, qos, partial(receive, topic))
+                self.graph.add_subscription(node, 0, *topic, qos, partial(receive, topic))
             yield arrived
         finally:
             self.graph.remove_node(node)
@@ -176,7 +176,7 @@ class RecordingSource(Source):
         """Return `ready()`: nothing changes in a recording."""
         return ready()
 
-    def stream(self, topics: Mapping[str, Qos], type_name: str, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
         """Yield the recorded messages, and ticks."""
         tick_ns, end_ns = self.recording.start_ns, self.recording.end_ns
         step_ns = round((limits.every or 0.0) * 1e9)
@@ -188,7 +188,7 @@ class RecordingSource(Source):
                 tick_ns += step_ns
             if sample is None or sample.stamp_ns > end_ns:
                 return
-            if sample.topic in topics and sample.type_name == type_name:
+            if (sample.topic, sample.type_name) in topics:
                 yield sample.stamp_ns, sample
 
     def why_silent(self, topic: str, qos: Qos) -> str:
@@ -202,7 +202,7 @@ def is_hidden(name: str) -> bool:
 
 
 @contextmanager
-def own_node(source: Source, name: str = NODE_NAME) -> "Iterator[Node]":
+def own_node(source: Source, name: str = NODE_NAME, *, use_sim_time: bool = False) -> "Iterator[Node]":
     """Run a node of the tool's own, together with the live ones, within a `with` block.
 
     Raises:
@@ -212,8 +212,10 @@ def own_node(source: Source, name: str = NODE_NAME) -> "Iterator[Node]":
         raise CourseError("A recording gives no answers. Ask nodes that run: course ros2 --run program.py …")
     source.wait(lambda: True, 0.0)  # raises if rclpy is not started
     from rclpy.node import Node
+    from rclpy.parameter import Parameter
 
-    node = Node(name, start_parameter_services=False, enable_rosout=False)
+    time = Parameter("use_sim_time", value=use_sim_time)
+    node = Node(name, start_parameter_services=False, enable_rosout=False, parameter_overrides=[time])
     running_nodes().append(node)
     try:
         yield node

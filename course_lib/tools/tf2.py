@@ -15,7 +15,11 @@ from course_lib.ros.tf2_transform import Transform, TransformException
 from course_lib.tools.sources import Listening, Source
 from course_lib.tools.verb import Verb, Write, value
 
-TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
+TF = "tf2_msgs/msg/TFMessage"
+TOPICS = {
+    ("/tf", TF): Qos(depth=100),
+    ("/tf_static", TF): Qos(depth=100, durability="transient_local"),
+}
 _NOT_NAMED = "default_authority"
 
 
@@ -38,7 +42,7 @@ class TransformStream:
     def ticks(self, every: float, seconds: float | None) -> Iterator[int]:
         """Yield robot time [ns] at the start and once per `every` [s]; the buffer is filled up to it."""
         listening = Listening(every=every, seconds=seconds)
-        for now_ns, arrival in self._source.stream(TOPICS, "tf2_msgs/msg/TFMessage", listening):
+        for now_ns, arrival in self._source.stream(TOPICS, listening):
             if arrival is None:
                 yield now_ns
                 continue

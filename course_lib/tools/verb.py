@@ -75,7 +75,7 @@ def positive(kind: type[int] | type[float]) -> Callable[[str], float]:
 
 NODE_OPTIONS = (  # of verbs that look at the graph (ros2cli.node.strategy)
     value("--spin-time", type=float, default=0.0, help="Spin time in seconds to wait for discovery"),
-    flag("-s", "--use-sim-time", help="Enable ROS simulation time; here it is robot time, always"),
+    flag("-s", "--use-sim-time", help="Enable ROS simulation time"),
     flag("--no-daemon", help="Do not spawn nor use an already running daemon; here there is none"),
 )
 

@@ -13,18 +13,20 @@ from course_lib.ros.qos import Qos
 from course_lib.tools.sources import GraphSource, Listening, RecordingSource, TimedSample, is_hidden
 
 STRING = "std_msgs/msg/String"
-TOPICS = {"/chatter": Qos(), "/other": Qos()}
+TOPICS = {("/chatter", STRING): Qos(), ("/other", STRING): Qos()}
 
 
 @given(st.lists(st.tuples(st.integers(0, 3 * 10**9), st.sampled_from(sorted(TOPICS)))), st.integers(1, 20))
-def test_a_recording_s_messages_and_ticks_come_in_order(sent: list[tuple[int, str]], tenths: int) -> None:
+def test_a_recording_s_messages_and_ticks_come_in_order(
+    sent: list[tuple[int, tuple[str, str]]], tenths: int
+) -> None:
     cdr = serialize(String())
-    samples = tuple(Sample(stamp, topic, STRING, cdr, Qos(), 1) for stamp, topic in sorted(sent))
+    samples = tuple(Sample(stamp, *topic, cdr, Qos(), 1) for stamp, topic in sorted(sent))
     source = RecordingSource(Recording(samples))
-    heard: list[TimedSample] = list(source.stream(TOPICS, STRING, Listening(every=tenths / 10)))
+    heard: list[TimedSample] = list(source.stream(TOPICS, Listening(every=tenths / 10)))
     times = [now_ns for now_ns, _ in heard]
     assert times == sorted(times)
-    assert [(now_ns, one.topic) for now_ns, one in heard if one] == sorted(sent)
+    assert [(now_ns, (one.topic, one.type_name)) for now_ns, one in heard if one] == sorted(sent)
     ticks = [now_ns for now_ns, one in heard if one is None]
     start_ns, end_ns = source.recording.start_ns, source.recording.end_ns
     assert ticks == list(range(start_ns, end_ns + 1, tenths * 10**8))
@@ -32,8 +34,8 @@ def test_a_recording_s_messages_and_ticks_come_in_order(sent: list[tuple[int, st
 
 def test_live_and_recorded_streams_differ_by_the_way_alone(talker: Node, graph: Graph) -> None:
     with record(graph) as recorder:
-        live = list(GraphSource(graph).stream(TOPICS, STRING, Listening(seconds=1.0)))
-    recorded = list(RecordingSource(recorder.recording()).stream(TOPICS, STRING, Listening()))
+        live = list(GraphSource(graph).stream(TOPICS, Listening(seconds=1.0)))
+    recorded = list(RecordingSource(recorder.recording()).stream(TOPICS, Listening()))
     assert len(live) == 9  # the tenth message is on its way
     assert [one.cdr for _, one in live if one] == [one.cdr for _, one in recorded if one][:9]
     assert {now_ns - one.stamp_ns for now_ns, one in live if one} == {DELAY_NS}
@@ -41,7 +43,7 @@ def test_live_and_recorded_streams_differ_by_the_way_alone(talker: Node, graph: 
 
 def test_patience_ends_a_stream_that_fell_silent(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
-    stream = GraphSource(graph).stream(TOPICS, STRING, Listening(patience=0.5))
+    stream = GraphSource(graph).stream(TOPICS, Listening(patience=0.5))
     for number, _ in enumerate(stream):
         if number == 2:
             talker.destroy_node()
@@ -51,7 +53,7 @@ def test_patience_ends_a_stream_that_fell_silent(talker: Node, graph: Graph) -> 
 
 def test_ticks_come_with_the_time_they_are_for(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
-    heard = GraphSource(graph).stream({"/chatter": Qos()}, STRING, Listening(seconds=2.0, every=0.5))
+    heard = GraphSource(graph).stream({("/chatter", STRING): Qos()}, Listening(seconds=2.0, every=0.5))
     ticks = [(now_ns - start_ns) / 1e9 for now_ns, one in heard if one is None]
     assert ticks == [0.0, 0.5, 1.0, 1.5, 2.0]
 

@@ -1,7 +1,7 @@
 """Options of the verbs of `ros2 topic`, and access to a topic's type, QoS and messages."""
 
 from argparse import Namespace
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -74,6 +74,7 @@ def adapted_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
 
 
 SENSOR_DATA = PRESETS["sensor_data"]
+_CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
 
 
 def full_name(topic: str) -> str:
@@ -121,22 +122,40 @@ def silence(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
 
 
 def listen(
-    source: Source, topic: str, write: Write, *, verb: str, every: float | None = None
+    source: Source, arguments: Namespace, write: Write, *, verb: str, every: float | None = None
 ) -> Iterator[TimedSample]:
-    """Yield the messages of a topic, and ticks, until ■.
+    """Yield the messages of a topic, and ticks, until ■; their times are those of the clock that was chosen.
 
     Without a page it ends after a while, and says so; raises a CourseError if nothing has come.
     """
+    topic, sim = full_name(arguments.topic_name), arguments.use_sim_time
     start_ns, limit, came = source.graph.now_ns, source.limit(), False
     with until_interrupted():
         kind = type_of(source, topic, write, blocking=True)
-        for now_ns, arrival in source.stream({topic: SENSOR_DATA}, kind, Listening(limit, every=every)):
+        topics = {(topic, kind): SENSOR_DATA, **({_CLOCK: SENSOR_DATA} if sim else {})}
+        arrivals = source.stream(topics, Listening(limit, every=None if sim else every))
+        for now_ns, arrival in _in_sim_time(arrivals, topic, every) if sim else arrivals:
             came = came or arrival is not None
             yield now_ns, arrival
         if not came:
             raise CourseError(silence(source, topic, SENSOR_DATA, start_ns))
         if limit:
             write(f"No page is watching: ros2 topic {verb} stopped after {limit:g} s of robot time.\n")
+
+
+def _in_sim_time(arrivals: Iterable[TimedSample], topic: str, every: float | None) -> Iterator[TimedSample]:
+    """Yield a topic's messages with the time on /clock when they came, [ns], 0 before it, and ticks by it."""
+    now_ns = tick_ns = 0
+    step_ns = round((every or 0.0) * 1e9)
+    for _, sample in arrivals:
+        if sample is not None and (sample.topic, sample.type_name) == _CLOCK:
+            clock: Any = sample.message()
+            now_ns = clock.clock.sec * 10**9 + clock.clock.nanosec
+            if step_ns and (now_ns >= tick_ns or now_ns < tick_ns - step_ns):
+                tick_ns = (now_ns // step_ns + 1) * step_ns
+                yield now_ns, None
+        if sample is not None and sample.topic == topic:
+            yield now_ns, sample
 
 
 def passes(expression: str | None) -> Callable[[Any], bool]:

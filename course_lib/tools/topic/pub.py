@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
@@ -24,11 +25,11 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(message_class, arguments.message_type, "msg")
     message: Any = kind()
     set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
-    with until_interrupted(), own_node(source, arguments.node_name or NODE_NAME) as node:
+    with until_interrupted(), _node(source, arguments) as node:
         publisher = _publisher(node, kind, arguments)
         _wait_for_subscriptions(source, publisher, arguments, write)
         write("publisher: beginning loop\n")
-        for count in _beats(source, arguments, write):
+        for count in _beats(source, node, arguments, write):
             for set_time in set_times:
                 set_time(node.get_clock().now().to_msg())
             if arguments.print and count % arguments.print == 0:
@@ -71,17 +72,34 @@ def _wait_for_subscriptions(
         source.wait(lambda: False, LOOK_EVERY)
 
 
-def _beats(source: Source, arguments: Namespace, write: Write) -> Iterator[int]:
+def _node(source: Source, arguments: Namespace) -> "AbstractContextManager[Node]":
+    return own_node(source, arguments.node_name or NODE_NAME, use_sim_time=arguments.use_sim_time)
+
+
+def _beats(source: Source, node: "Node", arguments: Namespace, write: Write) -> Iterator[int]:
     times = 1 if arguments.once else arguments.times
     limit = None if times else source.limit()
     start_ns, count = source.graph.now_ns, 0
+    if arguments.use_sim_time:
+        source.wait(lambda: node.get_clock().now().nanoseconds > 0, source.limit())
     while not source.graph.ended and (not times or count < times):
         count += 1
         yield count
         if limit is not None and source.graph.now_ns - start_ns >= limit * 1e9:
             write(f"No page is watching: ros2 topic pub stopped after {limit:g} s of robot time.\n")
             return
-        source.wait(lambda: False, arguments.keep_alive if count == times else 1 / arguments.rate)
+        if arguments.use_sim_time and count != times:
+            _pause(source, node, 1 / arguments.rate)
+        else:
+            source.wait(lambda: False, arguments.keep_alive if count == times else 1 / arguments.rate)
+
+
+def _pause(source: Source, node: "Node", seconds: float) -> None:
+    """Wait by the time on /clock."""
+    calls = list[None]()
+    timer = node.create_timer(seconds, lambda: calls.append(None))
+    source.wait(lambda: bool(calls), source.limit())
+    node.destroy_timer(timer)
 
 
 _OPTIONS = (

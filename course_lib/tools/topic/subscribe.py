@@ -41,7 +41,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     listening = Listening(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for heard_ns, arrival in source.stream({topic: qos}, kind, listening):
+        for heard_ns, arrival in source.stream({(topic, kind): qos}, listening):
             came = True
             assert arrival is not None  # no ticks were asked for
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
@@ -125,12 +125,19 @@ _UNITS = (  # below, divided by, name, digits
 def _hz(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the rate at most once a second, and at the end if there was no second."""
     gaps: deque[int] = deque(maxlen=arguments.window)  # [ns] between two messages
-    last_ns = printed_ns = None
+    first_ns = printed_ns = None
+    last_ns = 0
     matches, shown = passes(arguments.filter_expr), False
-    for now_ns, arrival in listen(source, full_name(arguments.topic_name), write, verb="hz"):
+    for now_ns, arrival in listen(source, arguments, write, verb="hz"):
+        if not now_ns:
+            _restart(gaps, write)
+            continue
         if arguments.filter_expr and arrival is not None and not matches(arrival.message()):
             continue
-        if last_ns is not None:
+        if first_ns is None or first_ns > now_ns:
+            first_ns = now_ns
+            gaps.clear()
+        else:
             gaps.append(now_ns - last_ns)
             printed_ns = printed_ns or now_ns
         last_ns = now_ns
@@ -145,11 +152,14 @@ def _bw(source: Source, arguments: Namespace, write: Write) -> None:
     topic = full_name(arguments.topic_name)
     heard: deque[tuple[int, int]] = deque(maxlen=arguments.window)  # when [ns], bytes
     title = f"Subscribed to [{topic}]\n"
-    for now_ns, arrival in listen(source, topic, write, verb="bw", every=1.0):
+    for now_ns, arrival in listen(source, arguments, write, verb="bw", every=1.0):
         write(title)
         title = ""
-        if arrival is not None:
+        if arrival is not None and now_ns:
             heard.append((now_ns, len(arrival.cdr)))
+        elif len(heard) > 1 and now_ns <= heard[0][0]:
+            write("WARNING: time is reset!\n")
+            heard.clear()
         elif len(heard) > 1:
             write(bandwidth([size for _, size in heard], (now_ns - heard[0][0]) * 1e-9))
 
@@ -157,9 +167,11 @@ def _bw(source: Source, arguments: Namespace, write: Write) -> None:
 def _delay(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the age of messages at their arrival, by their headers; the first one is not counted."""
     delays: deque[int] = deque(maxlen=arguments.window)  # [ns]
-    topic, first, new = full_name(arguments.topic_name), True, False
-    for now_ns, arrival in listen(source, topic, write, verb="delay", every=1.0):
-        if arrival is None:
+    topic, new, first_ns = full_name(arguments.topic_name), False, None
+    for now_ns, arrival in listen(source, arguments, write, verb="delay", every=1.0):
+        if not now_ns:
+            _restart(delays, write)
+        elif arrival is None:
             if new:
                 write(f"average delay: {sum(delays) / len(delays) * 1e-9:.3f}\n{_spread(delays)}")
             elif delays:
@@ -170,12 +182,20 @@ def _delay(source: Source, arguments: Namespace, write: Write) -> None:
                 f"msg does not have header: {arrival.type_name} says nothing of when it was made. "
                 f"`ros2 topic hz {topic}` shows how often it comes."
             )
-        elif first:
-            first = False
+        elif first_ns is None or first_ns > now_ns:
+            first_ns = now_ns
+            delays.clear()
         else:
             stamp = message.header.stamp
             delays.append(now_ns - stamp.sec * 10**9 - stamp.nanosec)
             new = True
+
+
+def _restart(values_ns: deque[int], write: Write) -> None:
+    """Forget what was measured: simulation time stands at 0."""
+    if values_ns:
+        write("time has reset, resetting counters\n")
+        values_ns.clear()
 
 
 def bandwidth(sizes: list[int], seconds: float) -> str:
@@ -193,7 +213,7 @@ def in_bytes(*numbers: float) -> list[str]:
 
 def _rate(gaps: Sequence[int]) -> str:
     mean = sum(gaps) / len(gaps) * 1e-9
-    return f"average rate: {1 / mean if mean else 0:.3f}\n{_spread(gaps)}"
+    return f"average rate: {1 / mean if mean > 0 else 0:.3f}\n{_spread(gaps)}"
 
 
 def _spread(values_ns: Sequence[int]) -> str:
