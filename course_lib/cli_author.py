@@ -11,6 +11,27 @@ authors = typer.Typer()
 
 
 @authors.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="week09, or the word course.")],
+    title: Annotated[str, typer.Argument(help='Its title: "Occupancy maps".')],
+) -> None:
+    """Write the files of a week, or of a course of your own, which already run."""
+    from course_lib.authoring.new_course import new_course
+    from course_lib.authoring.new_week import new_week
+    from course_lib.grading.records import this_course
+
+    if kind == "course":
+        root = new_course(title, Path.cwd())
+        typer.echo(
+            f"{root} is a course. Go on there: pip install -e '.[test]' && course verify && course lab"
+        )
+        return
+    for path in new_week(kind, title, this_course()):
+        typer.echo(path)
+    typer.echo(f"It runs as it is. Replace what says REPLACE, and look often: course verify {kind}")
+
+
+@authors.command()
 def verify(
     weeks: Annotated[list[str] | None, typer.Argument(help="week09 …; default: all.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Notebooks that run at a time.")] = None,
@@ -25,21 +46,23 @@ def verify(
 
     course, reports = this_course(), []
     for report in look(course, weeks or (), jobs):
-        typer.echo(f"{report.week}: {len(report.findings) or 'nothing'} to correct", err=True)
+        typer.echo(f"{report.week}: {len(report.flaws) or 'nothing'} to correct", err=True)
         reports.append(report)
     remember(course, reports)
     Console().print(table(reports))
-    typer.echo("\n".join(lines(reports)))
-    raise typer.Exit(NOT_READY if any(report.findings for report in reports) else 0)
+    typer.echo("\n".join(lines(reports, course)))
+    raise typer.Exit(NOT_READY if any(report.flaws for report in reports) else 0)
 
 
 @authors.command()
 def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
     """Write the students' copy: installable, without solutions and hidden checks. Verify first."""
     from course_lib.authoring.memory import refuse_broken
+    from course_lib.course.hand_out import free_place
     from course_lib.course.hand_out import release as write
     from course_lib.grading.records import this_course
 
+    free_place(out)
     refuse_broken(this_course())
     paths = write(out)
     typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")

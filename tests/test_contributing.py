@@ -1,6 +1,5 @@
 """The recipes of CONTRIBUTING.md, carried out in a copy of the project."""
 
-import json
 import os
 import re
 import shlex
@@ -14,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 RECIPES = re.findall(r"^### (Add .+)\n((?:(?!###).*\n)+)", PAGE, re.MULTILINE)
-BLOCK = re.compile(r"^```(\w+)(?: (file|cells)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(\w+)(?: (file)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "dist")
 
 
@@ -51,16 +50,6 @@ def undone(change: str) -> str:
     return "".join(signs[line[0]] + line[1:] for line in change.splitlines(keepends=True))
 
 
-def notebook(cells: str) -> str:
-    """Return a notebook of code cells, which are separated by `# %%`."""
-    code: list[dict[str, object]] = [
-        {"cell_type": "code", "id": f"cell-{number}", "metadata": {}, "outputs": [], "execution_count": None,
-         "source": source.strip()}
-        for number, source in enumerate(cells.split("# %%\n"))
-    ]  # fmt: skip
-    return json.dumps({"cells": code, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
-
-
 def run(line: str, folder: Path) -> None:
     """Run a command of a recipe with this Python."""
     program, *words = shlex.split(line)
@@ -73,7 +62,7 @@ def run(line: str, folder: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("title", "text"), RECIPES, ids=[title for title, _ in RECIPES])
 def test_a_recipe_works_as_it_is_written(title: str, text: str, copy: Path) -> None:
-    for language, kind, name, content in BLOCK.findall(text):
+    for language, _, name, content in BLOCK.findall(text):
         path = copy / name
         if language == "console":
             for line in content.splitlines():
@@ -82,12 +71,12 @@ def test_a_recipe_works_as_it_is_written(title: str, text: str, copy: Path) -> N
             path.write_text(edit(path.read_text("utf-8"), content), "utf-8")
         else:
             assert not path.exists(), f"{title}: {name} is there already"
-            path.write_text(notebook(content) if kind == "cells" else content, "utf-8")
+            path.write_text(content, "utf-8")
 
 
 def test_every_recipe_is_there_and_ends_with_a_test() -> None:
     titles = [title.removeprefix("Add a ") for title, _ in RECIPES]
-    assert titles == ["display", "`ros2` verb", "check", "hint", "week"]
+    assert titles == ["display", "`ros2` verb", "check", "hint"]
     assert all("pytest" in BLOCK.findall(text)[-1][3] for _, text in RECIPES)
 
 

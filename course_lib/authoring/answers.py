@@ -104,8 +104,8 @@ def _variant(path: Path, task: str, row: Any) -> Variant:
         pairs = tuple(tuple(pair) for pair in row.get("change", ()))
         return Variant(task, **{**row, "change": pairs})
     except (AttributeError, TypeError, CourseError) as error:
-        named = str(row.get("miss") or row.get("way") or task) if isinstance(row, dict) else task
-        raise CourseError(f"{place_of(path, named)}: {task}: {error}") from error
+        named = next(iter(row.values()), task) if isinstance(row, dict) else task
+        raise CourseError(f"{place_of(path, str(named))}: {task}: {error}") from error
 
 
 def changed(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]:

@@ -73,7 +73,7 @@ def rehearsal_of(edits: Sequence[Edit], cells: Sequence[str], week: str) -> Rehe
 def edits_of(
     tasks: Sequence[Task], answers: Answers, cells: Sequence[str], among: Sequence[Operator]
 ) -> Iterator[Edit | Flaw]:
-    """Yield every variant and every mutant of the solution; a finding for one that can't be made."""
+    """Yield every variant and every mutant of the solution; a flaw for one that can't be made."""
     by_id = {task.id: task for task in tasks}
     for variant in answers.variants:
         place = place_of(answers.path, variant.miss or variant.way)

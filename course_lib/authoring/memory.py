@@ -5,18 +5,18 @@ import json
 from collections.abc import Iterable
 from contextlib import suppress
 
-from course_lib.authoring.verify import WeekReport, lines, verify, weeks_of
+from course_lib.authoring.verify import EXTRAS, WeekReport, lines, page_flaws, verify, weeks_of
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.records import Course, kit_digest
 
-MEMORY = ".verified.json"  # beside exercises/; the digests of weeks without findings
+MEMORY = ".verified.json"  # beside exercises/; the digests of weeks without flaws
 MOST_SHOWN = 10  # lines in a refusal
 
 
 def remember(course: Course, reports: Iterable[WeekReport]) -> None:
     """Keep the digests of the weeks that nothing is wrong with."""
-    sound = [digest_of_week(course, report.week) for report in reports if not report.findings]
+    sound = [digest_of_week(course, report.week) for report in reports if not report.flaws]
     known = [digest for digest in _known(course) if digest not in sound]
     text = json.dumps([*known, *sound][-200:], indent=0)
     write_whole(course.exercises.parent / MEMORY, text.encode())
@@ -32,9 +32,10 @@ def refuse_broken(course: Course) -> None:
     changed = [week for week in weeks_of(course) if digest_of_week(course, week) not in known]
     reports = list(verify(course, changed)) if changed else []
     remember(course, reports)
-    broken = [report for report in reports if report.findings]
+    reports.append(WeekReport(EXTRAS, tuple(page_flaws(EXTRAS, course))))
+    broken = [report for report in reports if report.flaws]
     if broken:
-        said = lines(broken)
+        said = lines(broken, course)
         shown = " | ".join(said[:MOST_SHOWN])
         raise CourseError(f"nothing is released. {shown} … To see all of it: course verify")
 

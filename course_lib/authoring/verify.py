@@ -26,6 +26,7 @@ from course_lib.grading.records import Course, catalog_of
 if TYPE_CHECKING:
     from rich.table import Table
 
+LEFT = "REPLACE"  # in the texts of templates
 EXTRAS = "extras"  # the row of pages that belong to no week
 UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
 
@@ -36,17 +37,19 @@ class WeekReport:
 
     Args:
         week: "week01", or the extras.
-        findings: What is wrong.
+        flaws: What is wrong.
         unknown: Aspects that could not be looked at.
+        replace: How many places of a template are left.
     """
 
     week: str
-    findings: tuple[Flaw, ...]
+    flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
+    replace: int = 0
 
     def cell(self, aspect: str) -> str:
         """Return the mark of one aspect."""
-        if any(finding.aspect == aspect for finding in self.findings):
+        if any(flaw.aspect == aspect for flaw in self.flaws):
             return "✘"
         return "." if aspect in self.unknown else "✔"
 
@@ -69,8 +72,8 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
             raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{meant}")
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
-            yield _report(week, course, pool)
-    if not weeks and (found := list(page_findings(EXTRAS, course))):
+            yield replace(_report(week, course, pool), replace=_left_of_template(week, course))
+    if not weeks and (found := list(page_flaws(EXTRAS, course))):
         yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
 
 
@@ -82,7 +85,7 @@ def weeks_of(course: Course) -> list[str]:
 
 
 def _report(week: str, course: Course, pool: Executor) -> WeekReport:
-    found = [*page_findings(week, course), *_quizzes(week, course), *_fresh(week, course)]
+    found = [*page_flaws(week, course), *_quizzes(week, course), *_fresh(week, course)]
     try:
         tasks = catalog_of(course).of_week(week)
         if not tasks:
@@ -90,7 +93,7 @@ def _report(week: str, course: Course, pool: Executor) -> WeekReport:
         broken = list(missing_files(week, course))
         if not broken:
             found += _inputs(week, course)
-            found += WeekRehearsals(week, course, pool).findings()
+            found += WeekRehearsals(week, course, pool).flaws()
             return WeekReport(week, tuple(found))
     except CourseError as error:
         broken = [Flaw("files", str(error))]
@@ -105,7 +108,7 @@ def _inputs(week: str, course: Course) -> Iterator[Flaw]:
         yield from unbuildable(replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py")
 
 
-def page_findings(week: str, course: Course) -> Iterator[Flaw]:
+def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
     """Yield what the rules say of a week's notebooks, or of the extras."""
     if week == EXTRAS:
         for path in sorted(course.lessons.glob("extra_*.ipynb")):
@@ -184,13 +187,24 @@ def table(reports: Sequence[WeekReport]) -> "Table":
     return made
 
 
-def lines(reports: Sequence[WeekReport]) -> list[str]:
-    """Return every finding as one line, and a summary."""
-    found = [
-        f"{report.week}, {finding.aspect}: {finding}" for report in reports for finding in report.findings
+def _left_of_template(week: str, course: Course) -> int:
+    tops = (course.lessons, course.exercises / "quizzes", course.solutions)
+    files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
+    return sum(path.read_text(encoding="utf-8", errors="replace").count(LEFT) for path in files)
+
+
+def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
+    """Return every flaw as one line, with paths from the top of the course, and a summary."""
+    top = f"{course.exercises.parent}{os.sep}"
+    flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
+    found = [flaw.replace(top, "") for flaw in flaws]
+    found += [
+        f"{r.week}: {counted(r.replace, 'place')} of the template left, look for {LEFT}"
+        for r in reports
+        if r.replace
     ]
-    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.findings}
+    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     said = [f"{aspect}: {text}" for aspect, text in meant.items()]
-    bad = sum(bool(report.findings) for report in reports)
+    bad = sum(bool(report.flaws) for report in reports)
     end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
     return [*found, *["What must hold:"] * bool(said), *said, end]

@@ -49,7 +49,7 @@ class WeekRehearsals:
             if check.origin
         }
 
-    def findings(self) -> Iterator[Flaw]:
+    def flaws(self) -> Iterator[Flaw]:
         """Run all rehearsals, and yield what is wrong."""
         edits = list(edits_of(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
         yield from (one for one in edits if isinstance(one, Flaw))
@@ -113,7 +113,7 @@ class WeekRehearsals:
             yield from self._full("solution", f"the solution with {own}", result, str(self._solution))
 
     def _full(self, aspect: str, what: str, result: TaskResult, place: str) -> Iterator[Flaw]:
-        """Yield a finding for a task without full marks, at the place of the first check that fails."""
+        """Yield a flaw for a task without full marks, at the place of the first check that fails."""
         if result.score < result.points or not result.passed:
             failing = [(key, check) for key, check in _keyed(result) if not check.passed]
             why = [f"{_kind(c)} {c.scenario!r}, {c.title!r}: {c.broken or c.message}" for _, c in failing[:2]]

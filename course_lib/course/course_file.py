@@ -168,13 +168,16 @@ def read_course_file(path: Path) -> CourseFile:
     """Read and check course.toml.
 
     Raises:
-        CourseError: Naming the file and the key that is missing, unknown or of a wrong kind.
+        CourseError: Naming the file, the line and the key that is missing, unknown or of a wrong kind.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        course: CourseFile = _read(CourseFile, tomllib.loads(text))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
-    course: CourseFile = _read(CourseFile, table, str(path))
+    except _MisfitError as error:
+        line = _line_of(text, error.keys)
+        raise CourseError(f"{path}{f' line {line}' if line else ''}: {error}") from error
     return course
 
 
@@ -204,26 +207,51 @@ KINDS[datetime | None] = KINDS[datetime]
 KINDS[ZoneInfo | None] = KINDS[ZoneInfo]
 
 
-def _read(kind: Any, value: Any, where: str) -> Any:
+class _MisfitError(CourseError):
+    """A value of course.toml that does not fit, with the keys that lead to it."""
+
+    def __init__(self, keys: tuple[str, ...], text: str) -> None:
+        super().__init__(": ".join((*keys, text)))
+        self.keys = keys
+
+
+def _line_of(text: str, keys: tuple[str, ...]) -> int:
+    """Return the line of the key, or of the innermost table on the way to it that has one; else 0."""
+    table: tuple[str, ...] = ()
+    best = (0, 0)  # how many keys fit, and the line
+    for number, line in enumerate(text.splitlines(), 1):
+        if heading := re.match(r"\s*\[([^\[\]]+)\]", line):
+            table = place = tuple(part.strip() for part in heading[1].split("."))
+        elif entry := re.match(r"\s*([\w.-]+)\s*=", line):
+            place = (*table, *entry[1].split("."))
+        else:
+            continue
+        if place == keys[: len(place)] and len(place) > best[0]:
+            best = (len(place), number)
+    return best[1]
+
+
+def _read(kind: Any, value: Any, keys: tuple[str, ...] = ()) -> Any:
     """Convert a value of TOML to the type of an annotation; a table becomes the dataclass."""
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
             came = repr(value) if isinstance(value, str) else value
-            raise CourseError(f"{where}: {came}, expected {expected}")
+            raise _MisfitError(keys, f"{came}, expected {expected}")
         return make(value)
     if not isinstance(value, dict):
-        raise CourseError(f"{where}: {value!r}, expected a table")
+        raise _MisfitError(keys, f"{value!r}, expected a table")
     if get_origin(kind) is Mapping:
-        return {key: _read(get_args(kind)[1], item, f"{where}: {key}") for key, item in value.items()}
+        return {key: _read(get_args(kind)[1], item, (*keys, key)) for key, item in value.items()}
     hints = get_type_hints(kind)
     if strange := sorted(value.keys() - hints.keys()):
-        raise CourseError(f"{where}: unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}")
+        text = f"unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}"
+        raise _MisfitError((*keys, strange[0]), text)
     needed = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
     if missing := sorted(needed - value.keys()):
-        raise CourseError(f"{where}: the key {missing[0]!r} is missing")
-    items = {key: _read(hints[key], item, f"{where}: {key}") for key, item in value.items()}
+        raise _MisfitError(keys, f"the key {missing[0]!r} is missing")
+    items = {key: _read(hints[key], item, (*keys, key)) for key, item in value.items()}
     try:
         return kind(**items)
     except CourseError as error:
-        raise CourseError(f"{where}: {error}") from error
+        raise _MisfitError(keys, str(error)) from error

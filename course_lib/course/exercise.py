@@ -42,7 +42,7 @@ def read_notebook(path: Path) -> Notebook:
     """
     try:
         notebook = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read as a notebook: {error}") from error
     cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
@@ -135,7 +135,11 @@ def write_exercises() -> list[Path]:
     """Write every exercise again from its solution; return the files that changed."""
     changed = []
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
-        text, path = notebook_text(exercise_from(read_notebook(solution))), exercise_path(solution)
+        path = exercise_path(solution)
+        try:
+            text = notebook_text(exercise_from(read_notebook(solution)))
+        except CourseError as error:
+            raise CourseError(f"{solution}: {error}") from error
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_whole(path, text.encode())
             changed.append(path)

@@ -11,14 +11,13 @@ from pathlib import Path
 
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import read_notebook, source, stamp_exercises, write_exercises
-from course_lib.course.installation import PACKAGE, checkout_root, exercises_dir, lessons_dir
+from course_lib.course.installation import PACKAGE, checkout_root, course_package, exercises_dir, lessons_dir
 from course_lib.course.state import STATE_FOLDER, WRITTEN_FOLDER, State
 from course_lib.errors import CourseError
 
 DEFAULT_FOLDER = Path("my_course")
 # solutions/, tests/ (they hold right and wrong answers) and everything hidden stay with the instructors.
-RELEASED = (
-    "course_lib",
+RELEASED = (  # with the course's package
     "notebooks",
     "exercises",
     "docs/images",  # of README.md
@@ -88,7 +87,7 @@ def prepare(folder: Path) -> Refresh:
     folder = folder.expanduser().resolve()
     if folder.exists() and not folder.is_dir():
         raise CourseError(f"{folder} is a file, not a folder. Name another one: course lab my_course")
-    if folder == PACKAGE.parent:
+    if folder in (PACKAGE.parent, course_package().parent):
         raise CourseError(f"{folder} is the kit itself. Name a folder of your own: course lab my_course")
     try:
         for name in (STATE_FOLDER, WRITTEN_FOLDER):
@@ -139,17 +138,31 @@ def _free_name(path: Path) -> Path:
     raise CourseError(f"too many newer versions beside {path}: delete the ones you don't need")
 
 
+def _released() -> tuple[str, ...]:
+    return (course_package().name, *RELEASED)
+
+
+def free_place(out: Path) -> Path:
+    """Return the folder that a release goes into.
+
+    Raises:
+        CourseError: It holds something, or lies inside what is released.
+    """
+    root, out = checkout_root(), out.expanduser().resolve()
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise CourseError(f"{out} is not an empty folder. Name a new one, or remove it first.")
+    if any(out.is_relative_to(root / name) for name in _released()):
+        raise CourseError(f"{out} lies inside what is released. Name a folder elsewhere.")
+    return out
+
+
 def release(out: Path) -> list[Path]:
     """Copy what students get into `out`; returns what was copied, as paths in `out`.
 
     Raises:
         CourseError: not a checkout; `out` holds something, or can't be written; course.toml is malformed.
     """
-    root, out = checkout_root(), out.expanduser().resolve()
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise CourseError(f"{out} is not an empty folder. Name a new one, or remove it first.")
-    if out.is_relative_to(root / "course_lib") or out.is_relative_to(root / "exercises"):
-        raise CourseError(f"{out} lies inside what is released. Name a folder elsewhere.")
+    root, out = checkout_root(), free_place(out)
     stale = write_exercises()
     if stale:
         names = ", ".join(path.name for path in stale)
@@ -158,7 +171,7 @@ def release(out: Path) -> list[Path]:
         )
     settings = _without_extensions(root / "exercises" / "course.toml")
     try:
-        copies = [_copy(root / name, out / name) for name in RELEASED if (root / name).exists()]
+        copies = [_copy(root / name, out / name) for name in _released() if (root / name).exists()]
         (out / "exercises" / "course.toml").write_text(settings, encoding="utf-8")
         return copies
     except OSError as error:

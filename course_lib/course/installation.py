@@ -1,10 +1,13 @@
 """The installation: where the kit keeps what it ships, and whether its packages fit."""
 
+import os
 import platform
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 from course_lib.errors import CourseError
@@ -12,6 +15,36 @@ from course_lib.errors import CourseError
 PACKAGE = Path(__file__).resolve().parent.parent
 DISTRIBUTION = "course-lib"
 REPAIR = "pip install -e ."
+GROUP = "course_lib.course"  # of entry points: the package of a course
+CHOICE = "COURSE_PACKAGE"
+
+
+def course_package() -> Path:
+    """Return the package folder of the course: an installed one, else the kit with its own course.
+
+    Of several, the one counts whose project holds the current folder, else the one that COURSE_PACKAGE names.
+
+    Raises:
+        CourseError: Several are installed, and none is chosen.
+    """
+    found = _installed()
+    if len(found) <= 1:
+        return next(iter(found.values()), PACKAGE)
+    chosen = [p for p in found.values() if Path.cwd().is_relative_to(p.parent)]
+    chosen += [p for name, p in found.items() if name == os.environ.get(CHOICE)]
+    if not chosen:
+        raise CourseError(
+            f"several courses are installed: {', '.join(sorted(found))}. Go into the folder of one, or "
+            f"name it: export {CHOICE}={min(found)}"
+        )
+    return chosen[0]
+
+
+@cache
+def _installed() -> dict[str, Path]:
+    """Return the folders of installed courses' packages, by name, without importing them."""
+    specs = {e.value: find_spec(e.value) for e in metadata.entry_points(group=GROUP)}
+    return {name: Path(spec.origin).resolve().parent for name, spec in specs.items() if spec and spec.origin}
 
 
 def material_root() -> Path:
@@ -20,11 +53,12 @@ def material_root() -> Path:
     Raises:
         CourseError: the installation holds neither.
     """
-    for root in (PACKAGE / "_course", PACKAGE.parent):
+    package = course_package()
+    for root in (package / "_course", package.parent):
         if (root / "notebooks").is_dir() and (root / "exercises").is_dir():
             return root
     raise CourseError(
-        f"no lessons beside {PACKAGE}: this installation is not complete. Install again: pip install -e ."
+        f"no lessons beside {package}: this installation is not complete. Install again: pip install -e ."
     )
 
 
@@ -39,8 +73,13 @@ def lessons() -> list[Path]:
 
 
 def reviews() -> list[Path]:
-    """Return the reviews, in order, such as `week04_your_review.ipynb`; by its name it follows week 4."""
+    """Return the reviews, in order, `weekNN_your_review.ipynb`; by its name it follows its week."""
     return sorted(lessons_dir().glob("week*_your_review.ipynb"))
+
+
+def first_lesson() -> str:
+    """Return the file name of the first lesson, in which students give their ID."""
+    return next((path.name for path in lessons()), "the first lesson")
 
 
 def extras() -> list[Path]:
@@ -59,7 +98,7 @@ def checkout_root() -> Path:
     Raises:
         CourseError: this is a student's copy, or an installed wheel.
     """
-    root = PACKAGE.parent
+    root = course_package().parent
     if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
         return root
     raise CourseError(

@@ -75,7 +75,7 @@ def load_predictions(name: str) -> tuple[Question, ...]:
 
 
 def load_prediction(key: str) -> Question:
-    """Read the prediction "week01.ground": the one with key "ground" in `exercises/quizzes/week01.toml`.
+    """Read the prediction "week01.top": the one with key "top" in `exercises/quizzes/week01.toml`.
 
     Raises:
         CourseError: no such prediction, or one without exactly one right answer.
@@ -130,7 +130,7 @@ def _question_of(table: dict[str, Any]) -> Question:
 
 
 def predict(key: str) -> None:
-    """Ask for a guess before the run, e.g. `predict("week01.ground")`; `compare` shows the answer."""
+    """Ask for a guess before the run, e.g. `predict("week01.top")`; `compare` shows the answer."""
     question = load_prediction(key)
     kept = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]

@@ -1,4 +1,4 @@
-"""Lesson 1's node: an ordinary rclpy program that shows a red cube."""
+"""The demo's node: an ordinary rclpy program that shows a red cube."""
 
 import rclpy
 from rclpy.node import Node

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from course_lib.course.identity import current_identity
+from course_lib.course.installation import first_lesson
 from course_lib.course.questions import in_notebook, show
 from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
@@ -22,9 +23,7 @@ from course_lib.grading.task import Task
 
 STRICT = "COURSE_STRICT"
 FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."
-NO_ID = (
-    "No student ID is known, so your own values are a guest's. Type it into the form in week00_welcome.ipynb."
-)
+NO_ID = "No student ID is known, so your own values are a guest's. Type it into the form in {}."
 MISSING = object()  # stands for an object that was not given
 
 _ADVICE = Advice()  # of this kernel
@@ -39,7 +38,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     """Run your object through a task's public checks and show what passed, what did not, and why.
 
     Args:
-        task_id: The task, "week01.red_cube".
+        task_id: The task, "week01.post".
         subject: What the task asks for: the node class itself, a function, a value or a text.
 
     Raises:
@@ -112,7 +111,7 @@ def table_of(
     elif task.scenarios and not result.passed:
         notes += [*returned_none(task, evidence), *not_numbers(evidence), advice.hint(task, result)]
     if task.personal and student is None:
-        notes.append(NO_ID)
+        notes.append(NO_ID.format(first_lesson()))
     notes += large_messages(evidence)
     return Table(result, tuple(notes), printed(one.output for one in evidence))
 

@@ -8,7 +8,7 @@ from course_lib.course.exercise import find_notebook
 from course_lib.course.identity import current_identity
 from course_lib.errors import CourseError, counted
 from course_lib.grading.advice import Advice
-from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import CodeCell, parse_notebook
@@ -18,6 +18,7 @@ from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.outcome import NOT_MADE
 from course_lib.grading.run.run import run_scenarios
 
+WEEK = re.compile(r"week\d\d")
 NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
 
 
@@ -31,7 +32,7 @@ def check_file(path: Path) -> bool:
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
     tasks = catalog.of_week((notebook.exercise or "").split("_")[0])
     if not tasks:
-        raise CourseError(f"{path} {NO_EXERCISE}")
+        raise CourseError(f"{path} {_no_tasks((notebook.exercise or '').split('_')[0], catalog)}")
     own = current_identity()
     student = notebook.student or own
     steps, files = plan(tasks, catalog, hidden=False), working_files(path, notebook.cells)
@@ -52,6 +53,12 @@ def check_file(path: Path) -> bool:
         )
     print(*said, sep="\n\n")  # noqa: T201  the terminal is its page
     return all(result.passed for result in judgement.tasks)
+
+
+def _no_tasks(week: str, catalog: Catalog) -> str:
+    if not WEEK.fullmatch(week) or week in catalog.course.weeks:
+        return NO_EXERCISE
+    return f"is of {week}, but course.toml has no [weeks.{week}]; there is {', '.join(catalog.course.weeks)}"
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

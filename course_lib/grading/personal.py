@@ -20,7 +20,7 @@ def personal_values(task: Task, student: str | None) -> dict[str, Any]:
 
 
 def my_values(task_id: str) -> Mapping[str, Any]:
-    """Return your own values of a task, by name: `my_values("week01.red_cube")["height"]`.
+    """Return your own values of a task, by name: `my_values("week01.post")["height"]`.
 
     They depend on your student ID. Without one they are those of a guest.
     """

@@ -111,7 +111,7 @@ class Task:
     """One graded task; its points are in course.toml.
 
     Args:
-        id: Week and name, "week01.red_cube".
+        id: Week and name, "week01.post".
         title: A few words for tables.
         kind: What the student hands in.
         name: Its name in the notebook, used where no `check(...)` binds the object.
@@ -135,7 +135,7 @@ class Task:
     mistakes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _need(re.fullmatch(r"week\d\d\.[a-z][a-z0-9_]*", self.id), f'{self.id!r}: expected "week01.red_cube"')
+        _need(re.fullmatch(r"week\d\d\.[a-z][a-z0-9_]*", self.id), f'{self.id!r}: expected "week01.post"')
         _need(self.kind in KINDS, f"{self.id}: kind {self.kind!r}, expected one of {', '.join(KINDS)}")
         _need(self.name.isidentifier(), f"{self.id}: name {self.name!r} is no Python name")
         _need_tuple(f"{self.id}: hints", self.hints, str)

@@ -44,17 +44,17 @@ def test_own_values_depend_on_the_student_only(course: Course) -> None:
 # file: (what stands there, what somebody writes in its place, what is said of it)
 MALFORMED = {
     "exercises/course.toml": [
-        ("= 60", "= 50", "weeks: week01: points: they sum to 90, expected 100"),
+        ("= 60", "= 50", "course.toml line 7: weeks: week01: points: they sum to 90, expected 100"),
         (
             "red_cube",
             "blue_cube",
             "but course.toml has points for ['week01.answer', 'week01.blue_cube', 'week01.half']",
         ),
         ("Europe/Paris", "Mars/Base", "time_zone"),
-        ("title =", "titel =", "unknown key 'titel'"),
+        ("title =", "titel =", "line 2: titel: unknown key 'titel'"),
         ('"A course"', "7", "title: 7, expected a text"),
         ("2026-10-11T23:59:00", "2026-10-11T23:59:00Z", "expected local time"),
-        ("answer = 10", "answer = -1", "expected a number of at least 0"),
+        ("answer = 10", "answer = -1", "line 14: weeks: week01: bonus: answer: -1, expected a number of"),
         ("[weeks.week01]", "[weeks.week01", "can't be read"),
         ('"Europe/Paris"', "[1]", "time_zone: [1], expected a name such as"),
         ("time_zone", "title = 3 #", "can't be read"),

@@ -41,6 +41,15 @@ def test_a_wrong_notebook_shows_why_and_the_errors_of_its_cells(
 
 def test_a_notebook_of_no_exercise_is_refused(write_notebook: WriteNotebook, tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="not an exercise of this course"):
+        check_file(write_notebook(tmp_path / "homework.ipynb", "x = 1", exercise="homework"))
+
+
+def test_an_exercise_of_a_week_that_course_toml_lacks_names_the_weeks(
+    write_notebook: WriteNotebook, tmp_path: Path
+) -> None:
+    with pytest.raises(
+        CourseError, match=r"is of week08, but course\.toml has no \[weeks\.week08\]; there is week01"
+    ):
         check_file(write_notebook(tmp_path / "week08_exercise.ipynb", "x = 1"))
 
 

@@ -35,7 +35,7 @@ def report(week: str) -> WeekReport:
 @pytest.mark.parametrize("aspect", ASPECTS, ids=lambda aspect: aspect.replace(" ", "_"))
 @pytest.mark.parametrize("week", ALL_WEEKS)
 def test_what_must_hold_of_a_week_does(week: str, aspect: str) -> None:
-    assert [str(finding) for finding in report(week).findings if finding.aspect == aspect] == []
+    assert [str(flaw) for flaw in report(week).flaws if flaw.aspect == aspect] == []
     assert report(week).cell(aspect) == "✔" or week not in WEEKS
 
 

@@ -58,6 +58,9 @@ NOT_RUN = {  # command -> why
         ),
         "serves until it is stopped: tests/gateway",
     ),
+    "course classroom --clones clones --roster roster.csv --pushes pushes.json --out submissions": (
+        "needs repositories: tests/grading/test_classroom.py"
+    ),
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
 }
 NAMED = {  # commands of which a sentence gives the name only: their help is shown

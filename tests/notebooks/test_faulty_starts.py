@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -35,6 +36,12 @@ def faulty_starts() -> Iterator[Any]:
                 if faulty and name in tasks and tasks[name].kind in IN_PROCESS:
                     yield pytest.param(tasks[name], faulty, id=tasks[name].id)
                     faulty = ""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run in an empty folder: what is handed out may write files."""
+    monkeypatch.chdir(tmp_path)
 
 
 STARTS = list(faulty_starts())

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from course_lib.authoring.taught import code_of, used_in_answers
-from course_lib.authoring.verify import page_findings, weeks_of
+from course_lib.authoring.verify import page_flaws, weeks_of
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
 from course_lib.course.questions import load_quiz
@@ -18,7 +18,7 @@ SOLUTIONS = sorted(solutions_dir().glob("week*_solution.ipynb"))
 
 @pytest.mark.parametrize("week", [*weeks_of(this_course()), "extras"])
 def test_lessons_reviews_exercises_and_solutions_follow_the_rules(week: str) -> None:
-    assert [str(finding) for finding in page_findings(week, this_course())] == []
+    assert [str(flaw) for flaw in page_flaws(week, this_course())] == []
 
 
 @pytest.mark.parametrize("part", COVERAGE, ids=lambda part: part["topic"])

@@ -47,11 +47,21 @@ def hand_in(found: Sequence[Submission], course: Course, only: str) -> list[Atte
     if not chosen:
         one = f"{found[0].student}/{found[0].exercise}"
         raise CourseError(f"--only {only} fits no submission: write a pattern like 'ada/*'; one is {one}")
+    _refuse_faulty(chosen, course)
     owners = defaultdict[str, set[str]](set)
     for submission in chosen:
         owners[submission.sha256].add(submission.student)
     groups = groupby(chosen, lambda one: (one.student, one.exercise))
     return [_attempts(list(group), owners, course) for _, group in groups]
+
+
+def _refuse_faulty(chosen: Sequence[Submission], course: Course) -> None:
+    """Refuse submissions of a week whose checks can't be read; the other weeks can be graded."""
+    faults = catalog_of(course).faults
+    weeks = {one.exercise.split("_")[0] for one in chosen}
+    for week in sorted(weeks & faults.keys()):
+        sound = min(weeks - faults.keys(), default="week01")
+        raise CourseError(f"nothing is graded: {faults[week]}. Meanwhile --only '*/{sound}*' grades one week")
 
 
 def _attempts(group: Sequence[Submission], owners: Mapping[str, set[str]], course: Course) -> Attempts:

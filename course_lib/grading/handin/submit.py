@@ -13,7 +13,7 @@ from typing import Any
 from course_lib.course.exercise import find_notebook
 from course_lib.course.hand_out import content_hash as digest_of_cells
 from course_lib.course.identity import current_identity
-from course_lib.course.installation import exercises_dir
+from course_lib.course.installation import exercises_dir, first_lesson
 from course_lib.course.state import (
     LastCheck,
     Packed,
@@ -31,7 +31,7 @@ from course_lib.grading.handin.notebook import CodeCell, Notebook, parse_noteboo
 from course_lib.grading.handin.submission import NO_EXERCISE, content_hash, unpack
 from course_lib.grading.task import Task
 
-NO_ID = "It names no student: give your ID in week 0 (open week00_welcome.ipynb), submit again."
+NO_ID = "It names no student: give your ID (open {}), submit again."
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class HandIn:
         if named and self._own and named != self._own:
             yield (
                 f"{self._path.name} names the student {named}, but your ID is {self._own}: open "
-                f"week00_welcome.ipynb, or type set_identity('{self._own}') in a cell, then submit again"
+                f"{first_lesson()}, or type set_identity('{self._own}') in a cell, then submit again"
             )
 
 
@@ -182,7 +182,7 @@ class Receipt:
     def text(self) -> str:
         """Return the lines for the student."""
         rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
-        no_id = "" if self.content["student"] else f"\n{NO_ID}"
+        no_id = "" if self.content["student"] else f"\n{NO_ID.format(first_lesson())}"
         warned = report(self.warnings, self.content["file"])
         return f"Wrote {self.file}: this is the file to hand in. Its receipt:{rows}{no_id}{warned}"
 

@@ -36,8 +36,8 @@ def mark_by_hand(
     Args:
         out: The folder that `course grade` wrote.
         student: As it stands in the gradebook.
-        exercise: "week05_exercise".
-        task: "week05.essay", or "essay".
+        exercise: "week01_exercise".
+        task: "week01.essay", or "essay".
         points: A number: for the row, else for the whole task instead of what the checks give.
         row: Of the rubric: its number from 1, or how it begins.
         comment: For the student.

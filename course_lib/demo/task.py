@@ -1,0 +1,44 @@
+"""The demo's own task: it belongs to no course."""
+
+from typing import Any
+
+from course_lib.grading import Scenario, Task, expect_frame, expect_marker, expect_rate
+from course_lib.grading.advice import Advice
+from course_lib.grading.check import table_of
+from course_lib.grading.judge import judge_task
+from course_lib.grading.run.job import Run
+from course_lib.grading.run.student_side import run_here
+
+TOPIC = "/visualization_marker"
+SHAPE = expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube, 1 m large")
+TASK = Task(
+    "week00.red_cube",
+    title="A red cube on the ground",
+    kind="node",
+    name="RedCubeNode",
+    hints=(
+        "Which fields does a marker need to be visible?",
+        "The cube's edge is 1 m, so its centre is half an edge above the ground.",
+        "Set pose.position.z = 0.5.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=6.0,  # [s]
+            checks=(
+                SHAPE,
+                expect_marker(TOPIC, position=(0.0, 0.0, 0.5)).titled("above the origin, on the ground"),
+                expect_marker(TOPIC, color=(1.0, 0.0, 0.0, 0.8)).titled("red, alpha 0.8"),
+                expect_frame(TOPIC, "map").requiring(SHAPE).titled("in the frame map"),
+                expect_rate(TOPIC, 1.0).requiring(SHAPE).titled("once a second"),
+            ),
+        ),
+    ),
+)
+
+
+def look(answer: Any) -> str:
+    """Return the table that a student sees of an answer."""
+    runs = [Run(scenario, run_here(TASK, scenario, answer, {})) for scenario in TASK.scenarios]
+    result = judge_task(TASK, 100.0, False, runs)
+    return str(table_of(TASK, result, [run.evidence for run in runs], None, Advice()))

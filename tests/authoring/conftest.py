@@ -1,0 +1,35 @@
+"""A course with one week, as `course new` makes it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib.authoring.new_week import new_week
+from course_lib.grading.records import Course
+
+Break = Callable[[str, str, str], None]
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Course:
+    """A course with a week 9 on occupancy maps."""
+    made = Course(tmp_path / "exercises", tmp_path / "solutions")
+    for folder in (made.exercises, made.solutions, made.lessons):
+        folder.mkdir()
+    (made.exercises / "course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
+    new_week("week09", "Occupancy maps", made)
+    return made
+
+
+@pytest.fixture
+def change(course: Course) -> Break:
+    """Replaces a text in a file of the course."""
+
+    def write(name: str, old: str, new: str) -> None:
+        path = course.exercises.parent / name
+        text = path.read_text("utf-8")
+        assert old in text, f"{name} has no {old!r}"
+        path.write_text(text.replace(old, new), "utf-8")
+
+    return write

@@ -1,0 +1,131 @@
+"""`course new course "Robotics 101"`: an installable project of its own, from new to a mark."""
+
+import csv
+import json
+import os
+import subprocess
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+from course_lib.authoring.new_course import new_course
+from course_lib.course.course_file import read_course_file
+from course_lib.errors import CourseError
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = "course_robotics_101"
+
+
+def install(home: Path, project: Path) -> Path:
+    """Return the Python of a new environment in which a project is installed beside the kit."""
+    venv.create(home, with_pip=False)
+    packages = next(home.glob("lib/python*/site-packages"))
+    # The kit and its dependencies come from this environment; the course itself does not.
+    (packages / "kit.pth").write_text(f"{sysconfig.get_path('purelib')}\n{ROOT}\n")
+    python = home / "bin" / "python"
+    options = ("-q", "--no-deps")
+    run(python, "-m", "pip", "install", *options, "-e", project, cwd=home)
+    return python
+
+
+def run(*command: str | Path, cwd: Path, code: int = 0) -> str:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        list(map(str, command)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=900
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return new_course("Robotics 101", tmp_path_factory.mktemp("authors"))
+
+
+@pytest.fixture(scope="module")
+def python(project: Path) -> Path:
+    return install(project.parent / "venv", project)
+
+
+@pytest.mark.slow
+def test_a_new_course_is_verified_released_installed_and_graded(project: Path, python: Path) -> None:
+    said = run(python, "-m", "course_lib", "verify", cwd=project)
+    assert "All of it is right." in said
+    assert "week00: nothing to correct" in said
+    assert "week01: nothing to correct" in said
+    students = project.parent / "students"
+    assert "Released" in run(python, "-m", "course_lib", "release", students, cwd=project)
+    names = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
+    assert {f"{PACKAGE}/__init__.py", "exercises/week01_exercise.ipynb", "pyproject.toml"} <= names
+    assert not [name for name in names if "solution" in name or name.startswith("tests")]
+    hand_in(project, project.parent / "inbox" / "ada")
+    run(python, "-m", "course_lib", "grade", "inbox", "--out", "graded", cwd=project.parent)
+    (row,) = csv.DictReader((project.parent / "graded" / "gradebook.csv").read_text().splitlines())
+    assert (row["student"], row["score"], row["max_score"]) == ("ada", "100.0", "100.0")
+
+
+def hand_in(project: Path, folder: Path) -> None:
+    folder.mkdir(parents=True)
+    notebook = json.loads((project / "solutions" / "week01_solution.ipynb").read_text())
+    notebook["metadata"]["course"]["student"] = "ada"
+    (folder / "week01_exercise.ipynb").write_text(json.dumps(notebook))
+
+
+@pytest.mark.slow
+def test_the_kit_finds_the_installed_course_from_anywhere(python: Path, tmp_path: Path) -> None:
+    code = (
+        "from pathlib import Path; from course_lib.course import hand_out\n"
+        "print(*hand_out.prepare(Path('mine')).added)"
+    )
+    added = run(python, "-c", code, cwd=tmp_path).split()
+    assert added == ["week00_start.ipynb", "week01_exercise.ipynb", "week01_first_steps.ipynb"]
+
+
+@pytest.mark.slow
+def test_its_lessons_run_and_its_own_test_passes(project: Path, python: Path) -> None:
+    for lesson in sorted((project / "notebooks").glob("week*.ipynb")):
+        run(python, "-m", "course_lib", "run", lesson, cwd=project)
+    run(python, "-m", "pytest", "-q", "tests", cwd=project)
+
+
+@pytest.mark.slow
+def test_of_two_courses_the_one_of_the_current_folder_counts(project: Path, python: Path) -> None:
+    other = new_course("Maps", project.parent)
+    options = ("-q", "--no-deps")
+    run(python, "-m", "pip", "install", *options, "-e", other, cwd=project.parent)
+    code = "from course_lib.course.installation import exercises_dir; print(exercises_dir())"
+    assert run(python, "-c", code, cwd=other).strip() == str(other / "exercises")
+    assert run(python, "-c", code, cwd=project).strip() == str(project / "exercises")
+    assert "several courses are installed" in run(python, "-c", code, cwd=project.parent, code=1)
+    run(python, "-m", "pip", "uninstall", "-q", "-y", "maps", cwd=project.parent)
+
+
+def test_it_depends_on_the_kit_and_names_its_own_weeks(project: Path) -> None:
+    assert "course-lib>=" in (project / "pyproject.toml").read_text()
+    course = read_course_file(project / "exercises" / "course.toml")
+    assert (course.title, list(course.weeks)) == ("Robotics 101", ["week00", "week01"])
+
+
+def test_a_course_of_that_name_is_not_written_over(project: Path) -> None:
+    with pytest.raises(CourseError, match="is there already"):
+        new_course("Robotics 101", project.parent)
+    with pytest.raises(CourseError, match="expected 1 to 60 letters"):
+        new_course("../up", project.parent)
+
+
+def test_nothing_in_the_kit_names_a_lesson_or_a_task_of_its_own_course() -> None:
+    weeks = read_course_file(ROOT / "exercises/course.toml").weeks
+    tasks = {f"{week}.{name}" for week, one in weeks.items() for name in (*one.points, *one.bonus)}
+    lessons = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
+    kinds = (".py", ".toml", ".md", ".js", ".html", ".jinja")
+    files = [path for path in (ROOT / "course_lib").rglob("*") if path.suffix in kinds]
+    found = [
+        (path.name, name)
+        for path in files
+        if "_course" not in path.parts
+        for name in tasks | lessons
+        if name in path.read_text("utf-8")
+    ]
+    assert found == []

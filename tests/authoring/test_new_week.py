@@ -1,0 +1,89 @@
+"""`course new week09 "Occupancy maps"`: a week that runs, and whose rules all hold."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_lib.authoring.flaw import ASPECTS
+from course_lib.authoring.new_week import new_week
+from course_lib.authoring.verify import lines, verify
+from course_lib.course.course_file import read_course_file
+from course_lib.errors import CourseError
+from course_lib.grading.records import Course
+from tests.test_house import PUBLIC
+
+
+@pytest.mark.slow
+def test_a_new_week_is_right_in_every_aspect(course: Course) -> None:
+    (report,) = verify(course, ["week09"], jobs=2)
+    assert [str(flaw) for flaw in report.flaws] == []
+    assert {report.cell(aspect) for aspect in ASPECTS} == {"✔"}
+    assert f"week09: {report.replace} places of the template left, look for REPLACE" in lines(
+        [report], course
+    )
+    assert report.replace >= 8
+
+
+def test_it_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points(course: Course) -> None:
+    root = course.exercises.parent
+    names = {path.relative_to(root).as_posix() for path in root.rglob("*09*")}
+    assert names == {
+        "notebooks/week09_occupancy_maps.ipynb",
+        "solutions/week09_solution.ipynb",
+        "solutions/checks/week09.py",
+        "solutions/answers/week09.toml",
+        "exercises/week09_exercise.ipynb",
+        "exercises/checks/week09.py",
+        "exercises/quizzes/week09.toml",
+        "exercises/quizzes/week09_recall.toml",
+        "exercises/mistakes/week09.toml",
+    }
+    week = read_course_file(course.exercises / "course.toml").weeks["week09"]
+    assert (week.title, week.points) == ("Occupancy maps", {"post": 100.0})
+
+
+def test_its_python_files_are_as_the_formatter_writes_them_and_import_public_modules(course: Course) -> None:
+    files = [str(path) for path in course.exercises.parent.rglob("checks/*.py")]
+    for words in (["format", "--check"], ["check"]):
+        command = [sys.executable, "-m", "ruff", *words, "--line-length", "110", *files]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout
+    for path in files:
+        text = Path(path).read_text("utf-8")
+        assert {line.split()[1] for line in text.splitlines() if line.startswith("from course_lib")} <= PUBLIC
+
+
+@pytest.mark.parametrize(
+    ("week", "title", "message"),
+    [
+        ("week9", "Maps", "'week9' is not the name of a week: expected one like week09"),
+        ("week09", "Maps", "week09 is in .* already: 'Occupancy maps'"),
+        ("week10", 'Maps"', "expected 1 to 60 letters"),
+        ("week10", "a\nb", "expected 1 to 60 letters"),
+        ("week10", "../../up", "expected 1 to 60 letters"),
+        ("week10", "x" * 61, "expected 1 to 60 letters"),
+    ],
+)
+def test_a_name_or_a_title_that_does_not_fit_is_refused_and_nothing_is_written(
+    course: Course, week: str, title: str, message: str
+) -> None:
+    before = sorted(course.exercises.parent.rglob("*"))
+    with pytest.raises(CourseError, match=message):
+        new_week(week, title, course)
+    assert sorted(course.exercises.parent.rglob("*")) == before
+
+
+def test_a_file_that_is_there_is_not_written_over(course: Course) -> None:
+    mine = course.solutions / "week10_solution.ipynb"
+    mine.write_text("mine")
+    with pytest.raises(CourseError, match="is there already"):
+        new_week("week10", "Maps", course)
+    assert mine.read_text() == "mine"
+    assert not (course.exercises / "checks/week10.py").exists()
+
+
+def test_the_lesson_of_a_later_week_names_the_one_before(course: Course) -> None:
+    new_week("week10", "Planning", course)
+    assert "do `week09_occupancy_maps.ipynb`." in (course.lessons / "week10_planning.ipynb").read_text()
