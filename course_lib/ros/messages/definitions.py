@@ -112,7 +112,7 @@ def find_package(package: str) -> None:
 
 
 def type_names() -> list[str]:
-    """List the known types, ``visualization_msgs/msg/Marker`` and the like, without the events of services."""
+    """List the known types, like ``visualization_msgs/msg/Marker``, without the events of services."""
     return sorted(name for name in typestore().fielddefs if not name.endswith(EVENT_PART))
 
 
