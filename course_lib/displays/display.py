@@ -40,7 +40,15 @@ class Context:
     # called when a property has changed, to show it immediately
     touched: Callable[[], None] = lambda: None
     node: RvizNode | None = None  # of the viewer in the running graph; a recording has none
+    is_seen: bool = True  # False where no page can show the scene, as long as nobody asks for it
+    draws: bool = True  # whether the frame that is made is seen: by a page, or because somebody asks for it
     _followed: dict[str, Matrix] = field(default_factory=dict)
+
+    def show(self) -> None:
+        """Draw what was left out while no page could show it, and all that comes from now on."""
+        if not self.is_seen:
+            self.is_seen = True
+            self.touched()
 
     @property
     def now_ns(self) -> int:

@@ -57,7 +57,7 @@ class ReferenceDisplay(Display):
 
     def update(self) -> None:
         """Draw, and stay at the frame."""
-        if not self.enabled:
+        if not (self.enabled and self.context.draws):
             return
         name = self["Reference Frame"]
         reference = self.context.frames.fixed_frame if name == FIXED_FRAME else name

@@ -164,8 +164,7 @@ class RvizSession:
 
     def group(self, name: str) -> Group:
         """Return the first group with a name, which is made if there is none."""
-        found = (group for group in self.tree.groups() if group.name == name)
-        return next(found, None) or self.add_group(name)
+        return next((g for g in self.tree.groups() if g.name == name), None) or self.add_group(name)
 
     def add_group(self, name: str, group: Group | None = None) -> Group:
         """Add a group of displays, in another one or at the end of the tree."""
@@ -220,7 +219,7 @@ class RvizSession:
             self.time.restart()
         due_ns = self.time.overdue_ns(sample.stamp_ns)
         if due_ns is not None:
-            self.update(due_ns)
+            self.update(due_ns, is_look=False)
         self.time.hear(sample.stamp_ns)
         self.types[sample.topic] = sample.type_name
         self._deliver(sample, chain(self.interests, *(display.interests for display in self.displays)))
@@ -228,20 +227,21 @@ class RvizSession:
     def tick(self, now_ns: int) -> None:
         """Update the scene if a frame is due at a robot time, [ns]; things expire without a message."""
         if self.time.is_frame_due(now_ns):
-            self.update(now_ns)
+            self.update(now_ns, is_look=False)
 
     def refresh(self) -> None:
         """Update the scene now."""
         self.update(self.time.robot_ns)
 
-    def update(self, now_ns: int) -> None:
-        """Update the scene at a robot time, [ns]."""
+    def update(self, now_ns: int, *, is_look: bool = True) -> None:
+        """Update the scene at a robot time, [ns]: when somebody looks, or when a frame is due."""
+        self.context.draws = is_look or self.context.is_seen
         self.time.begin_frame(now_ns)
         for display in self.displays:
             if display.enabled:
                 display.update()
-        camera = self.view.camera(self.context.frames)
-        if camera != self._camera:  # a camera set in the scene itself stays
+        camera = self._view.camera(self.context.frames) if self.context.draws else None
+        if camera not in (None, self._camera):  # a camera set in the scene itself stays
             self._camera = self.context.scene.camera = camera
         self._tell()
 

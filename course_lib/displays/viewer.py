@@ -3,7 +3,7 @@
 import sys
 import weakref
 import webbrowser
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -15,7 +15,7 @@ from course_lib.displays.display import Display
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
 from course_lib.displays.node import RvizNode
-from course_lib.displays.panel.cell import ViewerCell
+from course_lib.displays.panel.cell import ViewerCell, end_all
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.registry import REGISTRY, full_name, short_name
 from course_lib.displays.session import RvizSession
@@ -47,24 +47,27 @@ class Viewer:
         use_sim_time: RViz's parameter: whether its time is that on the topic /clock.
     """
 
+    is_seen = True  # False where no page can show a viewer: when graded
+
     def __init__(self, fixed_frame: str = "map", *, use_sim_time: bool = False) -> None:
         self._graph = graph = current_graph()
-        self.scene = Scene()
-        matching = not graph.keeps_wall_time
-        self.session = RvizSession(self.scene, fixed_frame, graph.now_ns, matching, use_sim_time)
-        self.session.latched = graph.latched
-        self.session.context.node = node = RvizNode(graph, self.session.time)
-        self._film = Film(self.scene, lambda: graph.now_ns / NS)
-        self._cell = ViewerCell(self.session, graph)
-        stops = (
-            graph.tap(self.session.receive, self.session.topics),
-            graph.watch_time(self.session.tick),
-            node.close,
-        )
-        self._end = weakref.finalize(self, _end, stops, self._cell)  # once no name or page holds it
+        scene, matching = Scene(), not graph.keeps_wall_time
+        session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
+        session.context.is_seen, session.latched = self.is_seen, graph.latched
+        session.context.node = node = RvizNode(graph, session.time)
+        self.session, self._film = session, Film(scene, lambda: graph.now_ns / NS)
+        self._cell = ViewerCell(session, graph)
+        stops = (graph.tap(session.receive, session.topics), graph.watch_time(session.tick), node.close)
+        self._end = weakref.finalize(self, end_all, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
-        self.session.catch_up(self.session.interests)
+        session.catch_up(session.interests)
         self.add("Grid")
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, drawn if it was not yet."""
+        self.session.context.show()
+        return self.session.context.scene
 
     @classmethod
     def from_rviz(cls, path: str | Path, *, use_sim_time: bool = False) -> Self:
@@ -125,9 +128,8 @@ class Viewer:
         return list(self.session.displays)
 
     def __repr__(self) -> str:
-        return (
-            f"<Viewer of {self.fixed_frame} with {', '.join(d.name for d in self.displays) or 'no display'}>"
-        )
+        shown = ", ".join(display.name for display in self.displays) or "no display"
+        return f"<Viewer of {self.fixed_frame} with {shown}>"
 
     def __getitem__(self, name: str) -> Display:
         """Return the first display with a name."""
@@ -192,7 +194,7 @@ class Viewer:
 
     def statuses(self) -> StatusTable:
         """Return the statuses of RViz's Displays panel, and hints where RViz is silent."""
-        self.look()
+        self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
         return StatusTable(self.session.rows())
 
     def show_robot(self, robot: "Robot", configuration: npt.ArrayLike | None = None) -> None:
@@ -257,6 +259,7 @@ class Viewer:
         Returns:
             The address.
         """
+        self.look()
         url = self._cell.opened(port, token)
         sys.stdout.write(f"The viewer is at {url}\n")
         if browser:
@@ -283,6 +286,7 @@ class Viewer:
 
     def look(self) -> None:
         """Bring the scene up to date, as robot time stands."""
+        self.session.context.show()
         self.session.update(self._graph.now_ns)
 
     def close(self) -> None:
@@ -292,9 +296,3 @@ class Viewer:
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
         return self._cell.shown(self, **kwargs)
-
-
-def _end(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
-    for stop in stops:
-        stop()
-    cell.close()

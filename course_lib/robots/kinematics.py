@@ -1,6 +1,7 @@
 """Forward kinematics by Pinocchio: poses of links."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import cos, isfinite, nan, sin
 from numbers import Real
 from typing import TYPE_CHECKING
@@ -65,7 +66,7 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
     """
     import pinocchio as pin
 
-    model, data = tree.model, tree.model.createData()
+    model, data, ends = tree.model, tree.model.createData(), _ends(tree)
     values = pin.neutral(model)
     for name, position in positions.items():
         if tree.joints[name].kind in MOVING:
@@ -73,12 +74,25 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
     pin.forwardKinematics(model, data, values)
     poses = {}
     for name in positions:
-        ends = (tree.joints[name].parent, tree.joints[name].child)
-        parent, child = (model.frames[model.getFrameId(link, pin.FrameType.BODY)] for link in ends)
-        same = parent.parentJoint == child.parentJoint
-        motion = pin.SE3.Identity() if same else data.liMi[child.parentJoint]
-        poses[name] = pin.SE3ToXYZQUAT(parent.placement.inverse() * motion * child.placement)
+        number, joint_in_parent, child_in_joint = ends[name]
+        motion = pin.SE3.Identity() if number is None else data.liMi[number]
+        poses[name] = pin.SE3ToXYZQUAT(joint_in_parent * motion * child_in_joint)
     return poses
+
+
+@lru_cache(maxsize=32)
+def _ends(tree: Urdf) -> "dict[str, tuple[int | None, pin.SE3, pin.SE3]]":
+    """Return for each joint the number of the one that moves it, if any, and the placements of its ends."""
+    import pinocchio as pin
+
+    model, found = tree.model, {}
+    for name, joint in tree.joints.items():
+        parent, child = (
+            model.frames[model.getFrameId(link, pin.FrameType.BODY)] for link in (joint.parent, joint.child)
+        )
+        moved_by = None if parent.parentJoint == child.parentJoint else child.parentJoint
+        found[name] = moved_by, parent.placement.inverse(), pin.SE3(child.placement)
+    return found
 
 
 def _place(model: "pin.Model", values: Floats, name: str, position: float) -> None:

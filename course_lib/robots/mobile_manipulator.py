@@ -14,7 +14,7 @@ from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 from course_lib.arrays import Floats
 from course_lib.robots.period import period_of
 from course_lib.robots.resources import resolve
-from course_lib.robots.robot import Robot, load_robot
+from course_lib.robots.robot import Robot, from_text
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -142,7 +142,7 @@ def mobile_manipulator() -> Robot:
         <child link="{PREFIX}base_link"/><origin xyz="{" ".join(map(str, MOUNT))}"/></joint>"""
     arm = "".join(ET.tostring(part, encoding="unicode") for part in _arm())
     link = f'<link name="base_link">{base}</link>'
-    return load_robot(f'<robot name="mobile_manipulator">{link}{mount}{arm}</robot>')
+    return from_text(f'<robot name="mobile_manipulator">{link}{mount}{arm}</robot>')
 
 
 def _arm() -> list[ET.Element]:

@@ -51,5 +51,13 @@ def package_roots(near: Path | None = None) -> list[Path]:
     They are those on ROS_PACKAGE_PATH, the robot data that comes with the kit, and those above `near`.
     """
     named = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if root]
-    installed = [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]
-    return named + installed + (list(near.resolve().parents[1:]) if near else [])
+    return named + _installed() + (list(near.resolve().parents[1:]) if near else [])
+
+
+def is_installed(file: Path) -> bool:
+    """Return whether a file is of the robot data that comes with the kit."""
+    return any(file.is_relative_to(root) for root in _installed())
+
+
+def _installed() -> list[Path]:
+    return [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]

@@ -1,9 +1,11 @@
 """Robots: a URDF with its Pinocchio model, and loading one by name, file or text."""
 
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError, did_you_mean
@@ -15,24 +17,53 @@ if TYPE_CHECKING:
     import pinocchio as pin
 
 
+Shapes: TypeAlias = "tuple[pin.GeometryModel, pin.GeometryModel]"  # for collisions and for the eye
+
+
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot.
+    """A robot; what Pinocchio makes of it is built when it is first read: meshes take half a second.
 
     Args:
         name: What it was loaded as, or its name in the URDF.
-        model: Pinocchio's model; with it go its shapes for collisions and for the eye.
-        q0: Its rest posture as a configuration of the model, shape (nq,).
         urdf: The text of its description, what /robot_description carries; path is the file that it is from.
+        kinematics: Builds Pinocchio's model and its rest posture.
+        shapes: Builds the shapes that go with the model.
     """
 
     name: str
-    model: "pin.Model"
-    collision_model: "pin.GeometryModel"
-    visual_model: "pin.GeometryModel"
-    q0: Floats
     urdf: str
-    path: Path | None = None
+    path: Path | None
+    kinematics: "Callable[[], tuple[pin.Model, Floats]]"
+    shapes: "Callable[[pin.Model], Shapes]"
+
+    @property
+    def model(self) -> "pin.Model":
+        """Pinocchio's model."""
+        return self._kinematics[0]
+
+    @property
+    def q0(self) -> Floats:
+        """Its rest posture as a configuration of the model, shape (nq,)."""
+        return self._kinematics[1]
+
+    @property
+    def collision_model(self) -> "pin.GeometryModel":
+        """The shapes for collisions."""
+        return self._shapes[0]
+
+    @property
+    def visual_model(self) -> "pin.GeometryModel":
+        """The shapes for the eye."""
+        return self._shapes[1]
+
+    @cached_property
+    def _kinematics(self) -> "tuple[pin.Model, Floats]":
+        return self.kinematics()
+
+    @cached_property
+    def _shapes(self) -> Shapes:
+        return self.shapes(self.model)
 
     @property
     def tree(self) -> Urdf:
@@ -55,10 +86,10 @@ def load_robot(name: str | Path) -> Robot:
             cannot be loaded on this machine.
     """
     if isinstance(name, str) and "<" in name:
-        return _from_text(name, None)
+        return _checked(from_text(name))
     if isinstance(name, Path) or "/" in name or name.endswith((".urdf", ".xml", ".xacro")):
         path = Path(name)
-        return _from_text(expanded(path) if path.suffix == ".xacro" else _read(path), path)
+        return _checked(from_text(expanded(path) if path.suffix == ".xacro" else _read(path), path))
     return _from_example_robot_data(name)
 
 
@@ -71,25 +102,48 @@ def _from_example_robot_data(name: str) -> Robot:
             f"There is no robot {name!r} among the {len(known)} models{meant} "
             'A file ends in .urdf, like load_robot("my_robot.urdf").'
         )
-    try:
-        wrapper, rest, file, _ = example_robot_data.load_full(name)
-    except ImportError as error:  # cassie
-        raise CourseError(f"{name!r} is described by SDF, not URDF, and cannot be loaded here.") from error
-    path = Path(file).resolve()
-    return Robot(name, wrapper.model, wrapper.collision_model, wrapper.visual_model, rest, _read(path), path)
+    loader = example_robot_data.ROBOTS[name]
+    if not loader.urdf_filename:  # cassie
+        raise CourseError(f"{name!r} is described by SDF, not URDF, and cannot be loaded here.")
+    file = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
+    path = Path(example_robot_data.getModelPath(file), file).resolve()
+
+    @cache
+    def whole() -> Any:
+        return example_robot_data.load_full(name)[0]
+
+    def shapes(_: "pin.Model") -> Shapes:
+        return whole().collision_model, whole().visual_model
+
+    return Robot(name, _read(path), path, lambda: (whole().model, whole().q0), shapes)
 
 
-def _from_text(text: str, path: Path | None) -> Robot:
-    tree, pin = parse_urdf(text), needed("pinocchio")
+def from_text(text: str, path: Path | None = None) -> Robot:
+    """Return the robot of a URDF's text, whose shapes are not read yet; see `load_robot`."""
+    tree, pinocchio = parse_urdf(text), needed("pinocchio")
     for mesh in ET.fromstring(text).iter("mesh"):
         resolve(mesh.get("filename", ""), path)
-    model = tree.model.copy()  # the tree's own serves every robot with this text
-    kinds, roots = (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL), list(map(str, package_roots(path)))
-    try:
-        shapes = [pin.buildGeomFromUrdfString(model, text, kind, None, roots) for kind in kinds]
-    except (ValueError, RuntimeError) as error:
-        raise CourseError(f"The shapes of {tree.name!r} cannot be loaded: {error}") from error
-    return Robot(tree.name, model, shapes[0], shapes[1], pin.neutral(model), text, path)
+
+    def kinematics() -> "tuple[pin.Model, Floats]":
+        model = tree.model.copy()  # the tree's own serves every robot with this text
+        return model, pinocchio.neutral(model)
+
+    def shapes(model: "pin.Model") -> Shapes:
+        roots = list(map(str, package_roots(path)))
+        kinds = (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL)
+        try:
+            one, other = (pinocchio.buildGeomFromUrdfString(model, text, kind, None, roots) for kind in kinds)
+        except (ValueError, RuntimeError) as error:
+            raise CourseError(f"The shapes of {tree.name!r} cannot be loaded: {error}") from error
+        return one, other
+
+    return Robot(tree.name, text, path, kinematics, shapes)
+
+
+def _checked(robot: Robot) -> Robot:
+    """Read the shapes now: those of a person's own file may be broken."""
+    assert robot.visual_model is not None
+    return robot
 
 
 def _read(path: Path) -> str:

@@ -66,6 +66,7 @@ class Watch:
         self.under_way: Callback | None = None
         self.tell: Callable[[Callback, str], None] = write_once
         self._clicks: list[float] = []  # when each Stop that waits for a callback was clicked
+        self.threads = 0  # of its own: 1 once there was a callback
         self._started = False
 
     @property
@@ -83,7 +84,11 @@ class Watch:
         """Note that the calling thread begins a callback; put `under_way` back at its end."""
         if not self._started:
             self._started = True
-            _thread.start_new_thread(self._look_on, ())
+            begun = _thread.allocate_lock()
+            begun.acquire()
+            _thread.start_new_thread(self._look_on, (begun,))
+            begun.acquire()  # Python counts a thread only when it runs
+            self.threads = 1
         self.under_way = Callback(node, self.tell)
 
     @contextmanager
@@ -96,7 +101,8 @@ class Watch:
         finally:
             self._clicks.remove(clicked)
 
-    def _look_on(self) -> None:
+    def _look_on(self, begun: _thread.LockType) -> None:
+        begun.release()
         while True:
             wall.sleep(LOOK)
             callback = self.under_way

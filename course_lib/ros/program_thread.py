@@ -118,6 +118,14 @@ class ProgramThread:
         self.stopped = True
         raise StoppedProgram if interrupts else StoppedThread
 
+    def raise_pending(self) -> None:
+        """Raise what another thread, or an interrupt, left for this one."""
+        if self.raises is not None:
+            error, self.raises = self.raises, None
+            if not isinstance(error, CtrlC):
+                raise error
+            self.interrupt()
+
     def waits_in(self, graph: Graph) -> bool:
         """Return whether it waits in a run."""
         return self.wait is not None and self.wait.graph is graph

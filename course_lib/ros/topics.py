@@ -100,6 +100,7 @@ class Topics:
         self.publishers: dict[int, Publisher] = {}
         self.subscriptions: dict[int, Subscription] = {}
         self._subscriptions_of: dict[str, list[Subscription]] = {}
+        self._receivers: dict[int, list[Subscription]] = {}  # by publisher, until an endpoint comes or goes
 
     def endpoints(self) -> list[EndpointInfo]:
         """List all endpoints in the order of their making."""
@@ -109,11 +110,13 @@ class Topics:
     def add_publisher(self, info: EndpointInfo) -> None:
         """Add a publisher; the samples that it keeps are bounded by its history."""
         depth = info.qos.depth if info.qos.history == "keep_last" else None
+        self._receivers.clear()
         self.publishers[info.id] = Publisher(info, deque(maxlen=depth))
 
     def add_subscription(self, subscription: Subscription) -> list[Sample]:
         """Add a subscription; returns the kept samples that it gets as a late joiner, oldest first."""
         info = subscription.info
+        self._receivers.clear()
         self.subscriptions[info.id] = subscription
         self._subscriptions_of.setdefault(info.topic, []).append(subscription)
         if info.qos.durability != "transient_local":
@@ -123,6 +126,7 @@ class Topics:
 
     def remove(self, endpoint: int) -> None:
         """Remove an endpoint; unknown ones are already gone."""
+        self._receivers.clear()
         self.publishers.pop(endpoint, None)
         subscription = self.subscriptions.pop(endpoint, None)
         if subscription is not None:
@@ -134,7 +138,11 @@ class Topics:
 
     def receivers(self, publisher: EndpointInfo) -> list[Subscription]:
         """List the subscriptions that a publisher's sample reaches."""
-        return [s for s in self._subscriptions_of.get(publisher.topic, ()) if matches(publisher, s.info)]
+        found = self._receivers.get(publisher.id)
+        if found is None:
+            near = self._subscriptions_of.get(publisher.topic, ())
+            found = self._receivers[publisher.id] = [s for s in near if matches(publisher, s.info)]
+        return found
 
 
 def matches(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:

@@ -4,6 +4,9 @@ The peers need packages that fight with the kit's, so they live in an environmen
 
     python -m venv peers && peers/bin/pip install nbgrader otter-grader ipykernel
     python -m tests.benchmarks.bench_grading --peers peers/bin/python --count 1000 --kills 20
+
+The first rows are the CPU of real submissions, week by week (--mutants 0 --weeks-only is quickest).
+nbgrader runs the same solutions there, in a kernel that has the kit.
 """
 
 import argparse
@@ -22,8 +25,10 @@ import psutil
 
 from course_lib.grading.grade import grade
 from course_lib.grading.records import Course
+from tests.benchmarks.graded_weeks import nbgrader_cost, rows
 from tests.grading.conftest import CHECKS, COURSE, HIDDEN
 from tests.grading.graders import fingerprint, start_grader, write_class
+from tests.notebooks.graded import cells_of, solution
 
 QUESTIONS = range(4)  # the same for all: a function that doubles, adds, ...; a public and a hidden check each
 POINTS = "\n".join(f"q{n} = 25" for n in QUESTIONS)
@@ -162,6 +167,17 @@ print((time.perf_counter() - start) / {count})
     return float(done.stdout.split()[-1])
 
 
+def weeks(top: Path, most: int, python: str | None) -> None:
+    """Print a row per week: the CPU of its solution and mutants, and of nbgrader for the solution."""
+    for week, ours, row in rows(most):
+        print(row)
+        if python:
+            cells = [cell(source, f"c{n}") for n, source in enumerate(cells_of(solution(week)))]
+            test = cell("assert True", "t", grade=True, solution=False, locked=True, task=False, points=1)
+            theirs = nbgrader_cost(top / week, python, week, notebook([*cells, test]))
+            print(f"    nbgrader: {theirs:.2f} s for the solution, {theirs / ours:.0f} times ours")
+
+
 def class_size(top: Path, course: Course, count: int, jobs: int, *, dask: str | None = None) -> Path:
     """Grade the class and print rate and the memory that the grader came to hold."""
     out, me = top / f"out{jobs}{'dask' * bool(dask)}", psutil.Process()
@@ -192,11 +208,16 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000, help="submissions of the class")
     parser.add_argument("--equal", type=int, default=20, help="submissions beside the peers")
     parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--mutants", type=int, default=8, help="of each week's solution")
+    parser.add_argument("--weeks-only", action="store_true")
     parser.add_argument("--peers", help="a Python that has nbgrader and otter-grader")
     options = parser.parse_args()
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]  # a text stream
     with tempfile.TemporaryDirectory() as folder:
         top = Path(folder)
+        weeks(top / "weeks", options.mutants, options.peers)
+        if options.weeks_only:
+            return
         one = ours(top / "ours", options.equal)
         print(f"ours, jailed: {one * 1000:.0f} ms a submission")
         for peer in (nbgrader, otter) if options.peers else ():

@@ -10,8 +10,10 @@ import pytest
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import TemplateProcess, WorkerError
+from course_lib.grading.run import worker
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Call, Scenario, Task
+from course_lib.ros.interrupts import Watch
 
 HINTS = ("one", "two", "three")
 ANSWER = Task("week01.answer", "An answer", "value", "answer", HINTS, (Scenario("public"),))
@@ -197,3 +199,14 @@ def test_a_lost_output_stream_is_an_error_of_the_cells_and_not_the_end_of_the_pr
     _, session = run("import sys\nsys.stdout = sys.stderr = None", "answer = 1")
     assert session.log.stopped == {}
     assert "'NoneType' object has no attribute" in session.log.errors[0]
+
+
+def test_the_watch_of_callbacks_is_not_counted_as_a_thread_that_a_cell_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    watch = Watch()
+    monkeypatch.setattr(worker, "watch", watch)
+    before = worker.threads_left()
+    watch.begin("/talker")
+    watch.under_way = None
+    assert worker.threads_left() == before

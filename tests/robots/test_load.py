@@ -3,6 +3,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.robots.kinematics import link_poses
+from course_lib.robots.mobile_manipulator import mobile_manipulator
 from course_lib.robots.robot import load_robot
 from tests.robots.urdfs import ALL_KINDS, ARM_2R, with_mesh
 
@@ -49,6 +51,15 @@ def test_a_file_may_name_meshes_of_its_own_package(tmp_path: Path) -> None:
     path = tmp_path / "my_robot" / "urdf" / "arm.urdf"
     path.write_text(with_mesh("package://my_robot/base.stl"))
     assert len(load_robot(path).visual_model.geometryObjects) == 1
+
+
+def test_poses_of_links_read_no_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("example_robot_data.load_full")
+    monkeypatch.delattr("pinocchio.buildGeomFromUrdfString")
+    mobile_manipulator.cache_clear()
+    for robot in (load_robot("ur10"), mobile_manipulator()):
+        assert robot.tree.root in link_poses(robot)
+    assert mobile_manipulator().q0.shape == (6,)
 
 
 def test_robots_of_one_text_are_apart() -> None:

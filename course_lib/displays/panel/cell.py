@@ -3,7 +3,7 @@
 import asyncio
 import base64
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from course_lib.displays.panel.desk import Desk
@@ -166,3 +166,10 @@ def _forget(result: object) -> None:
                 del holder[name]
             elif not name.strip("_"):
                 holder[name] = ""  # as if nothing had been shown yet
+
+
+def end_all(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
+    """End a viewer: what it listens to, and its place in cells."""
+    for stop in stops:
+        stop()
+    cell.close()

@@ -104,7 +104,9 @@ class RobotModelDisplay(TopicDisplay):
         self._load()
 
     def update(self) -> None:
-        """Place the links where tf2 has them."""
+        """Place the links where tf2 has them; a frame that nobody sees needs none."""
+        if not self.context.draws:
+            return
         now_ns, last_ns = self.context.now_ns, self._updated_ns
         if last_ns is not None and now_ns - last_ns < self["Update Interval"] * NS:
             return
@@ -169,7 +171,8 @@ class RobotModelDisplay(TopicDisplay):
         ticked = self[here] if link.has_geometry else True
         shown = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}
         shown |= {kind: ticked and self[f"{here}/{label}"] for kind, label in _OF_LINKS.items()}
-        link.show(Wanted(shown, self["Alpha"] * self[f"{here}/Alpha"], transform is None))
+        alpha = self["Alpha"] * self[f"{here}/Alpha"]
+        link.show(Wanted(shown, alpha, transform is None, self.context.is_seen))
 
     def _problems(self) -> str:
         """List in RViz's words the shapes that could not be loaded."""

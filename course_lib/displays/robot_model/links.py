@@ -11,7 +11,7 @@ import numpy as np
 from course_lib.arrays import Matrix
 from course_lib.displays.reference_display import axes
 from course_lib.errors import CourseError
-from course_lib.robots.resources import resolve
+from course_lib.robots.resources import is_installed, resolve
 from course_lib.robots.urdf import Geometry, Inertial, Link
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Solids
 from course_lib.viewer.mesh_files import MeshFileError, load_mesh
@@ -60,6 +60,13 @@ class Looks:
                 [mesh.colors[..., :3], np.full_like(mesh.colors[..., :1], color[3])], axis=-1
             )
         return Mesh(mesh.vertices, mesh.faces, color, mesh.normals, lit=not lost)
+
+    def check(self, shapes: Iterable[Geometry]) -> None:
+        """Note the errors of shapes without drawing them; the meshes that come with the kit have none."""
+        for uri in (shape.uri for shape in shapes if shape.kind == "mesh"):
+            file = self._file_of(uri)
+            if file is not None and not is_installed(file):
+                self._mesh(uri)
 
     def _mesh(self, uri: str) -> Mesh | None:
         file = self._file_of(uri)
@@ -136,6 +143,7 @@ class Wanted:
     shown: Mapping[str, bool]  # by kind: visual, collision, mass, inertia, axes, trail
     alpha: float
     lost: bool = False  # its transform is not known
+    seen: bool = True  # else nothing is drawn, and only the files that may be broken are read
 
 
 class DrawnLink:
@@ -162,7 +170,9 @@ class DrawnLink:
         for kind, shown in wanted.shown.items():
             node = f"{self._path}/{kind}"
             look = (wanted.alpha, wanted.lost) if kind in self._shapes else None
-            if shown and self._made.get(kind, ()) != look:
+            if not wanted.seen:
+                self.looks.check(self._shapes.get(kind, ()) if shown else ())
+            elif shown and self._made.get(kind, ()) != look:
                 self._made[kind] = look
                 self._scene.delete(node)
                 self._draw(node, kind, wanted)

@@ -25,6 +25,7 @@ from course_lib.ros.baton import baton
 from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from course_lib.ros.interrupts import watch
 from course_lib.ros.process import make_shell
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
@@ -33,11 +34,13 @@ if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
 CELLS_SEED = 0
-USUAL = (  # what most notebooks import
+USUAL = (  # what most notebooks import, or need for a line of magic
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
-    "std_msgs.msg",     "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "tf2_ros", "asyncio",
-    "course_lib.displays.viewer", "course_lib.tools.notebook",
+    "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
+    "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "ruamel.yaml", "course_lib.extension",
+    "course_lib.displays.viewer", "course_lib.ros.launch_program", "course_lib.tools.notebook",
 )  # fmt: skip
+PUBLIC = ("course_lib", *(f"course_lib.{room}" for room in ("displays", "robots", "sensors", "export")))
 NO_SHELL = "There is no shell when graded: this line is left out."
 
 
@@ -86,7 +89,7 @@ class Worker:
     def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
         part = Instructions(kind, seed, calls)
-        if kind != "node" and _thread._count() == 0:  # a fork takes longer than all the rest of it
+        if kind != "node" and not threads_left():  # a fork takes longer than all the rest of it
             self._perform(task, name, part, end_ns)
             self._channel.send(["exit", 0])
             return
@@ -118,7 +121,7 @@ class Worker:
         try:
             os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
         except ChildProcessError:
-            if _thread._count() == 0:
+            if not threads_left():
                 return False  # the usual case, at once
         try:
             probe = os.fork()
@@ -157,6 +160,11 @@ class Worker:
         return self._shell.user_ns[name]
 
 
+def threads_left() -> int:
+    """Count the threads that the cells have left running; the one that watches callbacks is the kit's."""
+    return _thread._count() - watch.threads
+
+
 def write_files(files: dict[str, str]) -> None:
     """Write what came with the notebook; where the folder does not take one, the cells will miss it."""
     for name, text in files.items():
@@ -177,12 +185,14 @@ def warm_up() -> "InteractiveShell":
     """Do all that is the same for every submission: imports, a first run of everything, the cells' shell."""
     standin_path.install()
     virtual_time.install()
-    for module in USUAL:
-        importlib.import_module(module)
+    for module in map(importlib.import_module, USUAL + PUBLIC):
+        for name in module.__all__ if module.__name__ in PUBLIC else ():
+            getattr(module, name)  # it is imported now
     shell = make_shell()
     shell.InteractiveTB.set_mode("Minimal")
     vars(shell).update(system=_no_shell, getoutput=_no_shell)
     formatter = shell.display_formatter
+    importlib.import_module("course_lib.displays.viewer").Viewer.is_seen = False
     if formatter is not None:  # nobody looks: no picture is drawn
         formatter.active_types = ["text/plain"]
         formatter.mimebundle_formatter.enabled = False

@@ -15,6 +15,7 @@ from course_lib.ros.messages import checks
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, Primitive
 
 Convert = Callable[[Any], Any]
+CONVERTED = "_wire__"  # before the name of a field: what is sent instead of the value in its slot
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,22 +67,20 @@ def _one(primitive: Primitive) -> Callable[[], Any]:
 
 def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
     """An array.array; one that is assigned is kept itself, anything else is copied into a new one."""
-    code, dtype = primitive.code, primitive.dtype
+    code, dtype, frombuffer = primitive.code, primitive.dtype, np.frombuffer
 
     def pack(value: Any) -> "array[Any]":
         if not isinstance(value, np.ndarray) or value.ndim != 1:
             return array(code, value)
-        packed = array(code)
-        packed.frombytes(np.ascontiguousarray(value, dtype).data.cast("B"))
-        return packed
+        return array(code, np.ascontiguousarray(value, dtype).tobytes())
 
     return Kind(
         default=lambda: array(code),
         check=checks.numbers_check(field, primitive),
         construct=pack,
         keep=lambda value: value if isinstance(value, array) else pack(value),
-        to_wire=lambda value: np.frombuffer(value, dtype),
-        from_wire=pack,
+        to_wire=lambda value: frombuffer(value, dtype),
+        from_wire=lambda value: array(code, value.tobytes()),
     )
 
 
@@ -103,8 +102,12 @@ def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Ki
     check = checks.collection_check(field, item, primitive)
     send, receive = _LISTS.get(field.base, (None, None))
 
+    is_free = field.container == "sequence" and not field.size and not field.string_bound
+    allowed = {item}
+
     def to_wire(value: Any) -> Any:
-        check(value)
+        if not (is_free and type(value) is list and (not value or set(map(type, value)) == allowed)):
+            check(value)
         return value if send is None else send(value)
 
     one = item if primitive is None else _one(primitive)

@@ -10,12 +10,14 @@ import numpy as np
 from course_lib.errors import CourseError
 from course_lib.ros.messages.compiled import maker
 from course_lib.ros.messages.definitions import definition, typestore
-from course_lib.ros.messages.kinds import Convert
+from course_lib.ros.messages.kinds import CONVERTED, Convert
 from course_lib.ros.messages.message import RosMessage
 from course_lib.ros.messages.registry import message_class
 
 if TYPE_CHECKING:
-    from rosbags.typesys.store import MsgType, Typestore
+    from rosbags.typesys.store import MsgType
+
+    from course_lib.ros.messages.store import CdrStore
 
 M = TypeVar("M", bound=RosMessage)
 
@@ -27,7 +29,7 @@ def serialize(message: RosMessage) -> bytes:
     """
     store = _store_with(message._TYPE_NAME)
     try:
-        return bytes(store.serialize_cdr(message, message._TYPE_NAME, little_endian=True))
+        return store.pack(message, message._TYPE_NAME)
     except (AttributeError, TypeError, ValueError, StructError):
         try:
             _check(message)
@@ -38,17 +40,15 @@ def serialize(message: RosMessage) -> bytes:
 
 def deserialize(cdr: bytes, cls: type[M]) -> M:
     """Create a message from CDR bytes; raises a CourseError if they are of another type."""
-    from rosbags.serde import SerdeError
-
     store = _store_with(cls._TYPE_NAME)
     try:
         return cast("M", store.deserialize_cdr(memoryview(cdr), cls._TYPE_NAME))
-    except SerdeError as error:
+    except store.malformed as error:
         raise CourseError(f"These {len(cdr)} bytes are no {cls._TYPE_NAME}: {error}") from error
 
 
 @cache
-def _store_with(type_name: str) -> "Typestore":
+def _store_with(type_name: str) -> "CdrStore":
     """Return the store of our own classes after adding one type and the types of its fields."""
     store = _store()
     if type_name not in store.types:
@@ -68,15 +68,15 @@ def _store_with(type_name: str) -> "Typestore":
 
 
 @cache
-def _store() -> "Typestore":
-    from rosbags.typesys.store import Typestore
+def _store() -> "CdrStore":
+    from course_lib.ros.messages.store import CdrStore
 
-    return Typestore()
+    return CdrStore()
 
 
 def _wire_name(cls: type[RosMessage], name: str) -> str:
     """Name the attribute that rosbags reads: the slot itself, or a property that converts what is in it."""
-    kind, wire_name = cls._KINDS.get(name), f"_wire_{name}"
+    kind, wire_name = cls._KINDS.get(name), f"{CONVERTED}{name}"
     if kind is None:
         setattr(cls, wire_name, 0)  # the placeholder of a message without fields
     elif kind.to_wire is None:

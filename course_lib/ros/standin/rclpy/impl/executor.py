@@ -1,7 +1,6 @@
 """The base of executors: the order of callbacks, waiting, and spinning, also in a notebook's cell."""
 
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
@@ -11,7 +10,6 @@ from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted, watch
-from course_lib.ros.mistakes import mark
 from course_lib.ros.notices import say
 from rclpy.context import Context, get_default_context
 from rclpy.exceptions import (
@@ -21,8 +19,9 @@ from rclpy.exceptions import (
     ShutdownException,
     TimeoutException,
 )
-from rclpy.impl.node_handle import Entity, HandledNode, Turn
-from rclpy.task import Future, Task, await_or_execute
+from rclpy.impl.callback import CallbackTask
+from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
+from rclpy.task import Future, Task
 from rclpy.utilities import timeout_sec_to_nsec
 
 FOR_EVER_NS = 2**62  # [ns]
@@ -35,14 +34,6 @@ class RunningNodes:
     nodes: list[HandledNode] = field(default_factory=list)
 
 
-class _Callback(Task):
-    """A task that runs the callback of an entity."""
-
-    def __init__(self, entity: Entity, run: Callable[[], Any], executor: "Executor") -> None:
-        super().__init__(run, executor=executor)
-        self.entity = entity
-
-
 class Executor(AbstractContextManager["Executor"]):
     """The base of executors: takes its nodes' callbacks in the order in which they became ready."""
 
@@ -50,11 +41,12 @@ class Executor(AbstractContextManager["Executor"]):
         self.context = context or get_default_context()  # whose shutdown ends it
         if not self.context.is_valid:
             raise NotInitializedException("cannot create executor")
-        self._nodes: dict[HandledNode, None] = {}  # a set that keeps its order
+        self._nodes: dict[HandledNode, NodeHandle] = {}  # in the order of their coming
         self._tasks: list[Task] = []
         self._under_way: dict[int, Task] = {}  # by thread identifier
         self._num_threads = 1
         self._is_shutdown = False
+        self._what = "a callback of no node"  # it waits for
 
     @property
     def is_running(self) -> bool:
@@ -71,7 +63,8 @@ class Executor(AbstractContextManager["Executor"]):
         """Run a node's callbacks from now on; False if it does already."""
         if node in self._nodes:
             return False
-        self._nodes[node] = None
+        self._nodes[node] = node.handle
+        self._name_nodes()
         node.handle.graph.wake(node.handle.id)
         former, node.handle.executor = node.handle.executor, self
         if former is not None and former is not self:
@@ -81,6 +74,7 @@ class Executor(AbstractContextManager["Executor"]):
     def remove_node(self, node: HandledNode) -> None:
         """Stop running a node's callbacks; entities that are ready wait for another executor."""
         self._nodes.pop(node, None)
+        self._name_nodes()
 
     def get_nodes(self) -> list[HandledNode]:
         """List the nodes."""
@@ -187,9 +181,7 @@ class Executor(AbstractContextManager["Executor"]):
             task = self._next_task()
             if task is not None or limit_ns == 0:
                 return task
-            names = ", ".join(node.handle.full_name for node in self._nodes)
-            what = f"a callback of {names or 'no node'}"
-            if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=what):
+            if not baton.wait(lambda: self.can_work() or stops(), until_ns=until_ns, what=self._what):
                 break
         over = not self.context.is_valid or baton.is_shut_down()
         if over and not self._is_shutdown:
@@ -213,14 +205,21 @@ class Executor(AbstractContextManager["Executor"]):
             raise ConditionReachedException
         if task is None:
             raise ShutdownException if self._is_shutdown else TimeoutException
-        entity = task.entity if isinstance(task, _Callback) else None
+        entity = task.entity if isinstance(task, CallbackTask) else None
         owners = [node for node in self._nodes if entity is not None and node.handle is entity.node_handle]
         return task, entity, owners[0] if owners else None
 
     def can_work(self) -> bool:
         """Return whether a callback is ready to be run."""
-        going_on = any(task.can_go_on() for task in self._tasks)
-        return going_on or any(node.handle.first_ready() for node in self._nodes)
+        for task in self._tasks:
+            if task.can_go_on():
+                return True
+        return any(handle.first_ready() is not None for handle in self._nodes.values())
+
+    def _name_nodes(self) -> None:
+        """Note what it waits for, for the message about a deadlock: each wait says it, few need it."""
+        names = ", ".join(handle.full_name for handle in self._nodes.values())
+        self._what = f"a callback of {names or 'no node'}"
 
     def is_held_up(self, entity: Entity) -> bool:
         """Return whether an entity's callback cannot run before the calling one has ended."""
@@ -228,7 +227,7 @@ class Executor(AbstractContextManager["Executor"]):
         if task is None or self._num_threads == 1:
             return task is not None
         group = entity.callback_group
-        same_group = isinstance(task, _Callback) and task.entity.callback_group is group
+        same_group = isinstance(task, CallbackTask) and task.entity.callback_group is group
         return same_group and not group.can_execute(entity)
 
     def _next_task(self) -> Task | None:
@@ -238,36 +237,20 @@ class Executor(AbstractContextManager["Executor"]):
                 self._tasks.remove(task)
                 return task
         while True:
-            ready = [(turn, node) for node in self._nodes if (turn := node.handle.first_ready())]
-            if not ready:
+            first: Turn | None = None
+            for handle in self._nodes.values():
+                turn = handle.first_ready()
+                if turn is not None and (first is None or turn.order < first.order):
+                    first = turn
+            if first is None:
                 return None
-            turn, node = min(ready, key=lambda pair: pair[0].order)
-            call = node.handle.take(turn)
+            call = first.entity.node_handle.take(first)
             if call is not None:
-                return self._begin(turn, call)
+                return self._begin(first, call)
 
     def _begin(self, turn: Turn, call: Callable[[], object]) -> Task:
-        entity, graph = turn.entity, self.context.graph
-        group = entity.callback_group
-        group.beginning_execution(entity)
-
-        async def run() -> None:
-            start_ns = graph.now_ns
-            start = time.thread_time() if graph.callback_listeners else 0.0  # it takes a microsecond
-            try:
-                await await_or_execute(call)
-            except TypeError as error:
-                if entity.mistake is not None:
-                    mark(error, entity.mistake, depth=2)
-                raise
-            finally:
-                group.ending_execution(entity)
-                if graph.now_ns > start_ns and graph.notebook:
-                    entity.note_time_taken(graph.now_ns - start_ns)
-                for listener in graph.callback_listeners:
-                    listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
-
-        return _Callback(entity, run, self)
+        turn.entity.callback_group.beginning_execution(turn.entity)
+        return CallbackTask(turn, call, self.context.graph, self)
 
     def _execute(self, task: Task) -> None:
         """Run a task; its error is raised, and a task that waits is kept."""
@@ -275,7 +258,7 @@ class Executor(AbstractContextManager["Executor"]):
         outer = self._under_way.get(ident)
         self._under_way[ident] = task
         outer_callback = watch.under_way
-        if self.context.graph.notebook and isinstance(task, _Callback):
+        if self.context.graph.notebook and isinstance(task, CallbackTask):
             watch.begin(task.entity.node_handle.full_name)
         try:
             task()

@@ -100,7 +100,10 @@ class NodeHandle:
 
     def first_ready(self) -> Turn | None:
         """Return the first entity whose callback group lets it run."""
-        return next((turn for turn in self._ready if turn[1].callback_group.can_execute(turn[1])), None)
+        for turn in self._ready:
+            if turn[1].callback_group.can_execute(turn[1]):
+                return turn
+        return None
 
     def take(self, turn: Turn) -> Callable[[], object] | None:
         """Remove an entity from the queue; returns the call to make, None if there is none any more."""

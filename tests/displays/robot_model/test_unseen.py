@@ -1,0 +1,55 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from course_lib.displays.statuses import StatusTable
+from tests.displays.bench import Bench
+from tests.displays.robot_model.robots import CYLINDER, MISSING, drawn, robot, standing
+
+KNOWN = '<mesh filename="package://example-robot-data/robots/ur_description/meshes/ur10/visual/base.dae"/>'
+
+
+def unseen() -> Bench:
+    bench = Bench()
+    bench.session.context.is_seen = False
+    return bench
+
+
+def said(bench: Bench) -> str:
+    bench.look(1.0)
+    return str(StatusTable(bench.session.rows()))
+
+
+@pytest.mark.parametrize("arm", [CYLINDER, MISSING, KNOWN, "broken"])
+def test_a_robot_that_nobody_sees_says_the_same_and_draws_nothing(arm: str, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.stl"
+    broken.write_text("no mesh")
+    shape = f'<mesh filename="{broken.as_uri()}"/>' if arm == "broken" else arm
+    benches = [Bench(), unseen()]
+    for bench in benches:
+        standing(bench, arm=shape)
+    assert len({said(bench) for bench in benches}) == 1
+    assert (bool(drawn(benches[0])), drawn(benches[1])) == (True, {})
+
+
+def test_meshes_of_the_kit_are_not_read_for_the_statuses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("course_lib.displays.robot_model.links.load_mesh")
+    bench = unseen()
+    standing(bench, arm=KNOWN)
+    assert "could not load" not in said(bench).lower()
+
+
+def test_a_robot_is_drawn_where_it_is_once_somebody_asks_for_the_scene() -> None:
+    benches = [Bench(), unseen()]
+    for bench in benches:
+        robot(bench)
+        for number in range(5):
+            bench.transform("map", "base", (float(number), 0.0, 0.0), at=number / 5, static=False)
+            bench.session.tick(bench.session.context.now_ns + 10**8)
+    benches[1].session.context.show()
+    seen, shown = (drawn(bench) for bench in benches)
+    assert shown.keys() == seen.keys()
+    for path in seen:
+        one, other = (bench.scene.world_transform(f"displays/Robot/links/{path}") for bench in benches)
+        assert np.array_equal(one, other), path
