@@ -13,6 +13,7 @@ import pytest
 from course_lib.authoring.new_course import new_course
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
+from course_lib.grading.platforms.gradescope import write_autograder
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "course_robotics_101"
@@ -106,6 +107,17 @@ def test_it_depends_on_the_kit_and_names_its_own_weeks(project: Path) -> None:
     assert "course-lib>=" in (project / "pyproject.toml").read_text()
     course = read_course_file(project / "exercises" / "course.toml")
     assert (course.title, list(course.weeks)) == ("Robotics 101", ["week00", "week01"])
+
+
+def test_an_autograder_for_gradescope_is_refused_as_the_kit_is_not_in_the_project(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.grading.platforms.gradescope.checkout_root", lambda: project)
+    with pytest.raises(CourseError, match="does not hold the kit itself"):
+        write_autograder(
+            "week01", project.parent / "autograder.zip", hidden="hidden", need="partial", roster=None
+        )
+    assert not (project.parent / "autograder.zip").exists()
 
 
 def test_a_course_of_that_name_is_not_written_over(project: Path) -> None:

@@ -99,6 +99,11 @@ def _put(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
 
 def _kit(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a course that has one week, by their names in the zip."""
+    if not (root / "course_lib").is_dir():
+        raise CourseError(
+            f"{root} does not hold the kit itself: the autograder of such a course can't be packed. "
+            "Grade what Gradescope gives with: course grade"
+        )
     yield "course/exercises/course.toml", _one_week(root / "exercises" / "course.toml", week)
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]
