@@ -100,3 +100,33 @@ def regrade(
         )
     for line in lines:
         typer.echo(line)
+
+
+@classes.command()
+def classroom(
+    copy: Annotated[
+        Path | None, typer.Argument(help="The students' copy, which gets a workflow of GitHub Actions.")
+    ] = None,
+    clones: Annotated[Path | None, typer.Option(help="The clones of students' repositories.")] = None,
+    roster: Roster = None,
+    pushes: Annotated[Path | None, typer.Option(help="With --clones: JSON of GitHub's activity.")] = None,
+    out: Annotated[Path, typer.Option(help="With --clones: where the submissions go.")] = Path("submissions"),
+    check: Annotated[Path | None, typer.Option(help="Run the public checks of what has changed.")] = None,
+) -> None:
+    """Grade public checks at each push to GitHub; or sort clones into submissions, by login."""
+    from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow
+
+    if check is not None and copy is None and clones is None:
+        raise typer.Exit(0 if check_changed(check) else NOT_PASSED)
+    if clones is not None and roster is not None and copy is None and check is None:
+        lines = collect_clones(clones, out, roster, pushes)
+    elif copy is not None and clones is None and check is None:
+        lines = write_workflow(copy)
+    else:
+        raise CourseError(
+            "write: course classroom COPY; or: course classroom --clones DIR --roster roster.csv "
+            "--pushes pushes.json --out submissions"
+        )
+    for line in lines:
+        typer.echo(line)
+    raise typer.Exit(NOT_PASSED if any(line.startswith("refused") for line in lines) else 0)

@@ -39,6 +39,7 @@ NOT_RUN = {  # command -> why
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
     "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
+    "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     **dict.fromkeys(
         (
             "course run my_node.py --robot tcp/192.168.1.5:7447 --send /cmd_vel",
@@ -57,6 +58,9 @@ NOT_RUN = {  # command -> why
             "course robot unknown",
         ),
         "serves until it is stopped: tests/gateway",
+    ),
+    "course classroom --clones clones --roster roster.csv --pushes pushes.json --out submissions": (
+        "needs repositories: tests/grading/test_classroom.py"
     ),
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
 }

@@ -1,7 +1,5 @@
 """Grading one submission where Gradescope has put it, into results/results.json."""
 
-import csv
-import io
 import json
 import shutil
 import tempfile
@@ -16,13 +14,11 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.grade import grade
 from course_lib.grading.handin.collect import collect
-from course_lib.grading.handin.ids import PLATFORM
-from course_lib.grading.handin.ids import ROSTER as FROM_ROSTER
-from course_lib.grading.handin.received import COLUMNS, ID_FROM, LIST
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks.mark import Result, read_result
+from course_lib.grading.platforms.times import PlatformTime, write_receipts
 from course_lib.grading.records import Course, catalog_of, result_path, this_course
 from course_lib.grading.reports.table import printable, rows, say
 from course_lib.grading.term.class_list import read_class_list
@@ -119,19 +115,8 @@ def _collected(submission: Path, upload: Upload, work: Path, course: Course) -> 
         say(line)
     if not done.count:
         return set()
-    _write_time(top, upload)
+    write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.named)})
     return {one.exercise for one in find_submissions(top, zone=zone)}
-
-
-def _write_time(top: Path, upload: Upload) -> None:
-    """Write received.csv: Gradescope's time of all files, and whether the roster names the student."""
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
-    writer.writeheader()
-    source = {"received": upload.time, "source": METADATA, ID_FROM: FROM_ROSTER if upload.named else PLATFORM}
-    for path in sorted(path for path in top.rglob("*") if path.is_file()):
-        writer.writerow({"file": path.relative_to(top).as_posix(), **source})
-    write_whole(top / LIST, text.getvalue().encode("utf-8", "replace"))
 
 
 def _missing(exercise: str, submission: Path) -> dict[str, Any]:
