@@ -82,7 +82,7 @@ class Channel:
         self._socket.close()
 
     def _taken(self, size: int) -> bytes:
-        """Take so many bytes off what came, after waiting for them."""
+        """Remove and return the next bytes, after waiting for so many."""
         while len(self._came) < size:
             chunk = self._do(self._socket.recv, max(READ, min(size - len(self._came), MOST)))
             if not chunk:
