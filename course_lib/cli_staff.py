@@ -1,5 +1,6 @@
 """`course …` for instructors: every command calls one function of the library."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -98,20 +99,37 @@ def mark(
     cap: Annotated[
         bool, typer.Option("--cap", help="No mark above the platform's maximum, where it refuses a bonus.")
     ] = False,
+    serve: Annotated[bool, typer.Option("--serve", help="Mark in the browser, on this machine.")] = False,
+    port: Annotated[int | None, typer.Option(min=0, help="With --serve: where to listen.")] = None,
+    browser: Annotated[bool, typer.Option(help="With --serve: open the page.")] = True,
 ) -> None:
     """Enter points by hand, which grading again keeps; or fill one column of a learning platform's CSV."""
-    from course_lib.grading.handin.lms import fill_lms
-    from course_lib.grading.marks.by_hand import mark_by_hand
+    if serve and lms is None and not given:
+        from course_lib.grading.marking.server import serve as serve_page
 
+        serve_page(out, port=port, browser=browser)
+        return
     if lms is not None and to is not None and exercise and column and id_column and not given:
+        from course_lib.grading.handin.lms import fill_lms
+
         names = {"exercise": exercise, "column": column, "id_column": id_column}
         lines = fill_lms(out, lms, to, **names, raw=raw, cap=cap)
-    elif lms is None and len(given or ()) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
-        lines = [mark_by_hand(out, *given or (), row=row, comment=comment)]
     else:
-        raise CourseError(
-            "write: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] [--comment TEXT]; "
-            "or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
-        )
+        lines = [_mark(out, given or (), row, comment, is_lms=lms is not None)]
     for line in lines:
         typer.echo(line)
+
+
+def _mark(out: Path, given: Sequence[str], row: str, comment: str, *, is_lms: bool) -> str:
+    """Store the points that are given; without any, write reports and gradebook of those that are there."""
+    from course_lib.grading.marking.follow import follow_marks
+    from course_lib.grading.marks.by_hand import mark_by_hand
+
+    if not is_lms and not (given or row or comment):
+        return follow_marks(out)
+    if not is_lms and len(given) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
+        return mark_by_hand(out, *given, row=row, comment=comment)
+    raise CourseError(
+        "write: course mark OUT --serve; or: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] "
+        "[--comment TEXT]; or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
+    )

@@ -104,6 +104,9 @@ class Gateway:
                 **_tls(settings),
             }
         )
+        from course_lib.ros.zenoh.session import Handlers  # here: open_router has looked for Zenoh
+
+        self._handlers = Handlers()
         self._node = Entity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
         self._kept: list[Any] = [self._announced(self._node), *map(self._subscribed, settings.sends)]
         self._shown = self._show_driver()
@@ -140,6 +143,7 @@ class Gateway:
         self.drive(None)
         for session in (self.robot_side, self.class_side):
             session.close()  # type: ignore[no-untyped-call]  # untyped there
+        self._handlers.wait()
         self._folder.cleanup()
 
     def linked(self) -> bool:
@@ -161,12 +165,8 @@ class Gateway:
         return _links(self.class_side, own), _links(self.robot_side, own)
 
     def _subscribed(self, topic: str) -> Any:
-        from zenoh import handlers
-
         key = f"{self.settings.domain}/{STUDENTS}/*/{topic}/*/*"
-        return self.class_side.declare_subscriber(
-            key, handlers.Callback(self._heard, _nothing, indirect=False)
-        )
+        return self.class_side.declare_subscriber(key, self._handlers.direct(self._heard))
 
     def _heard(self, sample: "zenoh.Sample") -> None:
         """Pass a driver's command on, hold back all others; called by Zenoh's threads."""
@@ -214,10 +214,6 @@ class Gateway:
         stream.sequence += 1
         note = attachment(stream.sequence, stream.entity.gid, time.time_ns())
         self.robot_side.put(stream.entity.key, payload, attachment=note)
-
-
-def _nothing() -> None:
-    """Do nothing: Zenoh 1.5 wants to tell that a callback will not come any more."""
 
 
 def _robots(settings: Settings, inner: str) -> dict[str, Any]:

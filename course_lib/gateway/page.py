@@ -15,6 +15,7 @@ from course_lib.gateway.gateway import Gateway
 from course_lib.ros.zenoh.login import ROBOT, STUDENTS
 
 REFRESH = 2  # [s]
+PATIENCE = 5.0  # [s] for the last answer
 HOST = "127.0.0.1"
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="{refresh}">
@@ -76,12 +77,18 @@ class StatusPage:
         self._secret = secrets.token_urlsafe(12)
         self._loop = asyncio.new_event_loop()
         self._text = text
-        threading.Thread(target=self._serve, daemon=True).start()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
 
     @property
     def address(self) -> str:
         """The address to open."""
         return f"http://{HOST}:{self._socket.getsockname()[1]}/{self._secret}/"
+
+    def close(self) -> None:
+        """End it: an interpreter that exits while the thread is in Zenoh is aborted."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(PATIENCE)
 
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)

@@ -59,6 +59,7 @@ def router(
         _introduce(settings, users, folder, page, place, write)
         _serve(gateway, folder / DRIVER, write)
     finally:
+        page.close()
         gateway.close()
         (folder / PAGE_ADDRESS).unlink(missing_ok=True)
 

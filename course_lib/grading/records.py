@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import platform
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -17,8 +18,9 @@ from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.jail.isolation import Need
 
-LOCK = ".lock"
-KEPT = ("results", "evidence", "marks", "requests", "reports", "copies", "preflight")
+LOCK, MARKS_LOCK = ".lock", ".marks.lock"
+KEPT = ("results", "evidence", "requests", "reports", "copies", "preflight")  # marks have a lock of their own
+TURN_SECONDS = 10.0  # [s] a turn lasts milliseconds
 
 
 @dataclass(frozen=True)
@@ -156,3 +158,29 @@ def sole_use(out: Path) -> Iterator[None]:
             for draft in (path for kept in KEPT for path in (out / kept).rglob(".*") if path.is_file()):
                 draft.unlink()  # half a file of a grader that was killed
         yield
+
+
+@contextmanager
+def marks_turn(out: Path) -> Iterator[None]:
+    """Wait for the turn to write a file of marks, also while the folder is in use; others wait meanwhile.
+
+    Raises:
+        OutError: The folder can't be written.
+        CourseError: Another process does not end its turn.
+    """
+    import fcntl  # Windows has none, but cannot grade either
+
+    end = time.monotonic() + TURN_SECONDS
+    with ExitStack() as stack:
+        with writing(out):
+            file = stack.enter_context((out / MARKS_LOCK).open("a"))
+        while True:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError as error:
+                if time.monotonic() > end:
+                    raise CourseError(f"another process writes marks in {out}: try again") from error
+                time.sleep(0.01)
+        with writing(out):
+            yield

@@ -1,12 +1,10 @@
 """A launch file run as a program: its nodes are processes of one graph, by one clock."""
 
-import asyncio
 import signal
 import sys
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 from launch.actions import declared
@@ -107,11 +105,11 @@ class LaunchProgram(Process):
 
     def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
         """Start an executable; raises a CourseError if there is none."""
-        self._run(action, executable, find_executable(package, executable, self._own), words)
+        self.start_function(action, executable, find_executable(package, executable, self._own), words)
 
     def start_file(self, action: Action, file: Path, words: Iterable[str]) -> None:
         """Start a Python program by its path; raises a CourseError if it cannot be run."""
-        self._run(action, file.name, Program(file, ()).work, words)
+        self.start_function(action, file.name, Program(file, ()).work, words)
 
     def start_component(self, action: Action, package: str, plugin: str, words: Iterable[str]) -> None:
         """Start a component, or log why it is left out."""
@@ -120,19 +118,16 @@ class LaunchProgram(Process):
         except CourseError as error:
             self.log("ERROR", "launch_ros.actions.load_composable_nodes", str(error))
         else:
-            self._run(action, plugin, function, words)
+            self.start_function(action, plugin, function, words)
 
-    def start_coroutine(self, action: Action, coroutine: Coroutine[Any, Any, None]) -> None:
-        """Run a coroutine as a process of its own."""
-        self._run(action, "coroutine", partial(_run_coroutine, coroutine), ())
-
-    def _run(
-        self, action: Action, executable: str, function: Callable[[], object], words: Iterable[str]
+    def start_function(
+        self, action: Action, name: str, function: Callable[[], object], words: Iterable[str]
     ) -> None:
+        """Start a function as a process; the words are its command line."""
         if self._stopping:
             return
         pid = len(self._started) + 1
-        name = f"{executable}-{pid}"
+        name = f"{name}-{pid}"
         for_all = ["--", *self._for_nodes] if self._for_nodes else []
         process = _Launched(name, function, [*words, *for_all], self._prefixes)
         self._started.append((action, process))
@@ -264,10 +259,6 @@ def arguments_of(file: Path) -> str:
         return LaunchProgram(file, (), {}).arguments()
     except _COMPLAINTS as error:
         raise CourseError(f"{file}: {error}") from error
-
-
-def _run_coroutine(coroutine: Coroutine[Any, Any, None]) -> None:
-    asyncio.run(coroutine)
 
 
 def _is_end(event: ShutdownProcess) -> bool:

@@ -110,6 +110,18 @@ def catch_shell(shell: "InteractiveShell") -> None:
         return SList(written.getvalue().splitlines())
 
     vars(shell).update(system=run, getoutput=captured)
+    for name in ("bash", "sh"):
+        if name in shell.magics_manager.magics["cell"]:
+            known: Callable[[str, str], Any] = shell.magics_manager.magics["cell"][name]
+            shell.register_magic_function(partial(_script, known), "cell", name)  # type: ignore[arg-type]  # as above
+
+
+def _script(known: Callable[[str, str], Any], line: str, cell: str) -> Any:
+    """Run a cell of shell script; where it calls `ros2`, name the magic first."""
+    found = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
+    if found:
+        sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{found[1].strip()}\n")
+    return known(line, cell)
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:

@@ -22,23 +22,31 @@ from course_lib.viewer.scene import Scene
 _MAX_MESSAGE = 64 << 20  # bytes; a picture that a page sends may be large
 
 
-class _Guarded(RequestHandler):
-    """Base of the handlers: only requests with this host and token are answered."""
+class Guarded(RequestHandler):
+    """Base of the handlers: only requests with this host and token are answered.
 
-    def initialize(self, server: "PageServer") -> None:
-        self.server = server
+    The token is in the path: a cookie would go to every port of this machine, whoever listens there.
+    """
+
+    port: int
+    token: str
 
     def prepare(self) -> None:
         """Refuse a wrong host or token."""
-        here = self.request.host in {f"{name}:{self.server.port}" for name in ("127.0.0.1", "localhost")}
+        here = self.request.host in {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
         token = self.path_args[0] if self.path_args else ""
-        if not here or not secrets.compare_digest(token.encode(), self.server.token.encode()):
+        if not here or not secrets.compare_digest(token.encode(), self.token.encode()):
             raise HTTPError(403, reason="Open the address that was printed, with its token")
         self.set_header("Cache-Control", "no-store")
         self.set_header("Referrer-Policy", "no-referrer")
 
 
-class PageHandler(_Guarded):
+class _SceneHandler(Guarded):
+    def initialize(self, server: "PageServer") -> None:
+        self.server, self.port, self.token = server, server.port, server.token
+
+
+class PageHandler(_SceneHandler):
     """The handler of the page itself."""
 
     def get(self, _: str) -> None:
@@ -46,7 +54,7 @@ class PageHandler(_Guarded):
         self.finish(live_page(self.server.title))
 
 
-class SocketHandler(_Guarded, WebSocketHandler):
+class SocketHandler(_SceneHandler, WebSocketHandler):
     """The WebSocket of one open page; a message is JSON, a line end and the buffers."""
 
     page: str | None = None  # how the page calls itself
@@ -84,6 +92,19 @@ def framed(content: dict[str, Any], buffers: list[bytes]) -> bytes:
     """Write a message as one piece."""
     head = json.dumps(content | {"sizes": [len(buffer) for buffer in buffers]}).encode()
     return b"\n".join([head, b"".join(buffers)])
+
+
+def bound(port: int) -> list[socket.socket]:
+    """Bind a port of this machine; 0 is a free one.
+
+    Raises:
+        CourseError: The port cannot be had.
+    """
+    try:
+        return bind_sockets(port, "127.0.0.1")
+    except (OSError, OverflowError) as error:
+        said = f"Port {port} cannot be had: {error}. Take another one, or 0 for any."
+        raise CourseError(said) from None
 
 
 class PageServer:
@@ -125,11 +146,7 @@ class PageServer:
         Raises:
             CourseError: The port cannot be had.
         """
-        try:
-            self._listening = bind_sockets(self.port, "127.0.0.1")
-        except (OSError, OverflowError) as error:
-            said = f"Port {self.port} cannot be had: {error}. Take another one, or 0 for any."
-            raise CourseError(said) from None
+        self._listening = bound(self.port)
         self.port = self._listening[0].getsockname()[1]
 
     def start(self) -> None:

@@ -145,9 +145,9 @@ class _Dry:
         """Evaluate the words."""
         list(words)
 
-    def start_coroutine(self, action: Any, coroutine: Any) -> None:
-        """Close the coroutine."""
-        coroutine.close()
+    def start_function(self, action: Any, name: str, function: Any, words: Iterable[str]) -> None:
+        """Evaluate the words."""
+        list(words)
 
     def later(self, seconds: float, entities: Any) -> None:
         """Visit now."""

@@ -38,13 +38,15 @@ LACKS = re.compile(r"No module named '([^'.]+)")
 class Row:
     """One program, launch file or layout: its place, what it is given, what became of it and why.
 
-    `result` is `runs` (of a launch file `described`, of a layout `kept`), `needs` (a module or package that
-    is not there, `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
+    `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs`
+    (of a launch file `described`, of a layout `kept`), `needs` (a module or package that is not there,
+    `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
     """
 
     repository: str
     commit: str
     path: str
+    beside: str = ""
     args: str = ""
     input: str = ""
     result: str = ""
@@ -110,7 +112,8 @@ def outcome(file: Path, row: Row) -> tuple[str, str]:
     """Run a program alone; return its result and the reason."""
     if not file.is_file():
         return "missing", "no such clone"
-    words = [str(file.resolve()), "--seconds", SECONDS, "--", *row.args.split()]
+    files = [str(file.resolve().parent / name) for name in (file.name, *row.beside.split())]
+    words = [*files, "--seconds", SECONDS, "--", *row.args.split()]
     command = [sys.executable, "-m", "course_lib", "run", *words]
     with tempfile.TemporaryDirectory() as folder:
         try:

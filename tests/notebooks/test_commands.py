@@ -39,6 +39,7 @@ NOT_RUN = {  # command -> why
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
     "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
+    "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     **dict.fromkeys(
         (
             "course run my_node.py --robot tcp/192.168.1.5:7447 --send /cmd_vel",

@@ -35,6 +35,25 @@ def test_the_magic_lists_this_notebook_s_topics(
     assert capsys.readouterr().out == "/parameter_events\n/rosout\n"
 
 
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        ("%%bash\ncd .\nros2 topic list -v\n", "In a cell write %ros2 topic list -v\n"),
+        (
+            "%%sh\n  timeout 5 ros2 topic hz /a || true",
+            "In a cell write %timeout 5 ros2 topic hz /a || true\n",
+        ),
+        ("%%bash\necho ros2 is here", ""),
+    ],
+)
+def test_a_cell_of_shell_script_that_calls_ros2_learns_what_to_write(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, said: str
+) -> None:
+    run(shell, cell)
+    shown = capfd.readouterr()
+    assert (said in shown.err) if said else ("In a cell" not in shown.err and "ros2 is here" in shown.out)
+
+
 @pytest.mark.parametrize("line", ["%ros2 topic echo /nope --once", '%ros2 topic echo "/a'])
 def test_an_error_is_a_line_without_a_traceback(
     shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str

@@ -4,18 +4,20 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.grading import marking
 from course_lib.viewer import assets
 from tests.viewer import declarations
 
-FOLDER = Path(assets.__file__).parent / "js"
+FOLDERS = (Path(assets.__file__).parent / "js", Path(marking.__file__).parent / "page")
 COMPILER = shutil.which("tsc")
 
 
 @pytest.mark.skipif(COMPILER is None, reason="TypeScript's compiler tsc is not on the PATH")
-def test_the_types_of_the_javascript_agree_and_nothing_in_it_is_unused() -> None:
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.parent.name)
+def test_the_types_of_the_javascript_agree_and_nothing_in_it_is_unused(folder: Path) -> None:
     assert COMPILER is not None
     done = subprocess.run(
-        [COMPILER, "-p", FOLDER / "jsconfig.json"], capture_output=True, text=True, check=False
+        [COMPILER, "-p", folder / "jsconfig.json"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout
 

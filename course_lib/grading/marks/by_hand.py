@@ -6,7 +6,7 @@ from pathlib import Path
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.marks.marks import add_mark, read_marks
+from course_lib.grading.marks.marks import Given, add_marks, read_marks
 from course_lib.grading.records import (
     Course,
     catalog_of,
@@ -40,7 +40,7 @@ def mark_by_hand(
         task: "week01.essay", or "essay".
         points: A number: for the row, else for the whole task instead of what the checks give.
         row: Of the rubric: its number from 1, or how it begins.
-        comment: For the student.
+        comment: For the student; "" keeps the one that is there.
         course: Where the tasks are; default: this checkout.
 
     Raises:
@@ -54,7 +54,7 @@ def mark_by_hand(
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
         tasks = {known.task: known for known in (result.judgement.tasks if result.judgement else ())}
         task = _task(task, tasks, f"{exercise} of {student}")
-        given = add_mark(file, tasks[task], number, row, comment)
+        (given,) = add_marks(file, tasks[task], [Given(number, row, comment or None)])
         report(result, read_marks(file), out, catalog)
         write_tables(out, catalog.course.zone)
     now = read_result(path)["row"]

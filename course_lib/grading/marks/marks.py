@@ -3,6 +3,7 @@
 import getpass
 import json
 import math
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime, timedelta
@@ -12,6 +13,7 @@ from course_lib.course.course_file import Late
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.judge import TaskResult
+from course_lib.grading.records import digest_of, marks_turn
 from course_lib.grading.task import Row
 
 DAY = 86_400  # [s]
@@ -52,14 +54,42 @@ def count_days_late(received: datetime, deadline: datetime | None, late: Late) -
 
 @dataclass(frozen=True)
 class HandMark:
-    """The points of one person for a task or for one row of its rubric; the last one counts."""
+    """The points of one person for a task or for one row of its rubric; the last one counts.
+
+    Args:
+        task: Its id.
+        points: None is a comment alone.
+        row: The text of the rubric's row; "" is the whole task.
+        comment: For the student; the last one of each row counts.
+        by: The person.
+        at: When, in ISO format.
+    """
 
     task: str
-    points: float
+    points: float | None
     row: str
     comment: str
     by: str
     at: str
+
+
+@dataclass(frozen=True)
+class Given:
+    """Points as a person types them.
+
+    Args:
+        points: For the row, else for the whole task; None is a comment alone.
+        row: Its number from 1, or its first words; "" for the whole task.
+        comment: For the student; None keeps the one that is there.
+    """
+
+    points: float | None
+    row: str = ""
+    comment: str | None = None
+
+
+class MarksConflictError(CourseError):
+    """Somebody else has marked the same task meanwhile; nothing was written."""
 
 
 def read_marks(path: Path) -> list[HandMark]:
@@ -76,48 +106,95 @@ def read_marks(path: Path) -> list[HandMark]:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 
-def add_mark(path: Path, task: TaskResult, points: float, row: str, comment: str) -> HandMark:
-    """Append a mark to a file of marks, with the user's name and the time.
+def revision_of(marks: Iterable[HandMark], task: str) -> str:
+    """Return the revision of a task's marks; each mark that is added changes it."""
+    return digest_of([asdict(mark) for mark in marks if mark.task == task])[:16]
+
+
+def add_marks(
+    path: Path, task: TaskResult, given: Sequence[Given], *, by: str = "", revision: str | None = None
+) -> list[HandMark]:
+    """Append the marks of one person to a file of marks, all or none; they are on the disk afterwards.
 
     Args:
-        path: The file of marks.
+        path: OUT/marks/STUDENT/EXERCISE.json.
         task: As it was judged.
-        points: For the row, else for the whole task.
-        row: Its number from 1, or its first words; "" for the whole task.
-        comment: For the student.
+        given: For the task, or for rows of its rubric.
+        by: The person; default: the user of the machine.
+        revision: Of the task's marks that the person has seen; None does not ask.
 
     Raises:
+        MarksConflictError: The task has other marks by now.
         CourseError: There is no such row, or it has fewer points.
     """
-    named = _row(task.rubric, row) if row else None
-    text, most = (named.text, named.points) if named else ("", task.points)
-    if not 0 <= points <= most:
-        raise CourseError(f"{points:g} points for {text or task.task}: expected 0 to {most:g}")
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    given = HandMark(task.task, points, text, comment, getpass.getuser(), now)
-    entries = [asdict(mark) for mark in [*read_marks(path), given]]
-    write_whole(path, json.dumps(entries, indent=1, ensure_ascii=False).encode())
-    return given
+    with marks_turn(path.parents[2]):
+        kept = read_marks(path)
+        mine = [mark for mark in kept if mark.task == task.task]
+        new = [_hand_mark(task, one, mine, by or getpass.getuser()) for one in given]
+        if revision not in (None, revision_of(mine, task.task)):
+            if list(map(_content, mine[-len(new) :])) == list(map(_content, new)):
+                return mine[-len(new) :]  # sent twice, as the first answer was lost
+            who = mine[-1].by if mine else "somebody"
+            raise MarksConflictError(f"{who} has marked {task.task} meanwhile")
+        _write(path, [*kept, *new])
+    return new
+
+
+def _write(path: Path, marks: Sequence[HandMark]) -> None:
+    """Write a file of marks; the new names are on the disk, too, of the file and of folders made for it."""
+    for draft in path.parent.glob(f".{path.name}.*"):
+        draft.unlink()  # half a file of a person whose process was killed
+    text = json.dumps([asdict(mark) for mark in marks], indent=1, ensure_ascii=False)
+    write_whole(path, text.encode("utf-8", "replace"))
+    for folder in path.parents[:3]:
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _hand_mark(task: TaskResult, given: Given, before: Sequence[HandMark], by: str) -> HandMark:
+    row = _row(task.rubric, given.row) if given.row else None
+    text, most = (row.text, row.points) if row else ("", task.points)
+    if given.points is not None and not 0 <= given.points <= most:
+        raise CourseError(f"{given.points:g} points for {text or task.task}: expected 0 to {most:g}")
+    last = next((mark.comment for mark in reversed(before) if mark.row == text), "")
+    comment = last if given.comment is None else given.comment
+    return HandMark(
+        task.task, given.points, text, comment, by, datetime.now(UTC).isoformat(timespec="seconds")
+    )
+
+
+def _content(mark: HandMark) -> HandMark:
+    return replace(mark, at="")
 
 
 def apply_marks(result: TaskResult, marks: Iterable[HandMark]) -> TaskResult:
     """Return a task with the points of persons: the last for the whole task, or the sum over all rows."""
     mine = [mark for mark in marks if mark.task == result.task]
-    if not mine:
-        return result
-    comments = tuple(f"{mark.row}: {mark.comment}".lstrip(": ") for mark in mine if mark.comment)
-    if not mine[-1].row:
-        return replace(result, manual=mine[-1].points, comments=comments)
-    given = {mark.row: mark.points for mark in mine if mark.row}
+    said = {mark.row: mark.comment for mark in mine}
+    comments = tuple(f"{row}: {comment}".lstrip(": ") for row, comment in said.items() if comment)
+    given = {mark.row: mark.points for mark in mine if mark.points is not None}
+    if not given:
+        return replace(result, comments=comments)
+    if whole_task_counts(mine):
+        return replace(result, manual=given[""], comments=comments)
     if missing := [row.text for row in result.rubric if row.text not in given]:
         return replace(result, comments=(*comments, f"still to be marked: {', '.join(missing)}"))
     share = sum(given[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
     return replace(result, manual=round(result.points * share, 2), comments=comments)
 
 
+def whole_task_counts(marks: Sequence[HandMark]) -> bool:
+    """Return whether the last points of a task are for all of it, not for a row of its rubric."""
+    return next((not mark.row for mark in reversed(marks) if mark.points is not None), False)
+
+
 def _row(rubric: Sequence[Row], name: str) -> Row:
-    for number, row in enumerate(rubric, 1):
-        if name == str(number) or row.text.casefold().startswith(name.casefold()):
-            return row
+    numbers = {str(number): row for number, row in enumerate(rubric, 1)}
+    named = (row for row in rubric if row.text.casefold().startswith(name.casefold()))
+    if row := numbers.get(name) or next(named, None):
+        return row
     rows = "; ".join(f"{number} {row.text} ({row.points:g})" for number, row in enumerate(rubric, 1))
     raise CourseError(f"--row {name}: the rubric has {rows or 'no rows: leave out --row'}")

@@ -121,6 +121,12 @@ def page_digest(result: str, marks: Iterable[HandMark], asked: Iterable[RegradeR
     return digest_of([result, [asdict(mark) for mark in marks], [asdict(one) for one in asked]])
 
 
+def section_of(page: str, task: str) -> str:
+    """Return the part of a report on one task, "" if it has none; every text in it is escaped."""
+    _, _, rest = page.partition(f'<section aria-labelledby="{task}">')
+    return rest.partition("</section>")[0]
+
+
 def is_current(path: Path, digest: str) -> bool:
     """Return whether there is a page with this digest."""
     try:

@@ -103,10 +103,10 @@ def _templates() -> "Environment":
     from jinja2 import Environment, FileSystemLoader
 
     loader = FileSystemLoader(Path(__file__).with_name("templates"))
-    return Environment(loader=loader, autoescape=True, finalize=_tame)
+    return Environment(loader=loader, autoescape=True, finalize=tame)
 
 
-def _tame(value: Any) -> Any:
+def tame(value: Any) -> Any:
     """Remove terminal colours, control characters and changes of the reading direction from a text."""
     return _WILD.sub("", value) if type(value) is str else value  # not what is markup already
 

@@ -30,6 +30,7 @@ DEFAULTS: dict[tuple[str, str], Any] = {
     ("sensor_msgs/msg/NavSatStatus", "status"): -2,
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
+EVENT_PART = "_Event"  # of a service, on the topic of its introspection
 NO_WIDE_STRINGS = "the kit has no wide strings (wstring). Write string: it holds all characters, too."
 FOLDERS = [Path(__file__).parent.parent / "interfaces"]  # of packages' folders; the kit's own is the first
 
@@ -111,8 +112,8 @@ def find_package(package: str) -> None:
 
 
 def type_names() -> list[str]:
-    """List the known types, ``visualization_msgs/msg/Marker`` and the like."""
-    return sorted(typestore().fielddefs)
+    """List the known types, like ``visualization_msgs/msg/Marker``, without the events of services."""
+    return sorted(name for name in typestore().fielddefs if not name.endswith(EVENT_PART))
 
 
 @cache
@@ -121,6 +122,9 @@ def definition(type_name: str) -> MessageDefinition:
     known = typestore().fielddefs
     if type_name not in known:
         find_package(type_name.split("/")[0])
+    service = type_name.removesuffix(EVENT_PART)
+    if service != type_name and f"{service}_Request" in known:
+        known[type_name] = event_of(service)
     if type_name not in known:
         meant = did_you_mean(type_name, known, 3) or ". Written like visualization_msgs/msg/Marker."
         raise CourseError(f"No message type {type_name!r} here{meant}")
@@ -130,6 +134,15 @@ def definition(type_name: str) -> MessageDefinition:
         {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
         tuple(_field(type_name, name, desc) for name, desc in fields),
     )
+
+
+def event_of(service: str) -> Any:
+    """Return the definition of a service's event, which rosidl makes of its request and its response."""
+    from rosbags.interfaces import Nodetype
+
+    parts = (("request", f"{service}_Request"), ("response", f"{service}_Response"))
+    fields = [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, part), 1))) for name, part in parts]
+    return [], [("info", (Nodetype.NAME, "service_msgs/msg/ServiceEventInfo")), *fields]
 
 
 def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:

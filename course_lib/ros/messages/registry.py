@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages.definitions import definition, type_names
+from course_lib.ros.messages.definitions import EVENT_PART, definition, type_names
 from course_lib.ros.messages.interface_files import ACTION_PARTS, SERVICE_PARTS
 from course_lib.ros.messages.message import RosMessage, home_of, make_class
 
@@ -35,10 +35,16 @@ class _WholeType(type):
         kind = "Action" if hasattr(cls, "Goal") else "Service"
         raise NotImplementedError(f"{kind} classes can not be instantiated")
 
+    def __getattr__(cls, name: str) -> type[RosMessage]:
+        """Return a service's `Event`, which few programs need, when it is asked for."""
+        if name != "Event" or "Request" not in vars(cls):
+            raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
+        return message_class(f"{vars(cls)['_TYPE_NAME']}{EVENT_PART}")
+
 
 @cache
 def service_class(type_name: str) -> type:
-    """Return the class of a service written ``std_srvs/srv/Trigger``: it holds `Request` and `Response`."""
+    """Return the class of a service written ``std_srvs/srv/Trigger``; it holds `Request` and so on."""
     return _WholeType(*_of_parts(type_name, SERVICE_PARTS))
 
 

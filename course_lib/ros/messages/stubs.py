@@ -80,8 +80,9 @@ def _module_stub(messages: list[MessageDefinition]) -> str:
 def _wholes(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
     """Declare the service or action classes, which hold their parts."""
     names = [message.type_name.rsplit("/", 1)[1] for message in messages]
+    event = "    Event: type[RosMessage]\n" if parts == SERVICE_PARTS else ""
     return [
-        f"class {name}:\n" + "".join(f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in parts)
+        f"class {name}:\n" + "".join(f"    {part[1:]}: TypeAlias = {name}{part}\n" for part in parts) + event
         for name in (name.removesuffix(parts[0]) for name in names if name.endswith(parts[0]))
     ]
 

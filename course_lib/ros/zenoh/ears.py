@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
+from course_lib.errors import counted
 from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.inbox import Inbox, Packet, Traffic
 from course_lib.ros.zenoh.link import Declared, RobotLink
@@ -29,6 +30,8 @@ class Ear:
 
     def row(self) -> tuple[str, object]:
         """Return its rate in a row of `ros2 doctor`."""
+        if self.kept:
+            return self.topic, f"latched, {counted(self.traffic.heard, 'message')} heard"
         per_second, size = self.traffic.rates()
         lost, late = self.traffic.lost, self.inbox.dropped
         notes = f", {lost} lost on the way" * bool(lost) + f", {late} dropped here: busy" * bool(late)

@@ -3,12 +3,10 @@
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
-from course_lib.ros.messages.definitions import definition, typestore
+from course_lib.ros.messages.definitions import EVENT_PART, definition, event_of, typestore
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
-
-EVENT_INFO = "service_msgs/msg/ServiceEventInfo"
 
 
 @cache
@@ -32,6 +30,8 @@ def is_known(type_name: str) -> bool:
 
 
 def _is_service(type_name: str) -> bool:
+    if type_name.endswith(EVENT_PART):
+        return False
     return "/srv/" in type_name or type_name.endswith(("_SendGoal", "_GetResult"))
 
 
@@ -49,14 +49,7 @@ def _describe_service(store: "Typestore", type_name: str) -> None:
 
     request, response, event = (f"{type_name}_{part}" for part in ("Request", "Response", "Event"))
     whole, known = Nodetype.NAME, cast("dict[str, Any]", store.fielddefs)
-    known[event] = (
-        [],
-        [
-            ("info", (whole, EVENT_INFO)),
-            ("request", (Nodetype.SEQUENCE, ((whole, request), 1))),
-            ("response", (Nodetype.SEQUENCE, ((whole, response), 1))),
-        ],
-    )
+    known[event] = event_of(type_name)
     parts = (("request_message", request), ("response_message", response), ("event_message", event))
     known[type_name] = [], [(field, (whole, name)) for field, name in parts]
 

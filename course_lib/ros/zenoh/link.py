@@ -17,7 +17,7 @@ from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import Actions, Inbox, Packet
 from course_lib.ros.zenoh.login import GATEWAY, parted, read_gateway_key
-from course_lib.ros.zenoh.session import CALL_SECONDS, direct, open_session
+from course_lib.ros.zenoh.session import CALL_SECONDS, Handlers, open_session
 from course_lib.ros.zenoh.tokens import ADMIN, Entity, Kind, attachment, key_of, read_attachment, read_token
 
 LOOK_SECONDS = 1.0  # [s] for a question about other domains
@@ -86,6 +86,7 @@ class RobotLink:
         self.address, self.login = parted(address)  # what is printed has no token
         self.domain = domain
         self.arrived: Actions = SimpleQueue()
+        self.handlers = Handlers()
         self.old_attachments = 0  # messages of an rmw_zenoh before 0.2.4
         self._session = open_session(self.address, self.login)
         self._zid = str(self._session.zid())
@@ -106,6 +107,7 @@ class RobotLink:
         """End the session; calling it again changes nothing."""
         if self.is_open:
             self._session.close()  # type: ignore[no-untyped-call]  # zenoh does not annotate it
+        self.handlers.wait()
 
     def node(self, name: str, namespace: str) -> Entity:
         """Return a node of the kit, not announced yet."""
@@ -133,7 +135,9 @@ class RobotLink:
             if entity is not None and not self.is_own(entity):
                 self.arrived.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
 
-        self._session.liveliness().declare_subscriber(f"{ADMIN}/{self.domain}/**", direct(seen), history=True)
+        self._session.liveliness().declare_subscriber(
+            f"{ADMIN}/{self.domain}/**", self.handlers.direct(seen), history=True
+        )
 
     def watch_gateway(self, on_driver: Callable[[str, list[str]], None]) -> None:
         """Put calls with the driver and the driver's topics into the queue, now and at each change."""
@@ -142,7 +146,9 @@ class RobotLink:
             if sample.kind == zenoh.SampleKind.PUT:
                 self.arrived.put(partial(on_driver, *read_gateway_key(str(sample.key_expr))))
 
-        self._session.liveliness().declare_subscriber(f"{GATEWAY}/*/*", direct(seen), history=True)
+        self._session.liveliness().declare_subscriber(
+            f"{GATEWAY}/*/*", self.handlers.direct(seen), history=True
+        )
 
     def domains(self) -> list[int]:
         """List the domains that have nodes."""
@@ -188,7 +194,7 @@ class RobotLink:
         subscriber = ext.declare_advanced_subscriber(
             self._session,
             key_of(self.domain, topic, type_name, type_hash(type_name)),
-            direct(partial(self._heard, inbox)),
+            self.handlers.direct(partial(self._heard, inbox)),
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
@@ -211,7 +217,7 @@ class RobotLink:
 
             self.arrived.put(partial(on_request, bytes(query.payload or b""), answer))
 
-        queryable = self._session.declare_queryable(entity.key, direct(asked), complete=True)
+        queryable = self._session.declare_queryable(entity.key, self.handlers.direct(asked), complete=True)
         return Declared(self, self._token(entity), queryable)
 
     def client(self, entity: Entity) -> "Asker":
@@ -259,4 +265,4 @@ class Asker(Declared):
                 arrived.put(partial(on_reply, None))
 
         extra = attachment(next(self._sequence), self._gid, wall.time_ns())
-        self._querier.get(direct(replied, over), payload=cdr, attachment=extra)
+        self._querier.get(self._link.handlers.direct(replied, over), payload=cdr, attachment=extra)

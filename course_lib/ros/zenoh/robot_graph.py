@@ -43,7 +43,7 @@ class RobotGraph(Graph):
     def __init__(self, link: RobotLink, allowed: Allowed, tell: Tell, *, notebook: bool = False) -> None:
         super().__init__(start_ns=wall.time_ns(), delay_ns=0, notebook=notebook)
         self.link = link
-        self.held_back = HeldBack(tell)
+        self.held_back = HeldBack(tell, notebook=notebook)
         self._allowed, self._tell = allowed, tell
         self._told = set[str]()
         self._own: dict[int, tuple[Entity, Declared]] = {}  # our nodes
@@ -176,9 +176,9 @@ class RobotGraph(Graph):
 
     def close(self) -> None:
         """Stop what is driven and end the link, once a robot that moves has its stop."""
+        self._ears.close()
         self._sending.close(self.link.close)
         if self.link.is_open:
-            self._ears.close()
             self._tell_once("stop", explain.STOP_IS_DUE)
 
     def leave(self) -> None:

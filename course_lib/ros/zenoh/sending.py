@@ -50,9 +50,9 @@ class Allowed:
 class HeldBack:
     """Counts of messages and calls that stay here; each name is told once."""
 
-    def __init__(self, tell: Tell) -> None:
+    def __init__(self, tell: Tell, *, notebook: bool = False) -> None:
         self.counts = Counter[str]()
-        self._tell = tell
+        self._tell, self._notebook = tell, notebook
 
     def note(self, name: str, option: str) -> None:
         """Count a message or a call; `option` would let it out."""
@@ -61,9 +61,10 @@ class HeldBack:
         self.counts[name] += 1
         if self.counts[name] == 1:
             what = "Messages on" if option == "--send" else "Calls of"
+            python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
             self._tell(
                 f"{what} {name} are held back: the link only listens. To let them out, connect with "
-                f"{option} {name}"
+                f"{option} {name}{python}"
             )
 
 
@@ -125,6 +126,7 @@ class Sending:
         self._leaving: dict[int, Brake] = {}  # of publishers that are gone
         self._open = True
         self._end: Callable[[], None] | None = None
+        self._ending = _thread.allocate_lock()
         _thread.start_new_thread(self._watch, ())  # not the graph's: a busy kernel must stop the robot too
 
     def add(self, endpoint: int, type_name: str, outlet: Outlet) -> None:
@@ -179,9 +181,10 @@ class Sending:
                 brake.outlet.withdraw()
 
     def _end_if_stopped(self) -> None:
-        if self._end is not None and not any(brake.is_cut_off for brake in self._all_brakes()):
-            self._open = False
-            self._end()
+        with self._ending:  # who comes second waits, or Python may exit while the other is in Zenoh
+            if self._end is not None and not any(brake.is_cut_off for brake in self._all_brakes()):
+                self._open = False
+                self._end()
 
     def _all_brakes(self) -> tuple[Brake, ...]:
         return (*tuple(self._brakes.values()), *tuple(self._leaving.values()))

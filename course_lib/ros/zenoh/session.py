@@ -1,5 +1,6 @@
 """Sessions of Zenoh as clients of a router, and handlers that need no thread of Python's."""
 
+import _thread
 import json
 from collections.abc import Callable
 from typing import Any
@@ -8,19 +9,46 @@ import zenoh
 from zenoh.handlers import Callback
 
 from course_lib.errors import CourseError
+from course_lib.ros import wall
 from course_lib.ros.zenoh.login import NO_LOGIN, Login
 
 OPEN_SECONDS = 3.0  # [s] until a router must have answered
 CALL_SECONDS = 600.0  # [s] until a service must have answered, as rmw_zenoh has it
+END_SECONDS, MOMENT = 2.0, 0.005  # [s] until handlers must have ended, and between two looks at them
 
 
-def direct(function: Callable[[Any], None], end: Callable[[], None] = lambda: None) -> "Callback[Any]":
-    """Return a handler that Zenoh's own threads call.
+def _nothing() -> None:
+    """Do nothing."""
+
+
+class Handlers:
+    """Handlers that Zenoh's own threads call, counted until the last call of each is over.
 
     With a Python thread for each, an interpreter does not exit while a session is open; and the thread would
-    belong to the program, where robot time has replaced `Thread.start`.
+    belong to the program, where robot time has replaced `Thread.start`. But an interpreter that exits while a
+    thread of Zenoh is in a handler is aborted: `wait` for them behind the end of a session.
     """
-    return Callback(function, end, indirect=False)
+
+    def __init__(self) -> None:
+        self.alive, self._mutex = 0, _thread.allocate_lock()
+
+    def direct(self, function: Callable[[Any], None], end: Callable[[], None] = _nothing) -> "Callback[Any]":
+        """Return a handler; `end` is called behind its last call."""
+        with self._mutex:
+            self.alive += 1
+
+        def over() -> None:
+            end()
+            with self._mutex:
+                self.alive -= 1
+
+        return Callback(function, over, indirect=False)
+
+    def wait(self, seconds: float = END_SECONDS) -> None:
+        """Wait until no handler will be called any more, at most so long, [s]."""
+        end = wall.monotonic() + seconds
+        while self.alive and wall.monotonic() < end:
+            wall.sleep(MOMENT)
 
 
 def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
@@ -51,8 +79,17 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise CourseError(
-            f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the "
-            "robot, is its port open, is this the right network"
-            f"{', is the token right' if login.name else ''}?"
-        ) from error
+        raise CourseError(_no_router(address, login)) from error
+
+
+def _no_router(address: str, login: Login) -> str:
+    """Return what to look at where nothing answers."""
+    if login.name:
+        return (
+            f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the token the "
+            "one that you were given, is this the right network?"
+        )
+    return (
+        f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the robot, "
+        "is its port open, is this the right network?"
+    )

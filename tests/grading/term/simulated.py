@@ -11,7 +11,7 @@ from course_lib.grading.handin.received import Received
 from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, Judgement, TaskResult
 from course_lib.grading.marks.mark import Fault, Result, mark
-from course_lib.grading.marks.marks import add_mark
+from course_lib.grading.marks.marks import Given, add_marks
 from course_lib.grading.records import marks_path
 
 STATES = ("graded",) * 14 + ("missing",) * 3 + ("rejected", "grader_error", "by hand")
@@ -30,7 +30,7 @@ def write_results(out: Path, students: list[str], course: CourseFile, seed: int 
             if state == "by hand":
                 task = result.judgement.tasks[0]  # type: ignore[union-attr]
                 path = marks_path(out, student, f"{week}_exercise")
-                add_mark(path, task, round(chance.uniform(0, task.points), 1), "", "Read.")
+                add_marks(path, task, [Given(round(chance.uniform(0, task.points), 1), "", "Read.")])
             count += 1
     return count
 

@@ -45,6 +45,16 @@ def test_what_a_process_writes_is_an_event(said: Callable[..., list[str]]) -> No
     )[0].endswith(" of ros2-1")
 
 
+def test_echo_and_sleep_run_on_robot_time(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    file = launch_file(
+        "ExecuteProcess(cmd=['sleep', '2'], on_exit=ExecuteProcess(cmd=[['echo well ', 'rested']]))",
+        "TimerAction(period=1.0, actions=[LogInfo(msg='still asleep')])",
+    )
+    assert recorded(file, seconds=None)[1] == 0
+    out = capsys.readouterr().out
+    assert out.index("still asleep") < out.index("[echo-2] well rested")
+
+
 def test_an_event_ends_only_the_processes_that_it_means(said: Callable[..., list[str]]) -> None:
     talker = "Node(**TALKER, name='{}', on_exit=LogInfo(msg='end of {}'))"
     end = "EmitEvent(event={}(process_matcher=matches_action(a){}))"

@@ -176,6 +176,8 @@ DEEP = f"<launch>{'<group>' * 60}{'</group>' * 60}</launch>"
         ("x.launch.xml", LAUGHS, "the file declares the entity 'a', which launch files do not need."),
         ("x.launch.xml", DEEP, "more than 50 elements are nested."),
         ("x.launch.yaml", "launch:\n  - node: {pkg: a\n", "line 3: not YAML: "),
+        ("x.launch.yaml", "launch:\n- log:\n    message: \0\n",
+         "line 3: not YAML: unacceptable character #x0000: special characters are not allowed."),
         ("x.launch.yaml", "", "line 1: expected one key, `launch:`, with a list of elements."),
         ("x.launch.yaml", "launch:\n- log: {message: hi}\n- nod:\n    pkg: a\n",
          "line 3: <nod>: there is no such element. Did you mean node?"),

@@ -8,7 +8,7 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import String
 
 from course_lib.ros import wall
-from course_lib.ros.messages import serialize, type_name
+from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.zenoh.ears import Ear
 from course_lib.ros.zenoh.explain import NO_STOP, STOP_IS_DUE, about_clock
 from course_lib.ros.zenoh.hashes import type_hash
@@ -199,9 +199,10 @@ def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes
     drive = talker(student, "/cmd_vel", type_name(Twist))
     connect(kits, student, drive, heard, Twist())
     student.publish(drive, serialize(MOVING))
-    kits.until(lambda: speeds(heard, Twist) == [0.2], "the command")
+    kits.until(lambda: speeds(heard, Twist), "the command")
     routers.kill()
     kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
+    heard.clear()
     yield kits, student, drive, heard
     for graph in tuple(kits.graphs):
         kits.leave(graph)
@@ -220,10 +221,10 @@ def test_the_stop_of_a_node_that_ends_without_a_link_goes_out_before_another_nod
 
     def drives() -> bool:
         student.publish(other, serialize(MOVING))
-        return len(speeds(heard, Twist)) > 2
+        return bool(speeds(heard, Twist))
 
-    kits.until(drives, "the stop and the other node's commands")
-    assert speeds(heard, Twist)[:3] == [0.2, 0.0, 0.2]
+    kits.until(drives, "the other node's commands")
+    assert deserialize(heard[0], Twist).linear.x == 0.0
 
 
 def test_a_link_that_is_ended_while_it_is_down_sends_the_stop_when_it_is_back(
@@ -234,8 +235,8 @@ def test_a_link_that_is_ended_while_it_is_down_sends_the_stop_when_it_is_back(
     assert STOP_IS_DUE in kits.lines
     assert student.link.is_open
     routers.start()
-    kits.until(lambda: len(speeds(heard, Twist)) > 1, "the stop")
-    assert speeds(heard, Twist) == [0.2, 0.0]
+    kits.until(lambda: heard, "the stop")
+    assert deserialize(heard[0], Twist).linear.x == 0.0
     kits.until(lambda: not student.link.is_open, "the end of the link")
 
 

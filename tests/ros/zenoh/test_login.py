@@ -1,7 +1,10 @@
 import pytest
 
+from course_lib.errors import CourseError
 from course_lib.ros.zenoh.login import Login, gateway_key, parted, read_gateway_key
+from course_lib.ros.zenoh.session import open_session
 from course_lib.ros.zenoh.wheel import Wheel
+from tests.ros.zenoh.conftest import free_port
 
 
 @pytest.mark.parametrize(
@@ -30,6 +33,11 @@ def test_only_a_login_is_shown_to_the_gateway_and_only_tls_needs_certificates() 
     ann = Login("ann", "x")
     assert ann.presence("z") == "@course/ann/z"
     assert ann.settings("tcp/a:1") == {"transport/auth/usrpwd": {"user": "ann", "password": "x"}}
+
+
+def test_a_gateway_that_refuses_a_login_is_not_called_a_robot() -> None:
+    with pytest.raises(CourseError, match="No gateway lets ann in at tcp/"):
+        open_session(f"tcp/127.0.0.1:{free_port()}", Login("ann", "x"))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,9 @@
 """The actions of a launch; each takes a `condition`."""
 
+import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
@@ -68,7 +70,8 @@ class OpaqueCoroutine(Action):
     ) -> None:
         def do(context: LaunchContext) -> None:
             first = () if ignore_context else (context,)
-            context.runner.start_coroutine(self, coroutine(*first, *(args or ()), **(kwargs or {})))
+            made = partial(coroutine, *first, *(args or ()), **(kwargs or {}))
+            context.runner.start_function(self, "coroutine", lambda: asyncio.run(made()), ())
 
         super().__init__(do, **options)
 

@@ -1,7 +1,7 @@
 """The parts of launch descriptions: substitutions, conditions, actions, events, and their context."""
 
 import os
-from collections.abc import Callable, Coroutine, Iterable, MutableMapping
+from collections.abc import Callable, Iterable, MutableMapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -41,8 +41,10 @@ class Runner(Protocol):
     def start_component(self, action: "Action", package: str, plugin: str, words: Iterable[str]) -> None:
         """Start a component that is in Python."""
 
-    def start_coroutine(self, action: "Action", coroutine: Coroutine[Any, Any, None]) -> None:
-        """Run a coroutine beside the processes."""
+    def start_function(
+        self, action: "Action", name: str, function: Callable[[], object], words: Iterable[str]
+    ) -> None:
+        """Start a function as a process; the words are its command line."""
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities after so much robot time [s]."""

@@ -1,7 +1,10 @@
 """Actions that start a program by its command line."""
 
 import shlex
-from collections.abc import Iterable, Mapping
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +13,23 @@ from launch.entities import Action, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
 
-_PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2", "xacro": "xacro"}  # the kit has these
+_PACKAGES = {
+    "ros2": "ros2cli",
+    "rviz2": "rviz2",
+    "xacro": "xacro",
+}  # the kit has these
+
+
+def _echo(words: Sequence[str]) -> None:
+    sys.stdout.write(" ".join(words) + "\n")
+
+
+def _sleep(words: Sequence[str]) -> None:
+    """Sleep on robot time."""
+    time.sleep(float(words[0]))
+
+
+_COMMANDS: Mapping[str, Callable[[Sequence[str]], None]] = {"echo": _echo, "sleep": _sleep}
 _PYTHON = ("python", "python3")
 _PROJECTS = {"gazebo": "gazebo_ros", "gzserver": "gazebo_ros", "gzclient": "gazebo_ros", "gz": "ros_gz_sim"}
 _PROJECTS |= {"ign": "ros_gz_sim", "webots": "webots_ros2"}
@@ -30,7 +49,7 @@ class Executable:
 
 
 class ExecuteLocal(Action):
-    """Runs `ros2 …`, `rviz2 …` or `python3 FILE …`; other programs would not be on robot time.
+    """Runs `ros2 …`, `rviz2 …`, `python3 FILE …`, `echo` or `sleep`; others would not be on robot time.
 
     Args:
         process_description: The command line.
@@ -55,6 +74,8 @@ class ExecuteLocal(Action):
             context.runner.start(self, rest[1], rest[2], rest[3:])
         elif package is not None:
             context.runner.start(self, package, name, [*rest, "--ros-args"])
+        elif name in _COMMANDS:
+            context.runner.start_function(self, name, partial(_COMMANDS[name], rest), rest)
         elif Path(program).parts[-3:-2] == ("lib",):  # as ExecutableInPackage has it
             context.runner.start(self, Path(program).parent.name, name, rest)
         elif name in _PYTHON and rest and not rest[0].startswith("-"):

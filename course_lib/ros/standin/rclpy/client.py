@@ -83,7 +83,8 @@ class Client(ServiceEnd):
         """Remove the oldest response; returns the call that completes its future."""
         if not self._queue:
             return None
-        _, number, cdr = self._queue.popleft()
+        client, number, cdr = self._queue.popleft()
+        self.note_taken(client, number, cdr)
         future = self._pending.pop(number, None)
         return self.on_unexpected if future is None else partial(self._bring, future, cdr)
 

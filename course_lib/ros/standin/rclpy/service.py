@@ -5,17 +5,24 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from service_msgs.msg import ServiceEventInfo
+
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import RosMessage, deserialize, serialize, type_name
 from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import Clock
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import Endpoint
 from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.qos import QoSProfile
+from rclpy.service_introspection import ServiceEvents, ServiceIntrospectionState
 from rclpy.task import await_or_execute
+
+_ASKING = (ServiceEventInfo.REQUEST_SENT, ServiceEventInfo.RESPONSE_RECEIVED)
+_ANSWERING = (ServiceEventInfo.RESPONSE_SENT, ServiceEventInfo.REQUEST_RECEIVED)
 
 
 class ServiceEnd(Entity):
@@ -46,6 +53,41 @@ class ServiceEnd(Entity):
         )
         self._ends = (Endpoint(node, self.id, names[sent]), Endpoint(node, heard_id, names[heard]))
         self._queue: deque[tuple[int, int, bytes]] = deque()
+        self._events: ServiceEvents | None = None
+        self._sent, self._taken = _ASKING if asks else _ANSWERING
+        self._heard_type = srv_type.Response if asks else srv_type.Request
+
+    def configure_introspection(
+        self,
+        clock: Clock,
+        service_event_qos_profile: QoSProfile,
+        introspection_state: ServiceIntrospectionState,
+    ) -> None:
+        """Publish what is sent and taken on `<service>/_service_event`, or no longer.
+
+        Args:
+            clock: Its time stamps the events.
+            service_event_qos_profile: The publisher's quality of service.
+            introspection_state: Whether events are published, and whether with the messages.
+        """
+        self._ends[0].require()
+        if self._events is not None:
+            self._events.close()
+        self._events = None
+        if introspection_state is not ServiceIntrospectionState.OFF:
+            self._events = ServiceEvents(
+                self.node_handle,
+                self.srv_type,
+                self.full_name,
+                clock,
+                service_event_qos_profile,
+                introspection_state,
+            )
+
+    def note_taken(self, client: int, number: int, cdr: bytes) -> None:
+        """Publish the event that a message was taken, if that is wanted."""
+        if self._events is not None:
+            self._events.publish(self._taken, client, number, deserialize(cdr, self._heard_type))
 
     @property
     def service_name(self) -> str:
@@ -57,6 +99,8 @@ class ServiceEnd(Entity):
         """Leave the graph; call the node's `destroy_service` or `destroy_client` instead."""
         for end in self._ends:
             end.destroy()
+        if self._events is not None:
+            self._events.close()
         self._queue.clear()
 
     def partner_count(self) -> int:
@@ -69,6 +113,8 @@ class ServiceEnd(Entity):
         if not self.node_handle.context.is_valid:
             raise RCLError("Failed to send: the context is invalid")
         self.node_handle.graph.publish(self.id, SERVICE_HEADER.pack(client, number) + serialize(message))
+        if self._events is not None:
+            self._events.publish(self._sent, client, number, message)
 
     def is_for_me(self, client: int) -> bool:
         """Return whether a message is for this end: a service takes all requests."""
@@ -93,6 +139,7 @@ class Service(ServiceEnd):
         if not self._queue:
             return None
         client, number, cdr = self._queue.popleft()
+        self.note_taken(client, number, cdr)
         return partial(self._answer, client, number, deserialize(cdr, self.srv_type.Request))
 
     async def _answer(self, client: int, number: int, request: Any) -> None:

@@ -84,12 +84,17 @@ def _yaml_root(data: bytes) -> Entity:
         _check_size(node)
         [(name, value)] = loader.construct_document(node).items()
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-        problem = getattr(error, "problem", None) or str(error)
-        raise EntityError(mark.line + 1 if mark else 1, f"not YAML: {problem}") from error
+        raise _yaml_error(error, data) from error
     except RecursionError as error:
         raise EntityError(1, f"more than {_DEEPEST} elements are nested") from error
     return YamlEntity(str(name), node.start_mark.line + 1, value, loader.lines)
+
+
+def _yaml_error(error: Any, data: bytes) -> EntityError:
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    before = data[: getattr(error, "position", 0)]  # of a character that YAML does not have
+    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+    return EntityError(mark.line + 1 if mark else before.count(b"\n") + 1, f"not YAML: {problem}")
 
 
 def _check_size(root: Any) -> None:

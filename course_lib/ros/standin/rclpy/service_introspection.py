@@ -1,0 +1,63 @@
+"""Service introspection: what is sent and taken for a service, on its topic `_service_event`."""
+
+from enum import IntEnum
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from service_msgs.msg import ServiceEventInfo
+
+from course_lib.ros.messages import RosMessage, serialize, type_name
+from rclpy.clock import Clock
+from rclpy.impl.graph_queries import to_qos
+from rclpy.impl.node_handle import NodeHandle
+from rclpy.qos import QoSProfile
+
+
+class ServiceIntrospectionState(IntEnum):
+    """The content of a service's events: none are published, without the messages, or with them."""
+
+    OFF = 0
+    METADATA = 1
+    CONTENTS = 2
+
+
+class ServiceEvents:
+    """Publishes the events of a service or a client."""
+
+    def __init__(
+        self,
+        node: NodeHandle,
+        srv_type: Any,
+        full_name: str,
+        clock: Clock,
+        qos_profile: QoSProfile,
+        state: ServiceIntrospectionState,
+    ) -> None:
+        self._graph, self._kind, self._clock, self._state = node.graph, srv_type.Event, clock, state
+        qos = to_qos(qos_profile, "pub")
+        self._id = node.graph.add_publisher(
+            node.id, f"{full_name}/_service_event", type_name(self._kind), qos
+        )
+
+    def publish(self, event_type: int, client: int, number: int, message: RosMessage) -> None:
+        """Publish that a request or a response was sent or taken."""
+        info = ServiceEventInfo(
+            event_type=event_type,
+            stamp=_stamp(self._clock),
+            client_gid=list(client.to_bytes(16, "little")),
+            sequence_number=number,
+        )
+        event = self._kind(info=info)
+        if self._state is ServiceIntrospectionState.CONTENTS:
+            is_request = event_type in (ServiceEventInfo.REQUEST_SENT, ServiceEventInfo.REQUEST_RECEIVED)
+            setattr(event, "request" if is_request else "response", [message])
+        self._graph.publish(self._id, serialize(event))
+
+    def close(self) -> None:
+        """Leave the topic."""
+        self._graph.remove_endpoint(self._id)
+
+
+def _stamp(clock: Clock) -> Time:
+    seconds, nanoseconds = divmod(clock.handle.now_ns, 10**9)
+    return Time(sec=seconds, nanosec=nanoseconds)

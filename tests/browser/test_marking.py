@@ -1,0 +1,170 @@
+"""The page on which persons mark, in Chromium, with two graders at once."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from course_lib.grading.marks.marks import HandMark, read_marks
+from tests.browser.conftest import PICTURES
+from tests.browser.waiting import wait_until
+from tests.grading.marking.bench import TASKS, Served, served, write_kinds, write_results
+
+pytestmark = pytest.mark.browser
+SCRIPT = "<script>document.title = 'run'</script><img src=x onerror=\"document.title = 'run'\">"
+STUDENTS = tuple(f"s{number:03}" for number in range(50))
+FOUR_ROWS = TASKS.replace(
+    'Row("an example", 15)', 'Row("an example", 6), Row("a reason", 5), Row("a source", 4)'
+)
+ROWS = ("a reason", "a source", "an example", "names the parts")
+POINTS = "(fields) => fields.map((field) => field.value)"
+MOVED = """(before) => document.getElementById("title").textContent !== before
+  || document.getElementById("said").textContent.startsWith("There is no other")"""
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def graders(browser: Browser) -> Iterator[list[Page]]:
+    """Two pages that share nothing."""
+    pages = [browser.new_context(viewport={"width": 1400, "height": 900}).new_page() for _ in range(2)]
+    errors: list[str] = []
+    for page in pages:
+        page.on("pageerror", lambda error: errors.append(str(error)))
+    yield pages
+    for page in pages:
+        if PICTURES:
+            page.screenshot(path=Path(PICTURES) / f"marking_{pages.index(page)}.png")
+        page.context.close()
+    assert errors == []
+
+
+def enter(page: Page, server: Served, name: str) -> None:
+    """Open the page as somebody."""
+    page.goto(server.address)
+    page.get_by_label("Your name").fill(name)
+    page.get_by_label("Your name").blur()
+    expect(page.locator("#work")).to_be_visible()
+
+
+def choose(page: Page, student: str, task: str = "Why TF?") -> None:
+    """Open a task of a student, and leave the list."""
+    page.get_by_label("State").select_option("any")
+    page.locator("#list button").filter(has_text=student).filter(has_text=task).click()
+    expect(page.locator("#title")).to_contain_text(f"{student}: {task}")
+    page.keyboard.press("Escape")
+
+
+def mark_all(page: Page) -> None:
+    """Press the keys of full points for the rows that have none, and go on."""
+    before = page.locator("#title").text_content()
+    for number, points in enumerate(page.locator("#fields input").evaluate_all(POINTS), 1):
+        if not points:
+            page.keyboard.press(str(number))
+    page.keyboard.press("s")
+    page.wait_for_function(MOVED, arg=before)
+
+
+def finished(pages: Sequence[Page]) -> bool:
+    """Mark one task on each page; return whether all pages know that none waits."""
+    for page in pages:
+        mark_all(page)
+    return all(page.get_by_text("of 100 tasks, 0 wait").is_visible() for page in pages)
+
+
+def all_marks(out: Path) -> list[tuple[str, HandMark]]:
+    """Return the marks on the disk, with their students."""
+    return [(path.parent.name, mark) for path in out.glob("marks/*/*.json") for mark in read_marks(path)]
+
+
+@pytest.mark.slow
+def test_two_graders_give_200_marks_and_lose_none_when_the_server_is_killed_between(
+    graders: list[Page], tmp_path: Path, out: Path
+) -> None:
+    course = write_kinds(tmp_path / "course", FOUR_ROWS)
+    write_results(course, out, STUDENTS)
+    ann, ben = graders
+    with served(course, out) as first:
+        enter(ann, first, "Ann")
+        enter(ben, first, "Ben")
+        for _ in range(12):
+            mark_all(ann)
+            mark_all(ben)
+        acknowledged = all_marks(out)
+        assert len(acknowledged) == 96
+        ann.keyboard.press("1")
+        first.kill()
+        ann.keyboard.press("s")
+        expect(ann.locator("#unsaved")).to_contain_text("Not saved: The server does not answer")
+    with served(course, out, first.port) as second:
+        enter(ann, second, "Ann")
+        enter(ben, second, "Ben")
+        assert all_marks(out) == acknowledged
+        ann.locator("#list button").filter(has_text="not saved yet").click()
+        expect(ann.locator("#unsaved")).to_have_text("Not saved yet")
+        expect(ann.get_by_label("1 names the parts")).to_have_value("5")
+        for key in "234s":
+            ann.keyboard.press(key)
+        wait_until(lambda: finished(graders))
+    found = all_marks(out)
+    assert sorted((who, mark.row) for who, mark in found) == [(who, row) for who in STUDENTS for row in ROWS]
+    assert {mark.by for _, mark in found} == {"Ann", "Ben"}
+
+
+def test_two_graders_of_one_task_see_the_conflict_and_nothing_is_lost(
+    graders: list[Page], tmp_path: Path, out: Path
+) -> None:
+    course = write_kinds(tmp_path / "course")
+    write_results(course, out, ("ada", "bob"))
+    ann, ben = graders
+    with served(course, out) as server:
+        for page, name in ((ann, "Ann"), (ben, "Ben")):
+            enter(page, server, name)
+            choose(page, "ada")
+        expect(ann.locator("#list button[aria-current]")).to_contain_text("Ben has it open")
+        ben.get_by_label("2 an example").fill("7")
+        ann.keyboard.press("1")
+        ann.keyboard.press("Shift+Digit2")
+        ann.keyboard.press("c")
+        ann.keyboard.type("clear")
+        ann.keyboard.press("Control+Enter")
+        conflict = ben.get_by_role("alertdialog")
+        expect(conflict).to_contain_text("Ann saved this task at")
+        expect(conflict.get_by_role("row", name="an example, points")).to_have_text("an example, points7.57")
+        conflict.get_by_role("button", name="Save mine over theirs").click()
+        expect(ben.locator("#history summary")).to_contain_text("Marks: 3; now 24 of 40")
+    said = [(mark.by, mark.points, mark.comment) for _, mark in all_marks(out)]
+    assert said == [("Ann", 5, "clear"), ("Ann", 7.5, ""), ("Ben", 7, "")]
+
+
+def test_what_students_write_shows_as_text_names_can_be_hidden_and_comments_are_offered_again(
+    graders: list[Page], tmp_path: Path, out: Path
+) -> None:
+    course, name = write_kinds(tmp_path / "course"), f"cleo {SCRIPT}".replace("/", "")
+    write_results(course, out, (name, "dan"), f"essay = '''{SCRIPT}'''\n")
+    page = graders[0]
+    with served(course, out) as server:
+        enter(page, server, SCRIPT)
+        choose(page, name)
+        expect(page.locator("#code")).to_contain_text(SCRIPT)
+        page.get_by_label("Comment on the task").fill(SCRIPT)
+        page.keyboard.press("Control+Enter")
+        choose(page, "dan")
+        page.get_by_label("Comments used before").select_option(SCRIPT)
+        expect(page.get_by_label("Comment on the task")).to_have_value(SCRIPT)
+        page.keyboard.press("Escape")
+        choose(page, name)
+        expect(page.locator("#history")).to_contain_text(SCRIPT)
+        expect(
+            page.frame_locator("#scene").get_by_text("A person reads and marks this task.")
+        ).to_be_visible()
+        page.keyboard.press("a")
+        expect(page.get_by_role("button", name="Hide names")).to_have_attribute("aria-pressed", "true")
+        expect(page.locator("#title")).to_contain_text("Student ")
+        assert "cleo" not in page.locator("main").inner_text()
+        assert page.locator("main img, main script").count() == 0
+        assert "run" not in page.title()

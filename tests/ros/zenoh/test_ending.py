@@ -1,0 +1,68 @@
+"""The end of a link: no thread may be in Zenoh, or in a handler of it, when Python exits."""
+
+import threading
+from collections.abc import Callable
+
+from course_lib.ros import wall
+from course_lib.ros.zenoh.sending import Sending
+from course_lib.ros.zenoh.session import Handlers, open_session
+from tests.ros.zenoh.conftest import Kits
+from tests.ros.zenoh.test_two_kits import client, listener, serve
+
+LONG = 0.3  # [s]
+
+
+def wait_for(state: Callable[[], object]) -> None:
+    end = wall.monotonic() + 20.0
+    while not state():
+        assert wall.monotonic() < end
+        wall.sleep(0.01)
+
+
+def test_the_end_of_a_session_waits_for_a_handler_that_runs(router: str) -> None:
+    handlers, done = Handlers(), list[str]()
+
+    def handle(_: object) -> None:
+        done.append("begun")
+        wall.sleep(LONG)
+        done.append("ended")
+
+    session = open_session(router)
+    kept = session.declare_subscriber("a", handlers.direct(handle))
+    with open_session(router) as other:
+
+        def begun() -> bool:
+            if not done:
+                other.put("a", b"x")
+                wall.sleep(0.05)
+            return bool(done)
+
+        wait_for(begun)
+        session.close()  # type: ignore[no-untyped-call]  # zenoh does not annotate it
+        handlers.wait()
+    assert done.count("begun") == done.count("ended")
+    del kept
+
+
+def test_all_handlers_of_a_link_are_over_when_it_is_closed(kits: Kits) -> None:
+    student = kits.join(send="/chatter", call="/reset")
+    listener(student, "/chatter")
+    client(student, "/reset")
+    serve(student, "/reset")
+    kits.leave(student)
+    assert student.link.handlers.alive == 0
+
+
+def test_who_ends_a_link_second_waits_for_the_first() -> None:
+    sending, ended = Sending(), list[str]()
+
+    def end() -> None:
+        wall.sleep(LONG)
+        ended.append("ended")
+
+    first = threading.Thread(target=sending.close, args=(end,))
+    first.start()
+    wall.sleep(LONG / 3)
+    sending.close(lambda: None)
+    assert ended == ["ended"]
+    first.join()
