@@ -101,6 +101,10 @@ def classroom(tmp_path: Path, opened: Opened) -> Iterator[Classroom]:
     room.close()
 
 
+def _nothing() -> None:
+    """Do nothing: Zenoh 1.5 wants to tell that a callback will not come any more."""
+
+
 def hears(session: zenoh.Session, *keys: str) -> list[tuple[str, bytes]]:
     """Return a list that fills with the samples on these keys."""
     heard: list[tuple[str, bytes]] = []
@@ -109,7 +113,7 @@ def hears(session: zenoh.Session, *keys: str) -> list[tuple[str, bytes]]:
         heard.append((str(sample.key_expr), bytes(sample.payload)))
 
     for key in keys:
-        session.declare_subscriber(key, Callback(put, indirect=False))
+        session.declare_subscriber(key, Callback(put, _nothing, indirect=False))
     return heard
 
 
@@ -121,5 +125,5 @@ def sees_tokens(session: zenoh.Session) -> list[str]:
         seen.append(str(sample.key_expr))
 
     for key in ("**", "@ros2_lv/**", "**/@adv/**", "@course/**"):
-        session.liveliness().declare_subscriber(key, Callback(add, indirect=False), history=True)
+        session.liveliness().declare_subscriber(key, Callback(add, _nothing, indirect=False), history=True)
     return seen

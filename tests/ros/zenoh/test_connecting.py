@@ -13,6 +13,7 @@ from course_lib.recording import read_bag
 from course_lib.ros.graph import Graph, current_graph, use_graph
 from course_lib.ros.zenoh import connect as connecting
 from course_lib.ros.zenoh.connect import RobotAddress, link_to
+from course_lib.ros.zenoh.sending import HeldBack
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
 from course_lib.tools.sources import GraphSource
@@ -182,6 +183,13 @@ def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFix
         with pytest.raises(CourseError, match="is not linked"):
             disconnect()
     assert f"Linked to {kits.address}: 1 node. What may go out: cmd_vel." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("notebook", "end"), [(False, "--send /cmd_vel"), (True, 'or send=["/cmd_vel"]')])
+def test_what_is_held_back_names_what_lets_it_out(notebook: bool, end: str) -> None:
+    lines: list[str] = []
+    HeldBack(lines.append, notebook=notebook).note("/cmd_vel", "--send")
+    assert lines[0].endswith(end)
 
 
 def test_a_notebook_with_nodes_is_not_linked(router: str) -> None:

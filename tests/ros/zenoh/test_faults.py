@@ -138,6 +138,13 @@ def test_a_link_that_is_too_slow_is_named_with_its_rate(kits: Kits) -> None:
     assert "lost on the way" in str(ear.row()[1])
 
 
+def test_latched_messages_are_counted_but_have_no_rate(kits: Kits) -> None:
+    ear = Ear("/map", Inbox(kits.join().link.arrived, lambda _: None), Declared(kits.graphs[0].link), 1)
+    for sequence in range(2):
+        ear.inbox.put(packet(sequence))
+    assert ear.row() == ("/map", "latched, 2 messages heard")
+
+
 @pytest.mark.parametrize(("late_ns", "skew"), [(2 * 10**9, -2.0), (-3 * 10**9, 3.0)])
 def test_a_clock_that_differs_is_measured_and_told(kits: Kits, late_ns: int, skew: float) -> None:
     student = kits.join()
@@ -224,6 +231,22 @@ def test_the_stop_of_a_node_that_ends_without_a_link_goes_out_before_another_nod
         return bool(speeds(heard, Twist))
 
     kits.until(drives, "the other node's commands")
+    assert deserialize(heard[0], Twist).linear.x == 0.0
+
+
+def test_an_interrupt_without_a_link_stops_the_robot_when_the_link_is_back(
+    routers: Routers, driven: Driven
+) -> None:
+    kits, student, _, heard = driven
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    student.call_at(student.now_ns, interrupt, node=0, entity=0)
+    with pytest.raises(KeyboardInterrupt):
+        kits.until(lambda: False, "the interrupt")
+    routers.start()
+    kits.until(lambda: heard, "the stop")
     assert deserialize(heard[0], Twist).linear.x == 0.0
 
 
