@@ -69,10 +69,9 @@ def module_name(path: Path) -> str:
 
 
 def modules() -> dict[str, Path]:
-    """Return all modules of course_lib by name."""
-    return {
-        module_name(path): path for path in sorted(COURSE_LIB.rglob("*.py")) if "_course" not in path.parts
-    }
+    """Return all modules of course_lib by name; a launch file is none."""
+    files = (path for path in sorted(COURSE_LIB.rglob("*.py")) if not path.name.endswith(".launch.py"))
+    return {module_name(path): path for path in files if "_course" not in path.parts}
 
 
 STANDIN_NAMES = {path.name for path in (COURSE_LIB / "ros" / "standin").iterdir()}

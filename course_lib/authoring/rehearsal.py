@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
-from course_lib.authoring.hollow import HOLLOWINGS
+from course_lib.authoring.hollow import HOLLOWINGS, Hollowing
 from course_lib.course.course_file import Limits
 from course_lib.course.exercise import read_notebook, source
 from course_lib.grading.catalog import Catalog
@@ -54,13 +54,13 @@ class Rehearsed:
     Args:
         results: Of its tasks, in order.
         cell_errors: What its cells raised.
-        hollow: By the way of emptying, the results of the tasks that it changes.
+        hollow: By the way of emptying and its remedy, the results of the tasks that it changes.
         types: By task and topic, the type of message that was published.
     """
 
     results: tuple[TaskResult, ...]
     cell_errors: tuple[str, ...]
-    hollow: tuple[tuple[str, TaskResult], ...]
+    hollow: tuple[tuple[str, str, TaskResult], ...]
     types: tuple[tuple[str, str, str], ...]
 
 
@@ -87,7 +87,8 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> Rehearsed:
         for one in made.runs
         for topic, type_name in one.evidence.topics.items()
     }
-    hollow = tuple(_hollowed(tasks, made.runs, catalog)) if rehearsal.hollow else ()
+    emptied = _hollowed(tasks, made.runs, catalog) if rehearsal.hollow else ()
+    hollow = tuple((way.name, way.remedy, result) for way, result in emptied)
     return Rehearsed(judgement.tasks, judgement.cell_errors, hollow, tuple(sorted(types)))
 
 
@@ -121,10 +122,10 @@ def _needed(cells: Sequence[str], tasks: Sequence[Task]) -> tuple[str, ...]:
 
 def _hollowed(
     tasks: Sequence[Task], runs: Sequence[Run], catalog: Catalog
-) -> Iterable[tuple[str, TaskResult]]:
+) -> Iterable[tuple[Hollowing, TaskResult]]:
     for task in (task for task in tasks if task.kind == "node"):
         before = [one for one in runs if one.evidence.task == task.id]
         for hollowing in HOLLOWINGS:
             after = [replace(one, evidence=hollowing.of(one.evidence)) for one in before]
             if after != before:
-                yield hollowing.name, judge_task(task, *catalog.points(task), after)
+                yield hollowing, judge_task(task, *catalog.points(task), after)

@@ -91,8 +91,8 @@ def _report(week: str, course: Course, pool: Executor) -> WeekReport:
         if not tasks:
             return WeekReport(week, tuple(found), UNKNOWN)
         broken = list(missing_files(week, course))
+        broken += _inputs(week, course)
         if not broken:
-            found += _inputs(week, course)
             found += WeekRehearsals(week, course, pool).flaws()
             return WeekReport(week, tuple(found))
     except CourseError as error:
@@ -181,7 +181,7 @@ def table(reports: Sequence[WeekReport]) -> "Table":
     """Return one table: a row per week, a column per aspect."""
     from rich.table import Table
 
-    made = Table("week", *ASPECTS)
+    made = Table("week", *ASPECTS, box=None, padding=(0, 1, 0, 0), pad_edge=False)  # fits 80 columns
     for report in reports:
         made.add_row(report.week, *(report.cell(aspect) for aspect in ASPECTS))
     return made

@@ -98,14 +98,12 @@ class WeekRehearsals:
         types = {(task, topic): type_name for task, topic, type_name in made.types}
         for task in self._tasks:
             yield from misspelt(task, self._scenarios(task), types)
-        self._note(result for _, result in made.hollow)
-        for way, result in made.hollow:
+        self._note(result for _, _, result in made.hollow)
+        for way, remedy, result in made.hollow:
             if result.fraction > MOST:
                 earned = ", ".join(check.title for check in result.checks if check.passed and check.weight)
                 text = f"{result.task}: {way}: {result.score:g} of {result.points:g} points, for: {earned}"
-                yield Flaw(
-                    "empty", f"{text}. Let these checks require the one of the content", self._checks_file
-                )
+                yield Flaw("empty", f"{text}. Remedy: {remedy}", self._checks_file)
 
     def _look_at_option(self, tasks: Sequence[Task], row: int, made: Rehearsed) -> Iterator[Flaw]:
         for task, result in zip(tasks, made.results, strict=True):

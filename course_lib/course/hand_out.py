@@ -29,7 +29,7 @@ RELEASED = (  # with the course's package
 # Who got more time concerns nobody else: a table of its own in course.toml, up to the next one.
 EXTENSIONS = re.compile(r"^\[weeks\.\w+\.extensions\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", ".*", "_course")
-LESSONS = ("week*.ipynb", "extra_*.ipynb", "week*.py", "coverage.toml")  # else lessons have written it
+LESSONS = ("week*.ipynb", "extra_*.ipynb", "week*.py")  # else lessons have written it
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
             f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
             "Build it with colcon on a computer with ROS 2, or write the node in Python."
         )
-    names = [*found.executables] if found else [name for place, name in own if place == package]
+    names = [*(found.executables if found else ()), *(name for place, name in own if place == package)]
     if not names and found is None:
         raise CourseError(why_not_found(package))
     where = " Executables are named in console_scripts in setup.py." if found else ""

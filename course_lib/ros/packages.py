@@ -12,6 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.not_offered import not_offered
 
 SRC_WITHIN = 4  # folders up from a package, the workspace's src or the checkout is looked for
+_OWN = Path(__file__).parent / "share"  # of packages whose executables the kit has
 Executable = tuple[str, str] | Path  # a module and its function, or a script
 _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
 _COMPILED = re.compile(
@@ -45,8 +46,8 @@ def find_package(name: str) -> Package | None:
         folder = Path(name).resolve()
         source(folder / "package.xml")
         return _package(_name(folder / "package.xml") or folder.name, folder)
-    found = packages().get(name)
-    return None if found is None else _package(name, found)
+    found = packages().get(name, _OWN / name)
+    return _package(name, found) if (found / "package.xml").is_file() else None
 
 
 def packages() -> dict[str, Path]:

@@ -56,6 +56,19 @@ def without_the_kit(trace: TracebackType | None) -> tuple[TracebackType | None, 
     return shortened or trace, hidden if hidden > SHOWN else 0
 
 
+def shorten_causes(error: BaseException) -> None:
+    """Leave the kit's frames out of an error's causes, and causes inside the kit out of the error."""
+    seen = {id(error)}
+    outer = error
+    while (inner := outer.__cause__ or outer.__context__) is not None and id(inner) not in seen:
+        seen.add(id(inner))
+        if all(frame.f_code.co_filename.startswith(KIT) for frame, _ in walk_tb(inner.__traceback__)):
+            outer.__cause__ = outer.__context__ = None
+            return
+        inner.__traceback__ = without_the_kit(inner.__traceback__)[0]
+        outer = inner
+
+
 def print_error(error: BaseException) -> None:
     """Show an error on stderr as Python does, without the kit's frames and without causes inside the kit."""
     add_hint(error)

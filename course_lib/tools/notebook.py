@@ -15,7 +15,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.hints import add_hint
-from course_lib.ros.tracebacks import line_of_traceback, without_the_kit
+from course_lib.ros.tracebacks import line_of_traceback, shorten_causes, without_the_kit
 from course_lib.tools.pipes import run_piped
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
@@ -153,6 +153,7 @@ def _show_error(
     else:
         add_hint(error)
         own, hidden = without_the_kit(trace)
+        shorten_causes(error)
         if hidden:
             error.add_note(f"({hidden} frames in the middle are not shown)")
         shell.showtraceback((kind, error, own), tb_offset=tb_offset)

@@ -113,6 +113,8 @@ def described(file: Path) -> Judged:
         context.runner = dry = _Dry(context)
         try:
             dry.visit(AnyLaunchDescriptionSource(str(file)).get_launch_description(context))
+            while dry.timers:
+                dry.visit(dry.timers.pop(0))
         except RuntimeError as error:
             needed = _NEEDED.search(str(error))
             if needed is None or needed[1] in given:
@@ -123,10 +125,11 @@ def described(file: Path) -> Judged:
 
 
 class _Dry:
-    """A runner that starts nothing, and visits at once what timers would."""
+    """A runner that starts nothing; `timers` are what they will visit."""
 
     def __init__(self, context: Any) -> None:
         self._context = context
+        self.timers: list[Any] = []
 
     def visit(self, entities: Any) -> None:
         """Visit entities, and those that they return."""
@@ -150,8 +153,8 @@ class _Dry:
         list(words)
 
     def later(self, seconds: float, entities: Any) -> None:
-        """Visit now."""
-        self.visit(entities)
+        """Note what is to be visited when all else was."""
+        self.timers.append(entities)
 
     def emit(self, event: Any) -> None:
         """Do nothing."""

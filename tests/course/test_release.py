@@ -59,10 +59,10 @@ def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
 
 def test_what_lessons_have_written_beside_themselves_stays_here(tmp_path: Path) -> None:
     (tmp_path / "notebooks/my_bag").mkdir(parents=True)
-    for name in ("week01_x.ipynb", "coverage.toml", "mine.rviz", "my_bag/metadata.yaml"):
+    for name in ("week01_x.ipynb", "week07_parts.py", "mine.rviz", "my_bag/metadata.yaml"):
         (tmp_path / "notebooks" / name).write_text("")
     copied = _copy(tmp_path / "notebooks", tmp_path / "out")
-    assert sorted(path.name for path in copied.iterdir()) == ["coverage.toml", "week01_x.ipynb"]
+    assert sorted(path.name for path in copied.iterdir()) == ["week01_x.ipynb", "week07_parts.py"]
 
 
 def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path) -> None:

@@ -73,7 +73,11 @@ MALFORMED = {
         ("TASKS = (", "TASKS = ((", "week01.py line 7: SyntaxError: '(' was never closed"),
         ("expect_marker(TOPIC, color", "expect_marker(TOPC, color", "line 11: NameError: name 'TOPC' is not"),
         ("expect_marker(TOPIC, color", "expect_marker(TOPC, color", "Did you mean TOPIC?"),
-        ("expect_marker(TOPIC, color", "expect_marker(TOPIC, colour", "line 11: TypeError: "),
+        (
+            "expect_marker(TOPIC, color",
+            "expect_marker(TOPIC, colour",
+            "line 11: TypeError: expect_marker: got an unexpected keyword argument 'colour'",
+        ),
         ("expect_text,", "expect_txt,", "line 3: ImportError: cannot import name 'expect_txt'"),
     ],
     "exercises/mistakes/week01.toml": [

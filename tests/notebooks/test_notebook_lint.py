@@ -1,6 +1,7 @@
 """Promises of this course beyond the rules for notebooks that `course verify` knows."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from course_lib.course.installation import exercises_dir, lessons_dir, solutions
 from course_lib.course.questions import load_quiz
 from course_lib.grading.records import this_course
 
-COVERAGE = tomllib.loads((lessons_dir() / "coverage.toml").read_text(encoding="utf-8"))["part"]
+COVERAGE = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text(encoding="utf-8"))["part"]
 SOLUTIONS = sorted(solutions_dir().glob("week*_solution.ipynb"))
 
 

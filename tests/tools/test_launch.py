@@ -56,6 +56,18 @@ def test_a_package_s_launch_files_in_xml_and_yaml_are_found(
     assert "[INFO] [launch.user]: hi\n" in capsys.readouterr().out
 
 
+def test_the_kit_s_own_packages_have_their_launch_files(graph: Graph, launch_file: Run) -> None:
+    run(graph, "launch turtlesim multisim.launch.py")
+    assert names(graph).count("turtlesim") == 2
+    share = "PathJoinSubstitution([FindPackageShare('turtlesim'), 'launch', 'multisim.launch.py'])"
+    launch_file(f"IncludeLaunchDescription({share})", "Node(**TALKER)")
+    run(graph, "launch my_robot robot.launch.py")
+    spin_for(0.1)
+    assert names(graph).count("turtlesim") == 4
+    with pytest.raises(CourseError, match="which has: turtlesim_node"):
+        run(graph, "run turtlesim turtle")
+
+
 def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER, name='a')", "Node(**TALKER, name='b')")
     run(graph, "launch my_robot robot.launch.py")

@@ -39,6 +39,18 @@ def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(tmp_path: P
     assert "executors.py" not in shown
 
 
+def test_an_error_in_the_answer_to_an_error_shows_both_without_the_kit(tmp_path: Path) -> None:
+    answer = (
+        "import rclpy\nrclpy.init()\nnode = rclpy.create_node('stub')\n"
+        "def tick():\n    raise KeyError('first')\nnode.create_timer(1.0, tick)\n"
+        "try:\n    rclpy.spin(node)\nexcept KeyError as error:\n    raise ValueError('second') from error\n"
+    )
+    shown = run(f"%load_ext course_lib\n---\n{answer}", tmp_path)
+    assert "raise KeyError('first')" in shown
+    assert "raise ValueError('second') from error" in shown
+    assert "executor" not in shown
+
+
 def test_a_wrong_field_shows_ross_text_below_the_students_line(tmp_path: Path) -> None:
     shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1", tmp_path)
     assert "Float64().data = 1" in shown

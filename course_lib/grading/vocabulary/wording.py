@@ -49,7 +49,10 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
                 except Problem as problem:
                     return _verdict([problem])
 
-            values = inspect.signature(find).bind(None, *args, **kwargs)
+            try:
+                values = inspect.signature(find).bind(None, *args, **kwargs)
+            except TypeError as error:
+                raise TypeError(f"{find.__name__}: {error}") from error
             values.apply_defaults()
             called = sys._getframe(1)
             place = f"{called.f_code.co_filename} line {called.f_lineno}"
