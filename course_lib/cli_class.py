@@ -23,7 +23,7 @@ def feedback(
     out: Graded,
     lms: Annotated[str, typer.Option(help="moodle or canvas.")],
 ) -> None:
-    """Write the reports as the zip that Moodle's or Canvas's bulk upload takes, one per exercise."""
+    """Pack the reports for Moodle's or Canvas's bulk upload, a zip per exercise."""
     from course_lib.grading.reports.feedback import feedback as write
 
     for line in write(out, lms):
@@ -46,7 +46,7 @@ def gradescope(
         bool, typer.Option("--i-trust-these-submissions", help="Run them with its rights if need be.")
     ] = False,
 ) -> None:
-    """Write an autograder.zip for Gradescope, which grades a week's exercise at upload."""
+    """Write an autograder for Gradescope, of one week."""
     from course_lib.grading.platforms.gradescope import write_autograder
     from course_lib.grading.platforms.harness import grade_upload
 
@@ -65,7 +65,7 @@ def term(
     exemptions: Annotated[Path | None, typer.Option(help="A CSV: id,week,reason.")] = None,
     quizzes: Annotated[Path | None, typer.Option(help="A CSV, if quizzes count: id,week,percent.")] = None,
 ) -> None:
-    """Write term.csv, the marks of all weeks with totals, and name those without a hand-in."""
+    """Add up the term: term.csv, and who has not handed in."""
     from course_lib.grading.term.term import Files, write_term
 
     for line in write_term(out, Files(roster, exemptions, quizzes)):
@@ -83,7 +83,7 @@ def regrade(
         Path | None, typer.Option(help="A folder of STUDENT/week01_exercise.txt, to enter.")
     ] = None,
 ) -> None:
-    """Enter requests to look at marks again, list those that wait, or answer one."""
+    """Enter, list or answer requests to look at a mark again."""
     from course_lib.grading.term.regrade import answer as reply
     from course_lib.grading.term.regrade import take_in, waiting
 
@@ -113,7 +113,7 @@ def classroom(
     out: Annotated[Path, typer.Option(help="With --clones: where the submissions go.")] = Path("submissions"),
     check: Annotated[Path | None, typer.Option(help="Run the public checks of what has changed.")] = None,
 ) -> None:
-    """Grade public checks at each push to GitHub; or sort clones into submissions, by login."""
+    """Check each push to GitHub; or sort clones into submissions."""
     from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow
 
     if check is not None and copy is None and clones is None:

@@ -2,9 +2,8 @@
 
 import socket
 import struct
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import msgpack
 
@@ -13,7 +12,11 @@ from course_lib.ros import wall
 
 MAX_FRAME = 32 * 2**20  # [B]
 MAX_ITEMS = 1_000_000  # of all lists and dicts in a frame: an empty one is 1 byte there, and 60 here
+READ, MOST = 2**14, 2**20  # [B] that are read at a time: of small frames several at once
+TELL_AGAIN = 0.02  # [s] of the wall clock
 _HEADER = struct.Struct("!I")
+T = TypeVar("T")
+R = TypeVar("R")
 
 
 class ChannelError(CourseError):
@@ -37,8 +40,14 @@ class Channel:
 
     def __init__(self, connection: socket.socket) -> None:
         self._socket = connection
+        self._socket.settimeout(None)
         self.deadline: float | None = None  # [s] of the wall's monotonic clock
+        self._set: tuple[float | None, float] = (
+            None,
+            0.0,
+        )  # the deadline that the socket has, and since when
         self._unsent: list[bytes] = []
+        self._came = bytearray()  # behind the last frame
 
     def queue(self, frame: list[Any]) -> None:
         """Keep a frame that needs no answer until the next `send`."""
@@ -49,15 +58,14 @@ class Channel:
         """Send a frame, behind the queued ones; raises a ChannelError if it is not taken in time."""
         self.queue(frame)
         data, self._unsent = b"".join(self._unsent), []
-        with self._in_time():
-            self._socket.sendall(data)
+        self._do(self._socket.sendall, data)
 
     def receive(self) -> list[Any]:
         """Receive the next frame; raises a ChannelError if none comes in time, or it is malformed."""
-        (size,) = _HEADER.unpack(self._read(_HEADER.size))
+        (size,) = _HEADER.unpack(self._taken(_HEADER.size))
         if size > MAX_FRAME:
             raise FrameSizeError(f"A frame of {size} bytes came; at most {MAX_FRAME} are taken.")
-        body = self._read(size)
+        body = self._taken(size)
         try:
             count = _Count()
             frame = msgpack.unpackb(
@@ -73,28 +81,35 @@ class Channel:
         """Close this end."""
         self._socket.close()
 
-    def _read(self, size: int) -> bytes:
-        data = bytearray()
-        while len(data) < size:
-            with self._in_time():
-                chunk = self._socket.recv(min(size - len(data), 2**20))
+    def _taken(self, size: int) -> bytes:
+        """Remove and return the next bytes, after waiting for so many."""
+        while len(self._came) < size:
+            chunk = self._do(self._socket.recv, max(READ, min(size - len(self._came), MOST)))
             if not chunk:
                 raise ChannelClosedError("The other process is gone.")
-            data += chunk
-        return bytes(data)
+            self._came += chunk
+        taken = bytes(self._came[:size])
+        del self._came[:size]
+        return taken
 
-    @contextmanager
-    def _in_time(self) -> Iterator[None]:
-        left = None if self.deadline is None else self.deadline - wall.monotonic()
+    def _do(self, action: Callable[[T], R], argument: T) -> R:
+        """Send or receive until the deadline, which the socket is told so often that it is kept to 20 ms."""
         try:
-            if left is not None and left <= 0:
-                raise TimeoutError
-            self._socket.settimeout(left)
-            yield
+            if self.deadline is not None or self._set[0] is not None:
+                self._keep_deadline()
+            return action(argument)
         except TimeoutError as error:
             raise ChannelTimeoutError("The other process did not answer in time.") from error
         except OSError as error:
             raise ChannelClosedError("The other process is gone.") from error
+
+    def _keep_deadline(self) -> None:
+        now, (known, since) = wall.monotonic(), self._set
+        if self.deadline is not None and self.deadline <= now:
+            raise TimeoutError
+        if self.deadline != known or now - since > TELL_AGAIN:
+            self._socket.settimeout(None if self.deadline is None else self.deadline - now)
+            self._set = self.deadline, now
 
 
 class _Count:

@@ -66,7 +66,9 @@ def nbgrader_cost(top: Path, python: str, week: str, text: str) -> float:
         _children_cost([*script, "autograde", week, "--create", "--force", f"--student={students}"], quiet)
         for students in ("s0", "s*")
     )
-    assert len(list(top.glob(f"autograded/*/{week}/{week}.ipynb"))) == 2
+    texts = [path.read_text() for path in top.glob(f"autograded/*/{week}/{week}.ipynb")]
+    assert len(texts) == 2
+    assert not [text for text in texts if '"output_type": "error"' in text], week
     return both - one
 
 

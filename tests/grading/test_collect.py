@@ -127,6 +127,23 @@ def test_a_platforms_csv_in_which_two_are_one_is_refused(sort: Sort, tmp_path: P
     assert not (tmp_path / "out").exists()
 
 
+def test_each_attempt_in_nbgraders_inbound_keeps_its_time_and_the_newest_counts(tmp_path: Path) -> None:
+    for hour, code in (("08", "x = 1"), ("17", "x = 2"), ("12", "x = 3")):
+        time = f"2026-03-09 {hour}:30:00.123456 UTC"
+        folder = tmp_path / f"in/inbound/Ada1+week01+{time}+c2VjcmV0"
+        folder.mkdir(parents=True)
+        (folder / NAME).write_bytes(notebook(code))
+        (folder / "timestamp.txt").write_text(time)
+    (tmp_path / "in/inbound/+week01+2026-03-09 17:30:00 UTC").mkdir()
+    (tmp_path / f"in/inbound/+week01+2026-03-09 17:30:00 UTC/{NAME}").write_bytes(notebook())
+    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert (done.students, len(done.refused)) == ({"ada1"}, 1)
+    (one,) = find_submissions(tmp_path / "out")
+    assert (one.student, one.notebook and one.notebook.cells) == ("ada1", ("x = 2",))
+    assert one.received.time is not None
+    assert one.received.time.hour == 17
+
+
 def test_nbgraders_folders_keep_their_time_stamps(tmp_path: Path) -> None:
     folder = tmp_path / "in/submitted/ada/week01"
     folder.mkdir(parents=True)

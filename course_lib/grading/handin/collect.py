@@ -156,7 +156,7 @@ def _senders(arrived: Iterator[Arrival]) -> Iterator[Sender]:
 
 def _owner(parts: tuple[str, ...]) -> str:
     """Return whose archives share a limit: a student, else the outermost file or folder."""
-    first = parts[1] if parts[0] == NBGRADERS and len(parts) > 1 else parts[0]
+    first = parts[1] if parts[0] in NBGRADERS and len(parts) > 1 else parts[0]
     named = platform_name(first)
     return f"{named.name} ({named.number})" if named else first
 

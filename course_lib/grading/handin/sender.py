@@ -8,7 +8,9 @@ from typing import Literal
 
 from course_lib.course.identity import normalise
 
-NBGRADERS = "submitted"  # nbgrader's folder around those of the students
+NBGRADERS = ("submitted", "inbound")  # nbgrader's folders around those of the students
+# In the exchange's inbound/ a student has a folder for each attempt: STUDENT+ASSIGNMENT+TIME+SECRET.
+INBOUND = re.compile(r"(?P<student>[^+]+)\+[^+]+\+(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d[^+/]*)(\+[^+]*)?")
 Platform = Literal["moodle", "anonymous", "canvas"]
 PATTERNS: dict[Platform, re.Pattern[str]] = {
     "moodle": re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_file_?(?P<file>.*)"),
@@ -76,13 +78,17 @@ def sender_of(path: tuple[str, ...], ids: Mapping[str, str]) -> Sender:
     Raises:
         CourseError: A folder that would name the student is not an ID.
     """
-    parts = path[1:] if path[0] == NBGRADERS and len(path) > 1 else path
+    parts = path[1:] if path[0] in NBGRADERS and len(path) > 1 else path
     for place, part in enumerate(parts):
         is_last = place == len(parts) - 1
         if named := platform_name(part):
             student = ids.get(named.number) or named.default_id
             below = _folders(parts[place + 1 :]) or [named.file or part]
             return Sender(student, Path(student, *below), named)
+        if not is_last and (attempt := INBOUND.fullmatch(part)):
+            student = normalise(attempt["student"])
+            when = re.sub(r"\W", "", attempt["time"])  # each attempt has a time stamp of its own beside it
+            return Sender(student, Path(student, when, *_folders(parts[place + 1 :])))
         if not is_last and not _is_zip(part):
             student = normalise(part)
             return Sender(student, Path(student, *_folders(parts[place + 1 :])))

@@ -13,7 +13,6 @@ import numpy as np
 
 from course_lib.course.state import write_whole
 from course_lib.grading.judge import TaskResult
-from course_lib.grading.marks.mark import results_in
 from course_lib.grading.marks.marks import HandMark, apply_marks, read_marks
 from course_lib.grading.records import marks_path
 from course_lib.grading.reports.table import fill, harmless
@@ -112,13 +111,13 @@ class Analysis:
         return f"{spread}. Processor time of a submission: {times}."
 
 
-def write_items(out: Path) -> None:
+def write_items(out: Path, results: Iterable[Mapping[str, Any]]) -> None:
     """Write OUT/tasks.csv, a line for each student and task, and OUT/reports/items.html."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(TASK_COLUMNS)
-    found = defaultdict[str, list[dict[str, Any]]](list)
-    for result in results_in(out):
+    found = defaultdict[str, list[Mapping[str, Any]]](list)
+    for result in results:
         marks = read_marks(marks_path(out, result["student"], result["exercise"]))
         writer.writerows([harmless(cell) for cell in row] for row in _task_rows(result, marks))
         found[result["exercise"]].append(result)

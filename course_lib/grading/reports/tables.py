@@ -107,13 +107,13 @@ INDEX_COLUMNS = (
 
 def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
     """Write what is derived from all results and marks; returns the gradebook and the index."""
-    write_items(out)
-    return [write_gradebook(out), write_index(out, zone)]
-
-
-def write_index(out: Path, zone: ZoneInfo) -> Path:
-    """Write OUT/reports/index.html from all that OUT/results holds, times in a zone."""
     results = list(results_in(out))
+    write_items(out, results)
+    return [write_gradebook(out), write_index(out, zone, results)]
+
+
+def write_index(out: Path, zone: ZoneInfo, results: Sequence[dict[str, Any]]) -> Path:
+    """Write OUT/reports/index.html from all results, times in a zone."""
     failures, alike = _failures(results), alike_in(out)
     page = fill(
         "index.html",
