@@ -55,7 +55,7 @@ def _font_for(text: str) -> ImageFont.FreeTypeFont:
 
 @cache
 def _fonts() -> tuple[ImageFont.FreeTypeFont, ...]:
-    paths = [Path(__file__).parent / "fonts" / "LiberationSans-Regular.ttf"]
+    paths = [Path(__file__).parent / "fonts" / "CourseSans-Regular.ttf"]
     matplotlib = find_spec("matplotlib")
     if matplotlib is not None and matplotlib.origin is not None:
         paths.append(Path(matplotlib.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf")
