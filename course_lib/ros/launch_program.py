@@ -25,7 +25,13 @@ from course_lib.errors import CourseError
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import current_graph
-from course_lib.ros.package_programs import Executables, find_component, find_executable, forget_imported
+from course_lib.ros.package_programs import (
+    Executables,
+    find_component,
+    find_executable,
+    forget_imported,
+    put_first,
+)
 from course_lib.ros.packages import python_path, source
 from course_lib.ros.prefixed import Prefixes
 from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
@@ -250,7 +256,7 @@ class _Launched(Function):
 def prepare_imports(file: Path) -> None:
     """Add the packages of a launch file's workspace to the paths, also for what it imports."""
     source(file)
-    sys.path += [place for place in python_path(file) if place not in sys.path]
+    put_first(python_path(file))
 
 
 def arguments_of(file: Path) -> str:

@@ -80,6 +80,13 @@ def forget_imported() -> None:
     _imported.clear()
 
 
+def put_first(folders: Sequence[str]) -> None:
+    """Look for modules in folders of packages first, behind the stand-in; another launch reads them again."""
+    sys.path[1:] = [*folders, *(entry for entry in sys.path[1:] if entry not in folders)]
+    packages = [Path(folder) for folder in folders if (Path(folder) / "package.xml").is_file()]
+    _imported.update(path.parent.name for package in packages for path in package.glob("*/__init__.py"))
+
+
 def _call(package: Package, executable: str) -> object:
     _put_on_path(package)
     target = package.executables[executable]
@@ -102,8 +109,7 @@ def _spin_component(package: Package, module: str, name: str) -> None:
 
 def _put_on_path(package: Package) -> None:
     """Prepare the calling program to import a package and those beside it, behind the stand-in."""
-    folders = [str(folder) for folder in package.python]
-    sys.path[1:] = [*folders, *(entry for entry in sys.path[1:] if entry not in folders)]
+    put_first([str(folder) for folder in package.python])
     sys.path += [place for place in python_path(package.share / "package.xml") if place not in sys.path]
 
 

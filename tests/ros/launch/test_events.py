@@ -168,3 +168,14 @@ def test_the_kit_s_own_nodes_are_started_where_a_file_loads_them_as_components(l
         f"LoadComposableNodes(composable_node_descriptions=[{component}], target_container='box')"
     )
     assert "/robot_description" in {sample.topic for sample in recorded(file)[0].samples}
+
+
+def test_another_launch_reads_a_changed_module_again(
+    launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    module = robot / "my_robot" / "words.py"
+    said = "LogInfo(msg=__import__('my_robot.words', fromlist=['WORD']).WORD)"
+    for word in ("before", "after, and longer"):
+        module.write_text(f"WORD = {word!r}\n")
+        recorded(launch_file(said), seconds=None)
+        assert word in capsys.readouterr().out

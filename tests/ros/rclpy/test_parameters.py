@@ -261,5 +261,6 @@ def test_other_nodes_see_and_change_parameters_by_the_six_services(node: Node) -
 
 
 def test_a_node_may_do_without_parameter_services(begun: Graph) -> None:
-    assert list(Node("quiet", start_parameter_services=False).services) == []
-    assert len(list(Node("open").services)) == 6
+    quiet, open_ = Node("quiet", start_parameter_services=False), Node("open")
+    assert [service.srv_name for service in quiet.services] == ["~/get_type_description"]
+    assert len(list(open_.services)) == 7

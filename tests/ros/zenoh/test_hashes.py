@@ -1,7 +1,11 @@
+import hashlib
+import json
+
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.zenoh.hashes import is_known, type_hash
+from course_lib.ros.messages.definitions import type_names
+from course_lib.ros.zenoh.hashes import described, is_known, type_hash
 
 # From real ROS 2: the docs of rmw_zenoh, `ros2 topic info -v` in public logs, and the .json files of Jazzy's
 # and Lyrical's packages, as other implementations cite them.
@@ -35,6 +39,17 @@ PUBLISHED = {
 @pytest.mark.parametrize("type_name", PUBLISHED)
 def test_hashes_are_those_that_ros_publishes(type_name: str) -> None:
     assert type_hash(type_name) == f"RIHS01_{PUBLISHED[type_name]}"
+
+
+def test_descriptions_are_what_hashes_are_made_of() -> None:
+    for name in [*(name for name in type_names() if "/msg/" in name), *PUBLISHED]:
+        others = described(name)
+        first = others.pop(name)
+        whole = {
+            "type_description": first,
+            "referenced_type_descriptions": [others[key] for key in sorted(others)],
+        }
+        assert type_hash(name) == f"RIHS01_{hashlib.sha256(json.dumps(whole).encode()).hexdigest()}", name
 
 
 def test_a_type_that_is_not_here_has_no_hash() -> None:

@@ -23,6 +23,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.time_source import TimeSource
+from rclpy.type_description_service import TypeDescriptionService
 
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
@@ -115,8 +116,7 @@ class Node(node_parameters.Node):
         """Declare what every node of ROS has, unless an override did; `use_sim_time` sets its clock."""
         self._time_source = TimeSource(node=self)
         self._time_source.attach_clock(self._clock)
-        if not self.has_parameter("start_type_description_service"):
-            self.declare_parameter("start_type_description_service", True)
+        TypeDescriptionService(self)
 
     @property
     def context(self) -> Context:
