@@ -175,10 +175,10 @@ def view(
     from course_lib.displays import render, robot_view
 
     to = address(robot, domain, send, None)
-    if to is None:
+    if to is None and not use_sim_time:
         render.view(bag, rviz, port=port, token=token, browser=browser)
-    elif bag is not None:
-        raise CourseError("Say what to show: --bag folder, or --robot tcp/HOST:7447.")
+    elif to is None or bag is not None:  # --use-sim-time follows a robot's /clock
+        raise CourseError("Say what to show: --bag folder, or --robot tcp/HOST:7447, for --use-sim-time too.")
     else:
         robot_view.view_robot(to, rviz, port=port, token=token, browser=browser, use_sim_time=use_sim_time)
 
@@ -286,11 +286,11 @@ def main() -> None:
 
 
 def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Part what is for the command from what follows `--`, which is for the programs that it runs."""
-    if "--" not in arguments:
-        return arguments, []
-    place = arguments.index("--")
-    return arguments[:place], arguments[place + 1 :]
+    """Part what is for the command from what is for its programs: behind `--`, or from `--ros-args` on."""
+    starts = ("--", "--ros-args") if arguments[:1] == ["run"] else ("--",)
+    place = next((at for at, word in enumerate(arguments) if word in starts), len(arguments))
+    rest = arguments[place:]
+    return arguments[:place], rest[rest[:1] == ["--"] :]
 
 
 def _fail(message: str, debug: bool) -> NoReturn:

@@ -102,6 +102,12 @@ def test_every_command_has_help(tmp_path: Path, command: str) -> None:
     assert "Usage: course" in done.stdout
 
 
+def test_sim_time_without_a_robot_is_refused(tmp_path: Path) -> None:
+    done = course("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--robot tcp/HOST:7447" in done.stderr
+
+
 def test_the_exit_code_of_a_program_is_that_of_the_run(tmp_path: Path) -> None:
     (tmp_path / "fails.py").write_text("raise ValueError('no')")
     (tmp_path / "leaves.py").write_text("import sys\nsys.exit(3)")
@@ -109,9 +115,10 @@ def test_the_exit_code_of_a_program_is_that_of_the_run(tmp_path: Path) -> None:
     assert course("run", "leaves.py", cwd=tmp_path).returncode == 3
 
 
-def test_what_follows_two_dashes_reaches_the_program(tmp_path: Path) -> None:
+@pytest.mark.parametrize("before", [[], ["--"]])
+def test_ros_args_and_what_follows_two_dashes_reach_the_program(tmp_path: Path, before: list[str]) -> None:
     (tmp_path / "says.py").write_text("import sys\nprint(sys.argv)")
-    done = course("run", "says.py", "--", "--ros-args", "-r", "a:=b", cwd=tmp_path)
+    done = course("run", "says.py", *before, "--ros-args", "-r", "a:=b", cwd=tmp_path)
     assert done.stdout == "['says.py', '--ros-args', '-r', 'a:=b']\n"
 
 
