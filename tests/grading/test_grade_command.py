@@ -31,8 +31,8 @@ def with_layers(
         template = TemplateProcess(off)
         opened.append(template)
         monkeypatch.setattr("course_lib.grading.run.run.shared_template", lambda _: template)
-        monkeypatch.setattr("course_lib.grading.grade.exercises_dir", lambda: course.exercises)
-        monkeypatch.setattr("course_lib.grading.grade.solutions_dir", lambda: course.solutions)
+        monkeypatch.setattr("course_lib.grading.records.exercises_dir", lambda: course.exercises)
+        monkeypatch.setattr("course_lib.grading.records.solutions_dir", lambda: course.solutions)
         return run
 
     def run(*options: str) -> int:

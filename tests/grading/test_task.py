@@ -18,7 +18,7 @@ def test_a_task_knows_its_week() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"id": "red_cube"}, 'expected "week01.red_cube"'),
+        ({"id": "red_cube"}, 'expected "week01.post"'),
         ({"kind": "nodes"}, "kind 'nodes', expected one of node, function"),
         ({"name": "Red Cube"}, "no Python name"),
         ({"hints": ("one",)}, "1 hints, expected 3"),

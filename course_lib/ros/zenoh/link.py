@@ -48,12 +48,13 @@ class Outlet(Declared):
     def __init__(self, link: "RobotLink", entity: Entity, publisher: Any, probe: Any, token: Any) -> None:
         super().__init__(link, publisher, probe)
         self._publisher, self._probe, self._gid = publisher, probe, entity.gid
+        self.topic = entity.topic
         self._shown = Declared(link, token)
         self._sequence = itertools.count(1)
 
     def is_heard(self) -> bool:
-        """Return whether a message would reach a subscription now."""
-        return self._link.is_open and bool(self._parts) and bool(self._probe.matching_status.matching)
+        """Return whether a message would reach a subscription now; Zenoh's matching outlives a router."""
+        return self._link.is_up() and bool(self._parts) and bool(self._probe.matching_status.matching)
 
     def hide(self) -> None:
         """Leave the lists of the network, though messages still go out."""

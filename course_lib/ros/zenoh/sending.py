@@ -136,10 +136,18 @@ class Sending:
             self._brakes[endpoint] = Brake(outlet, type_name)
 
     def put(self, endpoint: int, cdr: bytes) -> bool:
-        """Send a message, behind stops that are due; returns False for publishers not on the network."""
-        outlet = self._brakes.get(endpoint) or self._outlets.get(endpoint)
-        if outlet is not None:
+        """Send a message, behind stops that are due; returns False for publishers not on the network.
+
+        A command that nobody hears yet is dropped while another publisher's stop has to go out before it.
+        """
+        brake, outlet = self._brakes.get(endpoint), self._outlets.get(endpoint)
+        if brake is not None:
             self._settle()
+            if not any(
+                one.is_cut_off and one.outlet.topic == brake.outlet.topic for one in self._leaving.values()
+            ):
+                brake.put(cdr)
+        elif outlet is not None:
             outlet.put(cdr)
         return outlet is not None
 
