@@ -179,3 +179,20 @@ def test_another_launch_reads_a_changed_module_again(
         module.write_text(f"WORD = {word!r}\n")
         recorded(launch_file(said), seconds=None)
         assert word in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        ("respawn=True", True),
+        ("respawn=LaunchConfiguration('r', default='false')", False),
+        ("cwd='/tmp'", True),
+    ],
+)
+def test_an_option_without_effect_here_is_named(
+    launch_file: Write, option: str, says: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recorded(launch_file(f"ExecuteProcess(cmd=['echo', 'hello'], {option})"), seconds=None)
+    out = capsys.readouterr().out
+    assert "hello" in out
+    assert (f"[WARNING] [launch]: {option.partition('=')[0]}: no effect here" in out) == says

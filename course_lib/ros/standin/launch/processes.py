@@ -38,6 +38,7 @@ NO_DIFFERENCE = {  # options of processes; all processes of a launch share one e
     *("output_format", "prefix", "respawn", "respawn_delay", "respawn_max_retries", "shell"),
     *("sigkill_timeout", "sigterm_timeout"),
 }
+_MISSED = ("additional_env", "cwd", "env", "respawn")  # of them; what a program does may rest on these
 
 
 class Executable:
@@ -62,9 +63,10 @@ class ExecuteLocal(Action):
     def __init__(self, *, process_description: Executable, on_exit: Reaction = None, **options: Any) -> None:
         super().__init__(self._start, condition=options.pop("condition", None))
         unknown_options(type(self).__name__, options, NO_DIFFERENCE)
-        self.process_description, self._on_exit = process_description, on_exit
+        self.process_description, self._on_exit, self._options = process_description, on_exit, options
 
     def _start(self, context: LaunchContext) -> None:
+        tell_missed(context, self._options)
         react_to_exit(context, self, self._on_exit)
         words = [text_of(context, part) for part in self.process_description.cmd]
         program, *rest = shlex.split(words[0]) if len(words) == 1 else words
@@ -95,6 +97,22 @@ def unknown_options(cls: str, options: Mapping[str, Any], known: set[str]) -> No
     """Raise Python's TypeError for an option that is not known."""
     for unknown in sorted(set(options) - known):
         raise TypeError(f"{cls}.__init__() got an unexpected keyword argument {unknown!r}")
+
+
+def tell_missed(context: LaunchContext, options: Mapping[str, Any]) -> None:
+    """Log the options of a process that have an effect in ROS 2 and none here."""
+    missed = [name for name in _MISSED if _is_set(context, options.get(name))]
+    if missed:
+        text = (
+            "no effect here, where the processes of a launch share an environment and a folder, and run once"
+        )
+        context.runner.log("WARNING", "launch", f"{', '.join(missed)}: {text}")
+
+
+def _is_set(context: LaunchContext, option: Any) -> bool:
+    if option is None or isinstance(option, bool | Mapping):
+        return bool(option)
+    return text_of(context, option).lower() not in ("", "false")
 
 
 def react_to_exit(context: LaunchContext, action: Action, on_exit: Reaction) -> None:

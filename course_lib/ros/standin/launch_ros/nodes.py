@@ -8,7 +8,7 @@ from typing import Any
 from launch.entities import Action, BaseEventHandler, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
-from launch.processes import NO_DIFFERENCE, react_to_exit, unknown_options
+from launch.processes import NO_DIFFERENCE, react_to_exit, tell_missed, unknown_options
 
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.lifecycle_link import LifecycleLink
@@ -83,9 +83,10 @@ class Node(Action):
         self._package, self._executable = package, executable
         self._given = Given(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
         self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
-        self._on_exit = on_exit
+        self._on_exit, self._options = on_exit, options
 
     def _start(self, context: LaunchContext) -> None:
+        tell_missed(context, self._options)
         react_to_exit(context, self, self._on_exit)
         executable, given = text_of(context, self._executable), self._given
         words = [text_of(context, word) for word in self._arguments]
