@@ -95,10 +95,11 @@ class Brake:
     def stop(self, older_than: float = 0.0) -> None:
         """Stop the robot, if the last command is older than so many seconds and was to move, or was lost."""
         with self._mutex:
-            now = wall.monotonic()
+            now, heard = wall.monotonic(), self.outlet.is_heard()
+            self._reached |= heard and self._since > 0.0  # Zenoh may say so after the first command went out
             if not self._moved or now - self._since < older_than:
                 return
-            heard, zero = self.outlet.is_heard(), still(self._type_name, wall.time_ns())
+            zero = still(self._type_name, wall.time_ns())
             if zero is not None and (self._sent is None or (heard and self._lost)):
                 self.outlet.put(zero)
                 self._sent = now

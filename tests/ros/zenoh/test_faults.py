@@ -207,6 +207,7 @@ def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes
     connect(kits, student, drive, heard, Twist())
     student.publish(drive, serialize(MOVING))
     kits.until(lambda: speeds(heard, Twist), "the command")
+    kits.until(lambda: student._sending._brakes[drive].owes, "the look that sees who listens")
     routers.kill()
     kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
     heard.clear()
