@@ -13,7 +13,7 @@ from course_lib.recording import Recording
 from course_lib.ros import pace
 from course_lib.ros.driving import running_nodes, wait_for
 from course_lib.ros.graph import EndpointInfo, Graph, Sample
-from course_lib.ros.qos import Qos, incompatible
+from course_lib.ros.qos import Qos
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -132,10 +132,13 @@ class GraphSource(Source):
 
     def why_silent(self, topic: str, qos: Qos) -> str:
         """Name missing publishers, incompatible QoS or missing nodes."""
-        offered = self.offered(topic)
-        if not offered:
+        publishers = self.endpoints(topic, "pub")
+        if not publishers:
             return " Nobody publishes on it."
-        policies = [incompatible(one, qos) for one in offered]
+        others = self.endpoints(topic, "sub")
+        with self._arrivals({(topic, publishers[0].type_name): qos}):  # over a link Zenoh lets all QoS pass
+            ours = next(one for one in self.endpoints(topic, "sub") if one not in others)
+            policies = [self.graph.apart(one, ours) for one in publishers]
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
         if running_nodes() or not self.graph.notebook:
