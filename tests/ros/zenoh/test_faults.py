@@ -8,8 +8,10 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import String
 
 from course_lib.ros import wall
+from course_lib.ros.graph import use_graph
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.ears import Ear
 from course_lib.ros.zenoh.explain import NO_STOP, STOP_IS_DUE, about_clock
 from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
@@ -18,8 +20,10 @@ from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import STALE
 from course_lib.ros.zenoh.session import open_session
 from course_lib.ros.zenoh.tokens import attachment, key_of
+from course_lib.tools.sources import GraphSource
 from tests.ros.zenoh.conftest import Kits, Routers
 from tests.ros.zenoh.test_two_kits import (
+    BEST_EFFORT,
     LATCHED,
     MOVING,
     STRING,
@@ -29,6 +33,7 @@ from tests.ros.zenoh.test_two_kits import (
     speeds,
     talker,
     texts,
+    topics,
 )
 
 RESTARTS = 3
@@ -270,3 +275,11 @@ def test_python_ends_though_the_robot_cannot_be_stopped_and_says_so(driven: Driv
     student.leave()
     assert not student.link.is_open
     assert kits.lines[-2:] == [STOP_IS_DUE, NO_STOP]
+
+
+def test_a_silent_topic_of_the_robot_is_not_blamed_on_its_qos(kits: Kits) -> None:
+    robot, student = kits.join(send="/scan"), kits.join()
+    talker(robot, "/scan", qos=BEST_EFFORT)
+    kits.until(lambda: "/scan" in topics(student, "pub"), "the publisher")
+    with use_graph(student):
+        assert "QoS" not in GraphSource(student).why_silent("/scan", Qos())

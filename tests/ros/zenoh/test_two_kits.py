@@ -9,14 +9,12 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from course_lib.ros import wall
-from course_lib.ros.graph import use_graph
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_HEADER
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import STALE
 from course_lib.ros.zenoh.session import open_session
-from course_lib.tools.sources import GraphSource
 from tests.ros.zenoh.conftest import Kits
 
 STRING = "std_msgs/msg/String"
@@ -244,14 +242,6 @@ def test_qos_that_dds_would_refuse_is_heard_and_told(kits: Kits) -> None:
         "/scan: publisher and subscription have incompatible QoS (RELIABILITY). Zenoh delivers all the same; "
         "on a robot with DDS the topic would be silent." in kits.lines
     )
-
-
-def test_a_silent_topic_of_the_robot_is_not_blamed_on_its_qos(kits: Kits) -> None:
-    robot, student = kits.join(send="/scan"), kits.join()
-    talker(robot, "/scan", qos=BEST_EFFORT)
-    kits.until(lambda: "/scan" in topics(student, "pub"), "the publisher")
-    with use_graph(student):
-        assert "QoS" not in GraphSource(student).why_silent("/scan", Qos())
 
 
 def test_another_domain_is_another_world_that_can_be_named(kits: Kits) -> None:
