@@ -36,13 +36,12 @@ from course_lib.grading.records import (
     catalog_of,
     evidence_path,
     marks_path,
-    report_path,
     result_path,
     sole_use,
     this_course,
     writing,
 )
-from course_lib.grading.reports.report import is_current, page_digest, report, requests_of
+from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import (
     NO_REPORT,
     Line,
@@ -148,11 +147,7 @@ def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: boo
 def _is_done(attempts: Attempts, out: Path) -> bool:
     """Return whether result and report are there, of these files, these checks and these points."""
     result = _kept(attempts, out)
-    if result is None or result.judgement is None:
-        return False
-    marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
-    page = report_path(out, attempts.student, attempts.exercise)
-    return is_current(page, page_digest(result.digest, marks, requests_of(result, out)))
+    return result is not None and result.judgement is not None and has_page(result, out)
 
 
 def _kept(attempts: Attempts, out: Path) -> Result | None:
@@ -240,7 +235,7 @@ def judge_mark_report(
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
         try:
-            report(result, marks, out, catalog)
+            report(result, out, catalog)
         except OSError:
             raise
         except Exception as error:  # the marks are right without a report, and must not be lost with it

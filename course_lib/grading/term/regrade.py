@@ -6,7 +6,6 @@ from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.notebook import exercise_named
 from course_lib.grading.marks.by_hand import known_name
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.marks.requests import (
     MAX_TEXT,
     RegradeRequest,
@@ -19,7 +18,6 @@ from course_lib.grading.marks.requests import (
 from course_lib.grading.records import (
     Course,
     catalog_of,
-    marks_path,
     result_path,
     sole_use,
     this_course,
@@ -122,4 +120,4 @@ def _change(
         else:
             add_answer(path, reply)
         result = Result.from_plain(read_result(result_path(out, student, exercise)))
-        report(result, read_marks(marks_path(out, student, exercise)), out, catalog)
+        report(result, out, catalog)
