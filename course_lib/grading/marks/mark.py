@@ -165,6 +165,10 @@ def read_result(path: Path) -> dict[str, Any]:
     marks = read_marks(marks_path(path.parents[2], path.parent.name, path.stem))
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
+        content |= {
+            "student": path.parent.name,
+            "exercise": path.stem,
+        }  # a name on the disk may hold any bytes
         return {**content, "row": row_of(content, marks)}
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error

@@ -29,7 +29,7 @@ def write_gradebook(out: Path) -> Path:
     for result in results_in(out):
         writer.writerow(map(harmless, result["row"].values()))
     path = out / "gradebook.csv"
-    write_whole(path, text.getvalue().encode())
+    write_whole(path, text.getvalue().encode("utf-8", "replace"))
     return path
 
 
@@ -138,7 +138,7 @@ def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
     place = f"{row['student']}/{row['exercise']}.html"
     time = result["received"] and datetime.fromisoformat(result["received"]).astimezone(zone)
     return {
-        "link": quote(place) if (out / "reports" / place).is_file() else "",
+        "link": quote(place, errors="surrogateescape") if (out / "reports" / place).is_file() else "",
         "cells": [f"{v:g}" if isinstance(v, float) else v for v in cells],
         "received": time.isoformat(" ", "minutes") if time else "unknown",
         "notes": result["notes"],
