@@ -27,7 +27,7 @@ from course_lib.grading.handin.ids import with_ids
 from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import Judgement, judge
-from course_lib.grading.marks.mark import Fault, Result, mark, read_result, results_in, row_of
+from course_lib.grading.marks.mark import Fault, Result, mark, read_result, row_of
 from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.preflight import try_out
 from course_lib.grading.records import (
@@ -268,14 +268,14 @@ def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) ->
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = map(str, write_tables(out, zone))
+        results = write_tables(out, zone)
     for lines in (task_lines, broken_lines, lost_report_lines):
-        for line in lines(results_in(out)):
+        for line in lines(results):
             say(line)
-    isolations = Counter(result["isolation"] for result in results_in(out))
+    isolations = Counter(result["isolation"] for result in results)
     say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
-    for concern in concerns(results_in(out), out):
+    for concern in concerns(results, out):
         say(f"Look at: {concern.line(out)}")
-    say(f"Wrote {' and '.join(files)}")
+    say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

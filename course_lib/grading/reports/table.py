@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -179,7 +179,7 @@ def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
     return [f"{note} ({few(students)}). The marks are right." for note, students in lost.items()]
 
 
-def few(students: list[str]) -> str:
+def few(students: Sequence[str]) -> str:
     """Return the first names of a list, and how many there are besides."""
     shown = ", ".join(students[:MOST_NAMED])
     return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)
