@@ -1,5 +1,7 @@
 """Results as text and HTML: a student's table, and lines for the terminal."""
 
+import csv
+import io
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -91,6 +93,15 @@ def fill(template: str, **values: Any) -> str:
 def harmless(value: Any) -> Any:
     """Put an apostrophe before a text that a spreadsheet would take for a formula."""
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
+
+
+def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    """Return a CSV file in which no text is a formula; half of a surrogate pair becomes a question mark."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(map(harmless, row) for row in rows)
+    return text.getvalue().encode("utf-8", "replace")
 
 
 def printable(line: str) -> str:

@@ -1,7 +1,5 @@
 """Tables of all results: gradebook.csv, and the index with submissions to look at."""
 
-import csv
-import io
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -17,19 +15,14 @@ from course_lib.grading.handin.copies import Alike, alike_in
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
 from course_lib.grading.reports.items import write_items
-from course_lib.grading.reports.table import few, fill, harmless
+from course_lib.grading.reports.table import csv_of, few, fill
 from course_lib.grading.run.run import read_usage
 
 
 def write_gradebook(out: Path, results: Iterable[Mapping[str, Any]]) -> Path:
     """Write OUT/gradebook.csv from all results with their rows."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for result in results:
-        writer.writerow(map(harmless, result["row"].values()))
     path = out / "gradebook.csv"
-    write_whole(path, text.getvalue().encode("utf-8", "replace"))
+    write_whole(path, csv_of(COLUMNS, (result["row"].values() for result in results)))
     return path
 
 
