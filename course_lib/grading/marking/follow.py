@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from course_lib.errors import CourseError, counted
-from course_lib.grading.marks.mark import Result, read_result
+from course_lib.grading.marks.mark import Result, need_results, read_result
 from course_lib.grading.records import (
     Course,
     catalog_of,
@@ -23,16 +23,6 @@ from course_lib.grading.reports.tables import write_tables
 PAUSE = 3.0  # [s] in which more marks may come, before reports are written
 GENTLE = 10  # niceness of the process that writes them
 Place = tuple[str, str]  # student and exercise
-
-
-def need_results(out: Path) -> None:
-    """Refuse a folder that `course grade` has not written.
-
-    Raises:
-        CourseError: It holds no result.
-    """
-    if not any((out / "results").glob("*/*.json")):
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
 
 
 def stale(out: Path) -> list[Place]:

@@ -179,6 +179,16 @@ def results_in(out: Path) -> Iterator[dict[str, Any]]:
     return map(read_result, sorted((out / "results").glob("*/*.json")))
 
 
+def need_results(out: Path) -> None:
+    """Refuse a folder that `course grade` has not written.
+
+    Raises:
+        CourseError: It holds no result.
+    """
+    if not any((out / "results").glob("*/*.json")):
+        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
+
+
 def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:
     """Return the line of the gradebook for a result and the points of persons."""
     row = dict.fromkeys(MARK_COLUMNS, "") | {name: content[name] for name in TEXT_COLUMNS}

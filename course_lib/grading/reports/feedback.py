@@ -12,7 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.sender import Platform, PlatformName, platform_name
-from course_lib.grading.marks.mark import Result, results_in
+from course_lib.grading.marks.mark import Result, need_results, results_in
 from course_lib.grading.records import Course, catalog_of, this_course, writing
 from course_lib.grading.reports.report import standalone
 from course_lib.grading.reports.table import printable
@@ -90,9 +90,8 @@ Reports = dict[str, tuple[Result, PlatformName]]  # by the name of the file in t
 def _ready(out: Path, form: Format) -> tuple[list[str], dict[str, Reports]]:
     """Return a line for each report that is left out, and the others by exercise."""
     ready, lines = defaultdict[str, Reports](dict), list[str]()
+    need_results(out)
     results = list(results_in(out))
-    if not results:
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
     named = {id(one): _named(str(one.get("handed_in_as", "")), form) for one in results}
     if not any(named.values()):
         raise CourseError(

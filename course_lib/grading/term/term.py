@@ -12,7 +12,7 @@ from course_lib.course.installation import exercises_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.lms import TERM_TABLE
-from course_lib.grading.marks.mark import results_in
+from course_lib.grading.marks.mark import need_results, results_in
 from course_lib.grading.records import writing
 from course_lib.grading.reports.table import csv_of, few, printable
 from course_lib.grading.term.class_list import ClassList, Member, read_class_list
@@ -54,8 +54,7 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
     """
     course = course or read_course_file(exercises_dir() / "course.toml")
     members, results = read_class_list(files.roster), _results(out)
-    if not results:
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
+    need_results(out)
     if course.term.quiz_percent and files.quizzes is None:
         raise CourseError(
             "course.toml counts quizzes (quiz_percent), so name their marks: --quizzes quizzes.csv, "
