@@ -1,14 +1,14 @@
 import ast
 import json
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.checkout import ROOT, tracked
+
 TOP_LEVEL = {
     "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
     "CHANGELOG.md", "docs", "CONTRIBUTING.md",
@@ -19,15 +19,6 @@ PUBLIC = {"course_lib"} | {
 ROOMS = sorted(path.parent for path in (ROOT / "course_lib").glob("*/__init__.py"))
 WRITTEN_BY_EXPORT = {"setup.py"}
 MAX_FILE, MAX_FUNCTION, MAX_README = 300, 40, 60  # lines
-
-
-def tracked() -> list[Path]:
-    if shutil.which("git") is None:
-        pytest.skip("no git on this machine")
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
-    if listed.returncode != 0:
-        pytest.skip("not a git checkout")
-    return [path for path in map(Path, listed.stdout.splitlines()) if (ROOT / path).is_file()]
 
 
 def test_the_top_level_holds_what_the_design_names() -> None:

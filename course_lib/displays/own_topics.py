@@ -9,9 +9,9 @@ from course_lib.displays.frames import Frames, nanoseconds
 from course_lib.displays.statuses import Statuses
 from course_lib.displays.view_time import ViewTime
 from course_lib.ros.qos import Qos
+from course_lib.ros.sim_time import CLOCK, CLOCK_QOS
 
 TF = "tf2_msgs/msg/TFMessage"
-CLOCK = "rosgraph_msgs/msg/Clock"
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 
 
@@ -33,8 +33,7 @@ class OwnTopics:
             Interest(topic, TF, qos, partial(self._take_transforms, topic == "/tf_static"), statuses)
             for topic, qos in _TF_TOPICS.items()
         ]
-        best_effort = Qos(depth=1, reliability="best_effort")
-        self._clock = Interest("/clock", CLOCK, best_effort, self._take_clock, statuses)
+        self._clock = Interest(*CLOCK, CLOCK_QOS, self._take_clock, statuses)
 
     @property
     def interests(self) -> list[Interest]:

@@ -2,13 +2,12 @@
 
 import rclpy
 from nav_msgs.msg import Odometry
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from course_lib.arrays import Floats
-from course_lib.gateway.spinning import spin_all
 from course_lib.robots import OmniBase, RobotStatePublisher
 from course_lib.sensors import LaserScanNode, Thing, World, box, cylinder, placed
+from course_lib.tools.executables import spin
 
 LASER = (0.25, 0.0, 0.35)  # [m] in base_link
 URDF = f"""<robot name="driving_robot">
@@ -56,11 +55,11 @@ def room() -> World:
 
 def main() -> None:
     """Run until Ctrl+C."""
-    rclpy.init()
-    mount = Mount()
-    scanner = LaserScanNode(room(), mount.transform_laser_to_odom, beams=360, range_max=10.0, noise=0.005)
-    nodes = (mount, OmniBase(), RobotStatePublisher(URDF), scanner)
-    spin_all(SingleThreadedExecutor(), nodes, "The robot is ready. It drives by /cmd_vel.")
+    with rclpy.init():
+        mount = Mount()
+        scanner = LaserScanNode(room(), mount.transform_laser_to_odom, beams=360, range_max=10.0, noise=0.005)
+        mount.get_logger().info("The robot is ready. It drives by /cmd_vel.")
+        spin(mount, OmniBase(), RobotStatePublisher(URDF), scanner)
 
 
 if __name__ == "__main__":

@@ -3,14 +3,16 @@
 import rclpy
 from rclpy.executors import MultiThreadedExecutor
 
-from course_lib.gateway.spinning import spin_all
 from course_lib.robots.unknown_robot import unknown_robot
+from course_lib.tools.executables import spin
 
 
 def main() -> None:
     """Run until Ctrl+C; on several threads, so that no node waits for another."""
-    rclpy.init()
-    spin_all(MultiThreadedExecutor(), unknown_robot(), "The robot is ready. Explore it.")
+    with rclpy.init():
+        nodes = unknown_robot()
+        nodes[0].get_logger().info("The robot is ready. Explore it.")
+        spin(*nodes, executor=MultiThreadedExecutor())
 
 
 if __name__ == "__main__":

@@ -5,17 +5,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.recording.bag import check_free, write_bag
 from course_lib.recording.bag_writer import BagWriter
 from course_lib.recording.recording import Recording, record
 from course_lib.ros.graph import Graph, Sample, Wanted
+from course_lib.ros.sim_time import ticked
 
 Chosen = Callable[[str, str], bool]  # topic, type
 Stamped = Callable[[Sample], list[Sample]]
-CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
 
 
 def _all(topic: str, type_name: str) -> bool:
@@ -73,9 +72,8 @@ class _SimTime:
 
     def stamped(self, sample: Sample) -> list[Sample]:
         """Return the samples that can be stamped now that one more has come."""
-        if (sample.topic, sample.type_name) == CLOCK:
-            message: Any = sample.message()
-            self._now_ns = message.clock.sec * 10**9 + message.clock.nanosec
+        time_ns = ticked(sample)
+        self._now_ns = self._now_ns if time_ns is None else time_ns
         if self._now_ns is None:
             self._latched += [sample] if sample.qos.durability == "transient_local" else []
             return []

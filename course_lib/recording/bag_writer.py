@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from course_lib.recording import bag_qos
 from course_lib.ros.messages.definitions import definition, typestore
+from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.hashes import type_hash
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection

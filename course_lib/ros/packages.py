@@ -13,6 +13,7 @@ from course_lib.ros.not_offered import not_offered
 
 SRC_WITHIN = 4  # folders up from a package, the workspace's src or the checkout is looked for
 _OWN = Path(__file__).parent / "share"  # of packages whose executables the kit has
+LAUNCH_IN_WORDS = (".xml", ".yaml", ".yml", ".launch")  # suffixes of launch files that are not Python
 Executable = tuple[str, str] | Path  # a module and its function, or a script
 _PROGRAMS = re.compile(r"install\s*\(\s*PROGRAMS\s+(.*?)\s+DESTINATION\s+[\"']?lib/", re.DOTALL)  # of CMake
 _COMPILED = re.compile(

@@ -8,18 +8,16 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
 from course_lib.ros.interrupts import signals_kept
+from course_lib.ros.package_programs import Executables, RunProgram
+from course_lib.ros.packages import LAUNCH_IN_WORDS
 from course_lib.ros.process import NotebookProgram, Process, Processes, Program
 from course_lib.ros.seeding import seeded
 from course_lib.ros.tracebacks import print_error_of_thread
-
-if TYPE_CHECKING:
-    from course_lib.ros.package_programs import Executables
 
 
 def run_files(
@@ -57,18 +55,13 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-_LAUNCH_FILES = (".xml", ".launch", ".yaml", ".yml")  # of those that are not Python
-
-
-def _program(file: Path, args: Sequence[str], own: "Executables") -> Process:
+def _program(file: Path, args: Sequence[str], own: Executables) -> Process:
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     folder, _, executable = str(file).rpartition(":")
     if folder and (Path(folder) / "package.xml").is_file():
-        from course_lib.ros.package_programs import RunProgram  # it imports launch, the stand-in's
-
         return RunProgram(os.path.join(folder, ""), executable, args, own)
-    if file.suffix not in _LAUNCH_FILES and not (program := Program(file, args)).is_launch_file:
+    if file.suffix not in LAUNCH_IN_WORDS and not (program := Program(file, args)).is_launch_file:
         return program
     from course_lib.ros.launch_program import LaunchProgram  # it imports launch, the stand-in's
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros.interrupts import until_interrupted
+from course_lib.ros.sim_time import CLOCK
 from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2 import log_line
 from course_lib.tools.topic.lookup import full_name
@@ -69,7 +70,7 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
     source.wait(lambda: True, 0.0)  # says if rclpy is not started
     say("Listening for topics...")
     chosen = partial(_is_recorded, arguments)
-    time_topic = {"/clock"} if arguments.use_sim_time else set[str]()
+    time_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
     with recorded(source.graph, folder, chosen, lambda: known | time_topic, in_sim_time=bool(time_topic)):
         with until_interrupted():
             while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):

@@ -10,15 +10,12 @@ from course_lib.recording import Recording, read_bag
 from course_lib.ros import pace
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.sim_time import CLOCK, tick
 from course_lib.tools.bag import READER, pattern, several
 from course_lib.tools.sources import PLAYER, Source
 from course_lib.tools.tf2 import log_line
 from course_lib.tools.verb import Verb, Write, flag, positive, value
 
-CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
-_CLOCK_QOS = Qos(depth=1, reliability="best_effort")
 GRACE = 0.1  # [s] at the end, for the last message to arrive
 
 
@@ -129,17 +126,11 @@ def _with_clock(samples: Iterable[Sample], start_ns: int, arguments: Namespace) 
     tick_ns = start_ns
     for sample in samples:
         while arguments.clock and tick_ns <= sample.stamp_ns:
-            yield _tick(tick_ns)
+            yield tick(tick_ns)
             tick_ns += round(1e9 / arguments.clock * arguments.rate)
         if arguments.clock_topics_all or sample.topic in arguments.clock_topics:
-            yield _tick(sample.stamp_ns)
+            yield tick(sample.stamp_ns)
         yield sample
-
-
-def _tick(stamp_ns: int) -> Sample:
-    time = message_class("builtin_interfaces/msg/Time")(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
-    cdr = serialize(message_class(CLOCK_TYPE)(clock=time))
-    return Sample(stamp_ns, "/clock", CLOCK_TYPE, cdr, _CLOCK_QOS, node=0)
 
 
 def _is_played(arguments: Namespace, topic: str) -> bool:
@@ -149,7 +140,7 @@ def _is_played(arguments: Namespace, topic: str) -> bool:
         chosen = bool(arguments.regex.fullmatch(topic))
     if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
         return False
-    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == "/clock")
+    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == CLOCK[0])
 
 
 def _rule(text: str) -> tuple[str, str]:

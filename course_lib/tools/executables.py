@@ -14,6 +14,9 @@ from course_lib.ros.graph import current_graph
 from course_lib.ros.xacro_program import run_xacro
 
 if TYPE_CHECKING:
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
     from course_lib.displays.viewer import Viewer
     from course_lib.robots.teleop import TwistTeleop
     from course_lib.robots.turtlesim.programs import TurtleTeleop
@@ -178,15 +181,11 @@ def _aggregator_node() -> None:
 
 def _unknown_robot() -> None:
     """Run the robot's nodes on several threads, so that none waits for another."""
-    from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+    from rclpy.executors import MultiThreadedExecutor
 
     from course_lib.robots.unknown_robot import unknown_robot
 
-    executor = MultiThreadedExecutor()
-    for node in unknown_robot():
-        executor.add_node(node)
-    with suppress(KeyboardInterrupt, ExternalShutdownException):
-        executor.spin()
+    spin(*unknown_robot(), executor=MultiThreadedExecutor())
 
 
 def _rqt(view: str) -> None:
@@ -200,14 +199,14 @@ def own_words() -> list[str]:
     return words[: words.index("--ros-args")] if "--ros-args" in words else words
 
 
-def spin(node: object = None) -> None:
-    """Spin, with a node or without one, until the run ends or is interrupted."""
+def spin(*nodes: "Node", executor: "Executor | None" = None) -> None:
+    """Spin nodes, or none, until the run ends or is interrupted; without an executor by the global one."""
     import rclpy
     from rclpy.executors import ExternalShutdownException
 
-    executor = rclpy.get_global_executor()
-    if node is not None:
-        executor.add_node(node)  # type: ignore[arg-type]  # a node of the kit's own
+    executor = executor or rclpy.get_global_executor()
+    for node in nodes:
+        executor.add_node(node)
     with suppress(KeyboardInterrupt, ExternalShutdownException):  # as ROS's own executables end
         executor.spin()
 

@@ -10,16 +10,15 @@ from course_lib.errors import CourseError
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, current_graph
 from course_lib.ros.live import LiveRun, go_live, live_runs
-from course_lib.ros.packages import find_package, why_not_found
+from course_lib.ros.package_programs import Executables, RunProgram
+from course_lib.ros.packages import LAUNCH_IN_WORDS, find_package, why_not_found
 from course_lib.ros.process import Processes
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
     from course_lib.ros.launch_program import LaunchProgram
-    from course_lib.ros.package_programs import Executables, RunProgram
 
-_SUFFIXES = (".py", ".xml", ".yaml", ".yml", ".launch")
 _STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
 
 
@@ -54,7 +53,7 @@ class LaunchedRun(LiveRun):
                     baton.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
 
 
-def launch_verbs(executables: "Executables") -> tuple[Verb, Verb]:
+def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
     """Return `ros2 launch` and `ros2 run`, which find these executables beside those of packages."""
     launch, run = partial(_launch, executables), partial(_run, executables)
     return (
@@ -63,7 +62,7 @@ def launch_verbs(executables: "Executables") -> tuple[Verb, Verb]:
     )
 
 
-def _launch(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+def _launch(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
     from course_lib.ros.launch_program import LaunchProgram, arguments_of
 
     words = [arguments.package_name, *arguments.launch_file_name]
@@ -85,7 +84,7 @@ def _launch(executables: "Executables", source: Source, arguments: Namespace, wr
 
 
 def _in_package(share: Path, words: list[str]) -> Path:
-    found = (path for suffix in _SUFFIXES for path in sorted(share.rglob(f"*{suffix}")))
+    found = (path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}")))
     files = {path.name: path for path in found if "launch" in path.name}
     if len(words) > 1 and words[1] in files:
         return files[words[1]]
@@ -95,9 +94,7 @@ def _in_package(share: Path, words: list[str]) -> Path:
     )
 
 
-def _run(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
-    from course_lib.ros.package_programs import RunProgram
-
+def _run(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
     program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
     _start(source, program)
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from course_lib.grading.marks.marks import HandMark, read_marks
+from tests.browser.axe import faults
 from tests.browser.conftest import PICTURES
 from tests.browser.waiting import wait_until
 from tests.grading.marking.bench import TASKS, Served, served, write_kinds, write_results
@@ -168,3 +170,17 @@ def test_what_students_write_shows_as_text_names_can_be_hidden_and_comments_are_
         assert "cleo" not in page.locator("main").inner_text()
         assert page.locator("main img, main script").count() == 0
         assert "run" not in page.title()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_serves_keyboard_and_screen_reader(
+    graders: list[Page], tmp_path: Path, out: Path, scheme: Literal["light", "dark"]
+) -> None:
+    course, page = write_kinds(tmp_path / "course"), graders[0]
+    write_results(course, out, ("ada", "dan"), "essay = 'My robot'\n")
+    page.emulate_media(color_scheme=scheme)
+    with served(course, out) as server:
+        enter(page, server, "Ann")
+        choose(page, "dan")
+        expect(page.locator("#code")).to_contain_text("My robot")
+        assert faults(page) == []

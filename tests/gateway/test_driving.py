@@ -2,8 +2,8 @@ import struct
 import time
 
 from course_lib.gateway.gateway import MOST_KEYS
+from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.link import RobotLink
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import Allowed

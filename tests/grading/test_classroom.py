@@ -16,6 +16,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.handin.received import Ledger
 from course_lib.grading.handin.submission import UTC, find_submissions
 from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow
+from tests.checkout import need_git
 
 ROSTER = "identifier,github_username,name\nADA1,Ada-L,Ada\nbob2,l,Bob\ncleo3,cleo,Cleo\n"
 WEEK, TIME = "week01", "2026-10-11T22:30:00Z"
@@ -51,6 +52,7 @@ def push(commit: str, time: str = TIME) -> dict[str, object]:
 
 @pytest.fixture
 def clones(tmp_path: Path) -> Path:
+    need_git()
     (tmp_path / "roster.csv").write_text(ROSTER)
     return tmp_path / "clones"
 

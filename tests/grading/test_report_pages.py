@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -58,8 +59,12 @@ def yours(page: Page) -> np.ndarray:
     return pixels_of(page.locator("figure canvas").first.screenshot())
 
 
-def test_reports_and_their_index_serve_a_screen_reader(page: Page, reports: Path) -> None:
-    for name in ("ada/week01_exercise.html", "bob/week01_exercise.html", "index.html"):
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_reports_and_their_index_serve_a_screen_reader(
+    page: Page, reports: Path, scheme: Literal["light", "dark"]
+) -> None:
+    page.emulate_media(color_scheme=scheme)
+    for name in ("ada/week01_exercise.html", "bob/week01_exercise.html", "index.html", "items.html"):
         page.goto((reports / name).as_uri())
         assert faults(page) == []
 

@@ -1,9 +1,9 @@
 """Lines on what a link cannot do, each with what to do about it."""
 
 from course_lib.errors import counted
+from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.qos import incompatible
 from course_lib.ros.topics import EndpointInfo
-from course_lib.ros.zenoh.hashes import is_known, type_hash
 from course_lib.ros.zenoh.tokens import Entity
 
 HUMBLE = "TypeHashNotSupported"  # in the place of a hash

@@ -13,8 +13,8 @@ import zenoh
 from zenoh import ext
 
 from course_lib.ros import wall
+from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import Actions, Inbox, Packet
 from course_lib.ros.zenoh.login import GATEWAY, parted, read_gateway_key
 from course_lib.ros.zenoh.session import CALL_SECONDS, Handlers, open_session

@@ -4,11 +4,11 @@ from _queue import Empty
 
 from course_lib.ros import wall
 from course_lib.ros.graph import Graph
+from course_lib.ros.messages.hashes import is_known
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import SERVICE_TOPICS, EndpointInfo, OnMessage, Sample
 from course_lib.ros.zenoh import explain
 from course_lib.ros.zenoh.ears import Ears
-from course_lib.ros.zenoh.hashes import is_known
 from course_lib.ros.zenoh.inbox import Packet
 from course_lib.ros.zenoh.link import Declared, RobotLink
 from course_lib.ros.zenoh.neighbours import Neighbours

@@ -5,8 +5,8 @@ from typing import Literal
 
 from course_lib.errors import CourseError, counted, did_you_mean
 from course_lib.ros.graph import EndpointInfo, NodeInfo
+from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.hashes import is_known, type_hash
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import (
     NODE_OPTIONS,

@@ -9,6 +9,7 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.messages import message_class
 from course_lib.ros.qos import Qos
+from course_lib.ros.sim_time import CLOCK, ticked
 from course_lib.tools.sources import Listening, Source, TimedSample
 from course_lib.tools.verb import Option, Write, value
 
@@ -74,7 +75,6 @@ def adapted_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
 
 
 SENSOR_DATA = PRESETS["sensor_data"]
-_CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
 
 
 def full_name(topic: str) -> str:
@@ -132,7 +132,7 @@ def listen(
     start_ns, limit, came = source.graph.now_ns, source.limit(), False
     with until_interrupted():
         kind = type_of(source, topic, write, blocking=True)
-        topics = {(topic, kind): SENSOR_DATA, **({_CLOCK: SENSOR_DATA} if sim else {})}
+        topics = {(topic, kind): SENSOR_DATA, **({CLOCK: SENSOR_DATA} if sim else {})}
         arrivals = source.stream(topics, Listening(limit, every=None if sim else every))
         for now_ns, arrival in _in_sim_time(arrivals, topic, every) if sim else arrivals:
             came = came or arrival is not None
@@ -148,9 +148,9 @@ def _in_sim_time(arrivals: Iterable[TimedSample], topic: str, every: float | Non
     now_ns = tick_ns = 0
     step_ns = round((every or 0.0) * 1e9)
     for _, sample in arrivals:
-        if sample is not None and (sample.topic, sample.type_name) == _CLOCK:
-            clock: Any = sample.message()
-            now_ns = clock.clock.sec * 10**9 + clock.clock.nanosec
+        time_ns = None if sample is None else ticked(sample)
+        if time_ns is not None:
+            now_ns = time_ns
             if step_ns and (now_ns >= tick_ns or now_ns < tick_ns - step_ns):
                 tick_ns = (now_ns // step_ns + 1) * step_ns
                 yield now_ns, None

@@ -15,7 +15,7 @@ from service_msgs.msg import ServiceEventInfo
 from course_lib.recording import record
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
-from course_lib.ros.zenoh.hashes import type_hash
+from course_lib.ros.messages.hashes import type_hash
 
 KINDS = [
     ServiceEventInfo.REQUEST_SENT,

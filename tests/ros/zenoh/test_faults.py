@@ -9,9 +9,9 @@ from std_msgs.msg import String
 
 from course_lib.ros import wall
 from course_lib.ros.messages import deserialize, serialize, type_name
+from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.zenoh.ears import Ear
 from course_lib.ros.zenoh.explain import NO_STOP, STOP_IS_DUE, about_clock
-from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
 from course_lib.ros.zenoh.link import Declared
 from course_lib.ros.zenoh.robot_graph import RobotGraph

@@ -20,8 +20,8 @@ from tf2_msgs.msg import TFMessage
 from course_lib.ros.graph import Graph
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.messages.definitions import FOLDERS, typestore
+from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.topics import SERVICE_HEADER
-from course_lib.ros.zenoh.hashes import type_hash
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 from tests.ros.zenoh.conftest import Kits

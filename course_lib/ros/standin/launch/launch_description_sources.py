@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
+from course_lib.ros.packages import LAUNCH_IN_WORDS
 from launch.entities import (
     InvalidLaunchFileError,
     LaunchContext,
@@ -14,8 +15,6 @@ from launch.entities import (
 from launch.frontend.element import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
 from launch.frontend.element import description_of
 
-_IN_WORDS = (".xml", ".launch", ".yaml", ".yml")  # the other launch files
-
 
 class InvalidPythonLaunchFileError(InvalidLaunchFileError):
     """A Python file does not describe a launch."""
@@ -24,7 +23,7 @@ class InvalidPythonLaunchFileError(InvalidLaunchFileError):
 def get_launch_description_from_python_launch_file(launch_file_path: str | Path) -> LaunchDescription:
     """Run a Python file and return its description."""
     file = Path(launch_file_path)
-    if file.suffix in _IN_WORDS:
+    if file.suffix in LAUNCH_IN_WORDS:
         raise InvalidPythonLaunchFileError(
             f"{file} is not a Python file. Include it with AnyLaunchDescriptionSource."
         )
@@ -50,7 +49,7 @@ def get_launch_description_from_frontend_launch_file(launch_file_path: str | Pat
 
 def get_launch_description_from_any_launch_file(launch_file_path: str | Path) -> LaunchDescription:
     """Return the description of a file by its suffix; without one of these it is a Python file."""
-    in_words = Path(launch_file_path).suffix in _IN_WORDS
+    in_words = Path(launch_file_path).suffix in LAUNCH_IN_WORDS
     return (description_of if in_words else get_launch_description_from_python_launch_file)(
         Path(launch_file_path)
     )

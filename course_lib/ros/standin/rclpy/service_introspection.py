@@ -3,7 +3,6 @@
 from enum import IntEnum
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from service_msgs.msg import ServiceEventInfo
 
 from course_lib.ros.messages import RosMessage, serialize, type_name
@@ -11,6 +10,7 @@ from rclpy.clock import Clock
 from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.qos import QoSProfile
+from rclpy.time import Time
 
 
 class ServiceIntrospectionState(IntEnum):
@@ -43,7 +43,7 @@ class ServiceEvents:
         """Publish that a request or a response was sent or taken."""
         info = ServiceEventInfo(
             event_type=event_type,
-            stamp=_stamp(self._clock),
+            stamp=Time(nanoseconds=self._clock.handle.now_ns).to_msg(),
             client_gid=list(client.to_bytes(16, "little")),
             sequence_number=number,
         )
@@ -56,8 +56,3 @@ class ServiceEvents:
     def close(self) -> None:
         """Leave the topic."""
         self._graph.remove_endpoint(self._id)
-
-
-def _stamp(clock: Clock) -> Time:
-    seconds, nanoseconds = divmod(clock.handle.now_ns, 10**9)
-    return Time(sec=seconds, nanosec=nanoseconds)

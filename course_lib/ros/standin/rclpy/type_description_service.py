@@ -8,7 +8,7 @@ from type_description_interfaces.msg import Field, FieldType, IndividualTypeDesc
 from type_description_interfaces.srv import GetTypeDescription
 
 from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.zenoh.hashes import described, type_hash
+from course_lib.ros.messages.hashes import described, type_hash
 from rclpy.impl.node_parameters import Node
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter

@@ -1,4 +1,4 @@
-"""Type hashes (REP 2016): the last part of every key. Another hash means another definition of the type."""
+"""Type descriptions and their hashes (REP 2016): another hash means another definition of the type."""
 
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
