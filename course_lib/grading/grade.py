@@ -27,7 +27,7 @@ from course_lib.grading.handin.ids import with_ids
 from course_lib.grading.handin.submission import Submission, find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import Judgement, judge
-from course_lib.grading.marks.mark import Fault, Result, mark, read_result, results_in, row_of
+from course_lib.grading.marks.mark import Fault, Result, mark, read_result, row_of
 from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.preflight import try_out
 from course_lib.grading.records import (
@@ -36,13 +36,12 @@ from course_lib.grading.records import (
     catalog_of,
     evidence_path,
     marks_path,
-    report_path,
     result_path,
     sole_use,
     this_course,
     writing,
 )
-from course_lib.grading.reports.report import is_current, page_digest, report, requests_of
+from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import (
     NO_REPORT,
     Line,
@@ -148,11 +147,7 @@ def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: boo
 def _is_done(attempts: Attempts, out: Path) -> bool:
     """Return whether result and report are there, of these files, these checks and these points."""
     result = _kept(attempts, out)
-    if result is None or result.judgement is None:
-        return False
-    marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
-    page = report_path(out, attempts.student, attempts.exercise)
-    return is_current(page, page_digest(result.digest, marks, requests_of(result, out)))
+    return result is not None and result.judgement is not None and has_page(result, out)
 
 
 def _kept(attempts: Attempts, out: Path) -> Result | None:
@@ -240,7 +235,7 @@ def judge_mark_report(
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
         try:
-            report(result, marks, out, catalog)
+            report(result, out, catalog)
         except OSError:
             raise
         except Exception as error:  # the marks are right without a report, and must not be lost with it
@@ -273,14 +268,14 @@ def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) ->
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        files = map(str, write_tables(out, zone))
+        results = write_tables(out, zone)
     for lines in (task_lines, broken_lines, lost_report_lines):
-        for line in lines(results_in(out)):
+        for line in lines(results):
             say(line)
-    isolations = Counter(result["isolation"] for result in results_in(out))
+    isolations = Counter(result["isolation"] for result in results)
     say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
-    for concern in concerns(results_in(out), out):
+    for concern in concerns(results, out):
         say(f"Look at: {concern.line(out)}")
-    say(f"Wrote {' and '.join(files)}")
+    say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

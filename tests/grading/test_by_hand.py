@@ -92,7 +92,7 @@ def test_rows_of_a_rubric_add_up_when_all_are_there_and_regrading_keeps_them(
     assert "an example: &lt;i&gt;short&lt;/i&gt;" in (out / "reports/ada/week05_exercise.html").read_text()
     before = (out / "gradebook.csv").read_bytes()
     (out / "gradebook.csv").unlink()
-    write_gradebook(out)
+    write_gradebook(out, results_in(out))
     assert (out / "gradebook.csv").read_bytes() == before
     for resume, rejudge in ((False, False), (True, False), (False, True)):
         grade(tmp_path / "in", out, jobs=1, course=kinds, resume=resume, rejudge=rejudge)

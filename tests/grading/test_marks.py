@@ -11,7 +11,7 @@ from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
 from course_lib.grading.handin.received import Received
 from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import CheckResult, TaskResult, judge_task
-from course_lib.grading.marks.mark import Result
+from course_lib.grading.marks.mark import Result, results_in
 from course_lib.grading.marks.marks import Mark, add_up, count_days_late
 from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.run.job import Run
@@ -119,7 +119,7 @@ def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:
     when = Received(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
     submission = Submission("=cmd()", "week01_exercise", tmp_path / "a.ipynb", when)
     Result(submission, "rejected", "unreadable", '@SUM(A1), "quoted"').write(tmp_path)
-    assert write_gradebook(tmp_path).read_text().splitlines()[1] == (
+    assert write_gradebook(tmp_path, results_in(tmp_path)).read_text().splitlines()[1] == (
         '\'=cmd(),week01_exercise,,,,,,rejected,unreadable,"\'@SUM(A1), ""quoted"""'
     )
 

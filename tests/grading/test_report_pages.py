@@ -133,7 +133,7 @@ def test_a_returned_report_plays_alone_in_an_empty_folder(
     result = Result.from_plain(read_result(out / "results/ada/week01_exercise.json"))
     alone = tmp_path / "downloads" / "week01_exercise.html"
     alone.parent.mkdir()
-    alone.write_bytes(standalone(result, [], out, catalog_of(course)))
+    alone.write_bytes(standalone(result, out, catalog_of(course)))
     page.goto(alone.as_uri())
     page.wait_for_selector(READING)
     assert page.locator("figure canvas").count() == 2

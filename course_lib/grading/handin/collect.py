@@ -4,7 +4,7 @@ import csv
 import errno
 import io
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -99,7 +99,7 @@ def collect(
         _keep_or_refuse(arrival, out, zone, done, exports)
     if not done.count and not done.refused:
         raise CourseError(f"{source} holds no file. Name what the platform gave.")
-    _write_list(out / LIST, done)
+    write_list(out / LIST, done.rows.values())
     return done
 
 
@@ -240,9 +240,10 @@ def _rows(path: Path) -> dict[str, dict[str, str]]:
         return {row["file"]: row for row in csv.DictReader(file)}
 
 
-def _write_list(path: Path, done: Collection) -> None:
+def write_list(path: Path, rows: Iterable[Mapping[str, str]]) -> None:
+    """Write received.csv."""
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, COLUMNS, restval="", extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
-    writer.writerows(done.rows.values())
+    writer.writerows(rows)
     write_whole(path, text.getvalue().encode("utf-8", "replace"))

@@ -7,19 +7,16 @@ from contextlib import suppress
 from pathlib import Path
 
 from course_lib.errors import CourseError, counted
-from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.marks.marks import read_marks
+from course_lib.grading.marks.mark import Result, need_results, read_result
 from course_lib.grading.records import (
     Course,
     catalog_of,
-    marks_path,
-    report_path,
     result_path,
     sole_use,
     this_course,
     writing,
 )
-from course_lib.grading.reports.report import is_current, page_digest, report, requests_of
+from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import printable
 from course_lib.grading.reports.tables import write_tables
 
@@ -28,19 +25,9 @@ GENTLE = 10  # niceness of the process that writes them
 Place = tuple[str, str]  # student and exercise
 
 
-def need_results(out: Path) -> None:
-    """Refuse a folder that `course grade` has not written.
-
-    Raises:
-        CourseError: It holds no result.
-    """
-    if not any((out / "results").glob("*/*.json")):
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
-
-
 def stale(out: Path) -> list[Place]:
     """Return the students and exercises whose reports lack marks of persons."""
-    return [place for place in _marked(out) if not _has_page(out, place)]
+    return [place for place in _marked(out) if not has_page(_result(out, place), out)]
 
 
 def follow_marks(out: Path, course: Course | None = None) -> str:
@@ -59,9 +46,8 @@ def follow_marks(out: Path, course: Course | None = None) -> str:
     with sole_use(out), writing(out):
         places, catalog = stale(out), catalog_of(course)
         write_tables(out, catalog.course.zone)  # first: they matter more than pages
-        for student, exercise in places:
-            result = Result.from_plain(read_result(result_path(out, student, exercise)))
-            report(result, read_marks(marks_path(out, student, exercise)), out, catalog)
+        for place in places:
+            report(_result(out, place), out, catalog)
     return f"Wrote {counted(len(places), 'report')}, {out / 'reports/index.html'} and {out / 'gradebook.csv'}"
 
 
@@ -71,10 +57,8 @@ def _marked(out: Path) -> list[Place]:
     return [place for place in places if result_path(out, *place).is_file()]
 
 
-def _has_page(out: Path, place: Place) -> bool:
-    result = Result.from_plain(read_result(result_path(out, *place)))
-    marks = read_marks(marks_path(out, *place))
-    return is_current(report_path(out, *place), page_digest(result.digest, marks, requests_of(result, out)))
+def _result(out: Path, place: Place) -> Result:
+    return Result.from_plain(read_result(result_path(out, *place)))
 
 
 class Follower:
@@ -84,7 +68,7 @@ class Follower:
     """
 
     def __init__(self, out: Path, course: Course) -> None:
-        self._words = (*map(str, (out, course.exercises, course.solutions)),)
+        self._words = tuple(map(str, (out, course.exercises, course.solutions)))
         self._due = asyncio.Event()
         self.state = ""
 

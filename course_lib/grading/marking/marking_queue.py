@@ -177,11 +177,7 @@ class MarkingQueue:
     def _read_result(self, path: Path, marks_file: Path) -> None:
         self._problems.pop(path, None)
         try:
-            named = {
-                "student": path.parent.name,
-                "exercise": path.stem,
-            }  # a name on the disk may hold any bytes
-            content, marks = read_result(path) | named, read_marks(marks_file)
+            content, marks = read_result(path), read_marks(marks_file)
         except CourseError as error:
             self._problems[path] = str(error)
             return

@@ -19,11 +19,11 @@ from tornado.web import Application, HTTPError, RequestHandler
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.grading.marking.follow import Follower, follow_marks, need_results, stale
+from course_lib.grading.marking.follow import Follower, follow_marks, stale
 from course_lib.grading.marking.handed_in import handed_in
 from course_lib.grading.marking.marking_queue import MarkingQueue
 from course_lib.grading.marking.requests import read_name, read_number, read_save
-from course_lib.grading.marks.mark import read_result
+from course_lib.grading.marks.mark import need_results, read_result
 from course_lib.grading.marks.marks import MarksConflictError
 from course_lib.grading.records import (
     Course,

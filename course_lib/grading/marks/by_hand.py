@@ -6,7 +6,7 @@ from pathlib import Path
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.marks.marks import Given, add_marks, read_marks
+from course_lib.grading.marks.marks import Given, add_marks
 from course_lib.grading.records import (
     Course,
     catalog_of,
@@ -55,7 +55,7 @@ def mark_by_hand(
         tasks = {known.task: known for known in (result.judgement.tasks if result.judgement else ())}
         task = _task(task, tasks, f"{exercise} of {student}")
         (given,) = add_marks(file, tasks[task], [Given(number, row, comment or None)])
-        report(result, read_marks(file), out, catalog)
+        report(result, out, catalog)
         write_tables(out, catalog.course.zone)
     now = read_result(path)["row"]
     what = f"{task} ({given.row})" if given.row else task

@@ -165,6 +165,10 @@ def read_result(path: Path) -> dict[str, Any]:
     marks = read_marks(marks_path(path.parents[2], path.parent.name, path.stem))
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
+        content |= {
+            "student": path.parent.name,
+            "exercise": path.stem,
+        }  # a name on the disk may hold any bytes
         return {**content, "row": row_of(content, marks)}
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
@@ -173,6 +177,16 @@ def read_result(path: Path) -> dict[str, Any]:
 def results_in(out: Path) -> Iterator[dict[str, Any]]:
     """Yield all results, by student and exercise, one at a time: together they may be large."""
     return map(read_result, sorted((out / "results").glob("*/*.json")))
+
+
+def need_results(out: Path) -> None:
+    """Refuse a folder that `course grade` has not written.
+
+    Raises:
+        CourseError: It holds no result.
+    """
+    if not any((out / "results").glob("*/*.json")):
+        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
 
 
 def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:

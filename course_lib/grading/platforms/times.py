@@ -1,14 +1,12 @@
 """received.csv, as a platform's own times of receipt make it."""
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_lib.course.state import write_whole
+from course_lib.grading.handin.collect import write_list
 from course_lib.grading.handin.ids import PLATFORM, ROSTER
-from course_lib.grading.handin.received import COLUMNS, ID_FROM, LIST
+from course_lib.grading.handin.received import ID_FROM, LIST
 from course_lib.grading.reports.table import harmless
 
 
@@ -29,12 +27,10 @@ class PlatformTime:
 
 def write_receipts(top: Path, receipts: Mapping[str, PlatformTime]) -> None:
     """Write TOP/received.csv with a row for each file in the students' folders."""
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
-    writer.writeheader()
+    rows = list[dict[str, str]]()
     for student, receipt in receipts.items():
         known = {"received": harmless(receipt.time), "source": receipt.source}
         known[ID_FROM] = ROSTER if receipt.named else PLATFORM
         for path in sorted(path for path in (top / student).rglob("*") if path.is_file()):
-            writer.writerow({"file": path.relative_to(top).as_posix(), **known})
-    write_whole(top / LIST, text.getvalue().encode("utf-8", "replace"))
+            rows.append({"file": path.relative_to(top).as_posix(), **known})
+    write_list(top / LIST, rows)

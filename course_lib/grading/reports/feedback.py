@@ -12,9 +12,8 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.sender import Platform, PlatformName, platform_name
-from course_lib.grading.marks.mark import Result, results_in
-from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.records import Course, catalog_of, marks_path, this_course, writing
+from course_lib.grading.marks.mark import Result, need_results, results_in
+from course_lib.grading.records import Course, catalog_of, this_course, writing
 from course_lib.grading.reports.report import standalone
 from course_lib.grading.reports.table import printable
 
@@ -91,9 +90,8 @@ Reports = dict[str, tuple[Result, PlatformName]]  # by the name of the file in t
 def _ready(out: Path, form: Format) -> tuple[list[str], dict[str, Reports]]:
     """Return a line for each report that is left out, and the others by exercise."""
     ready, lines = defaultdict[str, Reports](dict), list[str]()
+    need_results(out)
     results = list(results_in(out))
-    if not results:
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
     named = {id(one): _named(str(one.get("handed_in_as", "")), form) for one in results}
     if not any(named.values()):
         raise CourseError(
@@ -148,11 +146,9 @@ def _suffix(named: PlatformName) -> str:
 
 def _page(result: Result, named: PlatformName, out: Path, course: Course, lms: str) -> bytes:
     """Return the report, in a zip where Canvas will call it one."""
-    exercise, student = result.submission.exercise, result.submission.student
-    marks = read_marks(marks_path(out, student, exercise))
-    page = standalone(result, marks, out, catalog_of(course))
+    page = standalone(result, out, catalog_of(course))
     in_zip = lms == "canvas" and _suffix(named) == ".zip"
-    return _zipped({f"{exercise}.html": page}) if in_zip else page
+    return _zipped({f"{result.submission.exercise}.html": page}) if in_zip else page
 
 
 def _zipped(files: Mapping[str, bytes]) -> bytes:

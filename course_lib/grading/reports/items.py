@@ -1,7 +1,5 @@
 """Item analysis: how hard each task and check was, and whether it tells good work from poor work."""
 
-import csv
-import io
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +13,7 @@ from course_lib.course.state import write_whole
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.marks.marks import HandMark, apply_marks, read_marks
 from course_lib.grading.records import marks_path
-from course_lib.grading.reports.table import fill, harmless
+from course_lib.grading.reports.table import csv_of, fill
 from course_lib.grading.run.run import read_usage
 
 TASK_COLUMNS = (
@@ -113,15 +111,12 @@ class Analysis:
 
 def write_items(out: Path, results: Iterable[Mapping[str, Any]]) -> None:
     """Write OUT/tasks.csv, a line for each student and task, and OUT/reports/items.html."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(TASK_COLUMNS)
-    found = defaultdict[str, list[Mapping[str, Any]]](list)
+    rows, found = list[tuple[Any, ...]](), defaultdict[str, list[Mapping[str, Any]]](list)
     for result in results:
         marks = read_marks(marks_path(out, result["student"], result["exercise"]))
-        writer.writerows([harmless(cell) for cell in row] for row in _task_rows(result, marks))
+        rows += _task_rows(result, marks)
         found[result["exercise"]].append(result)
-    write_whole(out / "tasks.csv", text.getvalue().encode("utf-8", "replace"))
+    write_whole(out / "tasks.csv", csv_of(TASK_COLUMNS, rows))
     page = fill("items.html", exercises=[analyse(name, found[name], out) for name in sorted(found)])
     write_whole(out / "reports" / "items.html", page.encode("utf-8", "replace"))
 

@@ -10,9 +10,9 @@ from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.marks.mark import Result
-from course_lib.grading.marks.marks import HandMark
+from course_lib.grading.marks.marks import HandMark, read_marks
 from course_lib.grading.marks.requests import RegradeRequest, read_requests, requests_path
-from course_lib.grading.records import digest_of, evidence_path, report_path
+from course_lib.grading.records import digest_of, evidence_path, marks_path, report_path
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.reports.table import Row, fill, scored_rows
 from course_lib.grading.run.job import Run, plan
@@ -26,33 +26,31 @@ NOTE = 200  # [B] that a note on a smaller scene adds
 HEAD = 300  # characters of a page in which its digest is
 
 
-def report(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog) -> None:
+def report(result: Result, out: Path, catalog: Catalog) -> None:
     """Write OUT/reports/STUDENT/EXERCISE.html; every text that comes from students is escaped.
 
     Args:
         result: As it is stored.
-        marks: The points of persons.
-        out: The folder of records, which has the evidence for the scenes.
+        out: The folder of records, with the points of persons and the evidence for the scenes.
         catalog: The tasks with their hidden scenarios.
     """
+    marks, asked = _from_persons(result, out)
     tasks = _sections(result, marks, out, catalog)
     script = shared_script(out / "reports") if any(task["figures"] for task in tasks) else ""
-    submission = result.submission
-    asked = requests_of(result, out)
     page = _page(result, marks, asked, catalog, tasks, script=script)
-    write_whole(report_path(out, submission.student, submission.exercise), page)
+    write_whole(report_path(out, result.submission.student, result.submission.exercise), page)
 
 
-def standalone(result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog) -> bytes:
+def standalone(result: Result, out: Path, catalog: Catalog) -> bytes:
     """Return the page with its viewer in it, in at most `MAX_ALONE` bytes where its text leaves room.
 
     Args:
         result: As it is stored.
-        marks: The points of persons.
-        out: The folder of records, which has the evidence for the scenes.
+        out: The folder of records, with the points of persons and the evidence for the scenes.
         catalog: The tasks with their hidden scenarios.
     """
-    tasks, viewer, asked = _sections(result, marks, out, catalog), bundle_script(), requests_of(result, out)
+    marks, asked = _from_persons(result, out)
+    tasks, viewer = _sections(result, marks, out, catalog), bundle_script()
     sizes = [len(figure.view) for task in tasks for figure in task["figures"] if figure.view]
     if not sizes:
         return _page(result, marks, asked, catalog, tasks)
@@ -72,9 +70,10 @@ def _share(sizes: Sequence[int], room: int) -> int:
     return max(sizes)
 
 
-def requests_of(result: Result, out: Path) -> tuple[RegradeRequest, ...]:
-    """Return the student's requests about an exercise, with the answers."""
-    return read_requests(requests_path(out, result.submission.student, result.submission.exercise))
+def _from_persons(result: Result, out: Path) -> tuple[list[HandMark], tuple[RegradeRequest, ...]]:
+    """Return the points of persons, and the student's requests with the answers."""
+    place = out, result.submission.student, result.submission.exercise
+    return read_marks(marks_path(*place)), read_requests(requests_path(*place))
 
 
 def _page(
@@ -111,13 +110,12 @@ def _page(
         script=script,
         viewer=Markup(viewer),
         asked=asked,
-        page_digest=page_digest(result.digest, marks, asked),
+        page_digest=_page_digest(result.digest, marks, asked),
     )
     return page.encode("utf-8", "replace")
 
 
-def page_digest(result: str, marks: Iterable[HandMark], asked: Iterable[RegradeRequest] = ()) -> str:
-    """Return the digest of all that a page depends on: that of the result, points of persons, requests."""
+def _page_digest(result: str, marks: Iterable[HandMark], asked: Iterable[RegradeRequest]) -> str:
     return digest_of([result, [asdict(mark) for mark in marks], [asdict(one) for one in asked]])
 
 
@@ -127,8 +125,10 @@ def section_of(page: str, task: str) -> str:
     return rest.partition("</section>")[0]
 
 
-def is_current(path: Path, digest: str) -> bool:
-    """Return whether there is a page with this digest."""
+def has_page(result: Result, out: Path) -> bool:
+    """Return whether the page is there, of this result and of today's points and requests."""
+    digest = _page_digest(result.digest, *_from_persons(result, out))
+    path = report_path(out, result.submission.student, result.submission.exercise)
     try:
         with path.open(encoding="utf-8") as file:
             return digest in file.read(HEAD)

@@ -1,8 +1,10 @@
 """Results as text and HTML: a student's table, and lines for the terminal."""
 
+import csv
+import io
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -93,6 +95,15 @@ def harmless(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
+def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    """Return a CSV file in which no text is a formula; half of a surrogate pair becomes a question mark."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(map(harmless, row) for row in rows)
+    return text.getvalue().encode("utf-8", "replace")
+
+
 def printable(line: str) -> str:
     """Replace control characters and broken ones: a student's name may hold anything."""
     return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
@@ -179,7 +190,7 @@ def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
     return [f"{note} ({few(students)}). The marks are right." for note, students in lost.items()]
 
 
-def few(students: list[str]) -> str:
+def few(students: Sequence[str]) -> str:
     """Return the first names of a list, and how many there are besides."""
     shown = ", ".join(students[:MOST_NAMED])
     return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

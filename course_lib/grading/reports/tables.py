@@ -1,7 +1,5 @@
 """Tables of all results: gradebook.csv, and the index with submissions to look at."""
 
-import csv
-import io
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -17,23 +15,17 @@ from course_lib.grading.handin.copies import Alike, alike_in
 from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.marks.mark import COLUMNS, results_in
 from course_lib.grading.reports.items import write_items
-from course_lib.grading.reports.table import fill, harmless
+from course_lib.grading.reports.table import csv_of, few, fill
 from course_lib.grading.run.run import read_usage
 
 
-def write_gradebook(out: Path) -> Path:
-    """Write OUT/gradebook.csv from all that OUT/results and OUT/marks hold."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for result in results_in(out):
-        writer.writerow(map(harmless, result["row"].values()))
+def write_gradebook(out: Path, results: Iterable[Mapping[str, Any]]) -> Path:
+    """Write OUT/gradebook.csv from all results with their rows."""
     path = out / "gradebook.csv"
-    write_whole(path, text.getvalue().encode())
+    write_whole(path, csv_of(COLUMNS, (result["row"].values() for result in results)))
     return path
 
 
-NAMED = 5  # names in one line; the index has all
 SIMILAR = "similar code"
 ADVICE = {
     MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
@@ -71,7 +63,7 @@ def flags(result: Mapping[str, Any], alike: Mapping[tuple[str, str], Alike]) -> 
     word = result.get("id_flag")
     found = [Flag(word, word)] if word else []
     if similar := alike.get((result["student"], result["exercise"])):
-        found.append(Flag(SIMILAR, f"{SIMILAR}: {_some(similar.others)}", similar.link))
+        found.append(Flag(SIMILAR, f"{SIMILAR}: {few(similar.others)}", similar.link))
     return found
 
 
@@ -84,17 +76,12 @@ def concerns(results: Iterable[Mapping[str, Any]], out: Path) -> list[Concern]:
             pages |= {flag.link.split("#")[0]} - {""}
     return [
         Concern(
-            f"{kind}: {counted(len(who[kind]), 'submission')} ({_some(who[kind])}): {advice}",
+            f"{kind}: {counted(len(who[kind]), 'submission')} ({few(who[kind])}): {advice}",
             tuple(sorted(pages)) if kind == SIMILAR else (),
         )
         for kind, advice in ADVICE.items()
         if kind in who
     ]
-
-
-def _some(names: Sequence[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more
 
 
 # Key in the result's row, heading; numbers are sorted as such.
@@ -105,11 +92,13 @@ INDEX_COLUMNS = (
 )  # fmt: skip
 
 
-def write_tables(out: Path, zone: ZoneInfo) -> list[Path]:
-    """Write what is derived from all results and marks; returns the gradebook and the index."""
+def write_tables(out: Path, zone: ZoneInfo) -> list[dict[str, Any]]:
+    """Write the gradebook, the index and the analysis of all tasks; returns all results."""
     results = list(results_in(out))
     write_items(out, results)
-    return [write_gradebook(out), write_index(out, zone, results)]
+    write_gradebook(out, results)
+    write_index(out, zone, results)
+    return results
 
 
 def write_index(out: Path, zone: ZoneInfo, results: Sequence[dict[str, Any]]) -> Path:
@@ -138,7 +127,7 @@ def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
     place = f"{row['student']}/{row['exercise']}.html"
     time = result["received"] and datetime.fromisoformat(result["received"]).astimezone(zone)
     return {
-        "link": quote(place) if (out / "reports" / place).is_file() else "",
+        "link": quote(place, errors="surrogateescape") if (out / "reports" / place).is_file() else "",
         "cells": [f"{v:g}" if isinstance(v, float) else v for v in cells],
         "received": time.isoformat(" ", "minutes") if time else "unknown",
         "notes": result["notes"],

@@ -1,12 +1,12 @@
 """`course regrade`: requests to look at marks again, and their answers, which reports show."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.notebook import exercise_named
 from course_lib.grading.marks.by_hand import known_name
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.marks.requests import (
     MAX_TEXT,
     RegradeRequest,
@@ -19,7 +19,6 @@ from course_lib.grading.marks.requests import (
 from course_lib.grading.records import (
     Course,
     catalog_of,
-    marks_path,
     result_path,
     sole_use,
     this_course,
@@ -54,7 +53,7 @@ def take_in(out: Path, folder: Path, course: Course | None = None) -> list[str]:
             student, exercise = _of(out, path.parent.name, exercise_named(path.name) or path.stem)
             known = [one.text for one in _there(out, student, exercise)]
             if text not in known:
-                _change(out, student, exercise, course, request=text)
+                _change(out, student, exercise, course, add_request, text)
                 lines.append(f"entered: {student} {exercise}")
         except CourseError as error:
             lines.append(f"refused: {path}: {error}")
@@ -68,7 +67,7 @@ def answer(out: Path, student: str, exercise: str, text: str, course: Course | N
         CourseError: There is no such result, or no request waits for an answer.
     """
     student, exercise = _of(out, student, exercise)
-    _change(out, student, exercise, course, reply=text)
+    _change(out, student, exercise, course, add_answer, text)
     return [f"{student} {exercise}: answered; the report shows it", *waiting(out)]
 
 
@@ -109,17 +108,12 @@ def _change(
     student: str,
     exercise: str,
     course: Course | None,
-    *,
-    request: str | None = None,
-    reply: str = "",
+    add: Callable[[Path, str], None],
+    text: str,
 ) -> None:
-    """Store a request or an answer, and write the report again."""
+    """Store a request or an answer, as `add` does, and write the report again."""
     catalog = catalog_of(course or this_course())
-    path = requests_path(out, student, exercise)
     with sole_use(out), writing(out):
-        if request is not None:
-            add_request(path, request)
-        else:
-            add_answer(path, reply)
+        add(requests_path(out, student, exercise), text)
         result = Result.from_plain(read_result(result_path(out, student, exercise)))
-        report(result, read_marks(marks_path(out, student, exercise)), out, catalog)
+        report(result, out, catalog)

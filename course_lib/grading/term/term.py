@@ -1,7 +1,5 @@
 """`course term`: the marks of all weeks of a class, as one table with totals."""
 
-import csv
-import io
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,9 +12,9 @@ from course_lib.course.installation import exercises_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.lms import TERM_TABLE
-from course_lib.grading.marks.mark import results_in
+from course_lib.grading.marks.mark import need_results, results_in
 from course_lib.grading.records import writing
-from course_lib.grading.reports.table import few, harmless, printable
+from course_lib.grading.reports.table import csv_of, few, printable
 from course_lib.grading.term.class_list import ClassList, Member, read_class_list
 from course_lib.grading.term.lists import read_exemptions, read_quizzes
 from course_lib.grading.term.totals import FULL, Kind, TermLine, WeekMark, add_up_term
@@ -56,8 +54,7 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
     """
     course = course or read_course_file(exercises_dir() / "course.toml")
     members, results = read_class_list(files.roster), _results(out)
-    if not results:
-        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")
+    need_results(out)
     if course.term.quiz_percent and files.quizzes is None:
         raise CourseError(
             "course.toml counts quizzes (quiz_percent), so name their marks: --quizzes quizzes.csv, "
@@ -68,7 +65,7 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
     weeks = [week for week, settings in course.weeks.items() if settings.points and week in results]
     lines = [_line(one, weeks, members, results, exempt, quizzes, course) for one in members.members]
     with writing(out):
-        write_whole(out / TERM_TABLE, _table(lines, members, weeks).encode())
+        write_whole(out / TERM_TABLE, csv_of((*FIXED, *weeks, *LISTS), _rows(lines, members, weeks)))
     return [printable(line) for line in _said(out, lines, members, weeks, results, course)]
 
 
@@ -121,10 +118,7 @@ def week_mark(student: str, rows: Mapping[str, Mapping[str, Any]], counts: str) 
     return WeekMark(kind, percent, by if by != student else "")
 
 
-def _table(lines: Iterable[TermLine], members: ClassList, weeks: Sequence[str]) -> str:
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*FIXED, *weeks, *LISTS])
+def _rows(lines: Iterable[TermLine], members: ClassList, weeks: Sequence[str]) -> Iterator[Sequence[str]]:
     for line in lines:
         member, total = members.by_id[line.student], line.total
         fixed = (member.id, member.name, member.email, member.section, member.group)
@@ -132,9 +126,7 @@ def _table(lines: Iterable[TermLine], members: ClassList, weeks: Sequence[str]) 
         percents = [line.marks[week].percent for week in weeks]
         by = [f"{week}:{mark.by}" for week, mark in line.marks.items() if mark.by]
         lists = [total.dropped, *(line.weeks_of(kind) for kind in KINDS), by]
-        cells = (*fixed, *map(_number, (*numbers, *percents)), *map(" ".join, lists))
-        writer.writerow(map(harmless, cells))
-    return text.getvalue()
+        yield (*fixed, *map(_number, (*numbers, *percents)), *map(" ".join, lists))
 
 
 def _number(value: float | None) -> str:

@@ -87,7 +87,7 @@ def write_results(
             submission, "graded", judgement=_judgement(catalog), attempts=({"key": "none"},), digest="d"
         )
         result.write(out)
-        report(result, (), out, catalog)
+        report(result, out, catalog)
     write_tables(out, catalog.course.zone)
 
 

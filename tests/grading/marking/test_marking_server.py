@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.grading.marking.follow import stale
 from course_lib.grading.marking.server import ADDRESS, serve
+from course_lib.grading.marks.by_hand import mark_by_hand
 from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.records import Course, marks_path
+from course_lib.grading.records import Course, marks_path, report_path
 from tests.browser.waiting import wait_until
 from tests.grading.marking.bench import ESSAY, MOTTO, Served, save, served, write_results
 
@@ -183,6 +185,17 @@ def test_hostile_names_and_code_arrive_as_data(kinds: Course, tmp_path: Path) ->
         )
     (mark,) = read_marks(marks_path(tmp_path / "out", undecodable, "week05_exercise"))
     assert (mark.by, mark.comment) == ("?Ann", "?")
+
+
+def test_marks_of_a_student_whose_name_is_no_text_reach_report_and_index(
+    kinds: Course, tmp_path: Path
+) -> None:
+    out, student = tmp_path / "out", os.fsdecode(b"d\xffn")
+    write_results(kinds, out, (student,))
+    mark_by_hand(out, student, "week05_exercise", ESSAY, "5", row="1", comment="Well read.", course=kinds)
+    assert "Well read." in report_path(out, student, "week05_exercise").read_text("utf-8")
+    assert 'href="d%FFn/week05_exercise.html"' in (out / "reports/index.html").read_text("utf-8")
+    assert stale(out) == []
 
 
 def test_code_that_has_changed_since_or_is_gone_is_named(server: Served, tmp_path: Path) -> None:
