@@ -43,11 +43,12 @@ def lab(
     work_dir: Annotated[Path, typer.Argument(help="Your folder; made if missing.")] = Path("my_course"),
     port: Annotated[int | None, typer.Option(help="The port to listen on.")] = None,
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    server: Annotated[bool, typer.Option(help="Start JupyterLab; without, the folder is all.")] = True,
 ) -> None:
     """Open JupyterLab on your course folder."""
     from course_lib.course.lab import lab as open_lab
 
-    open_lab(work_dir, port=port, browser=browser)
+    open_lab(work_dir, port=port, browser=browser, serves=server)
 
 
 @app.command()

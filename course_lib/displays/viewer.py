@@ -1,8 +1,6 @@
 """RViz in a cell: what lessons import."""
 
-import sys
 import weakref
-import webbrowser
 from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
@@ -24,6 +22,7 @@ from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
+from course_lib.surroundings import announce
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
@@ -249,7 +248,7 @@ class Viewer:
         return self._cell.at_rest(self._film, seconds)
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
-        """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
+        """Show the viewer in a browser's tab; it ends with the program.
 
         Args:
             browser: Whether to open the page, besides printing its address.
@@ -257,13 +256,14 @@ class Viewer:
             token: The secret part of the address; None makes one up.
 
         Returns:
-            The address.
+            The address; on a JupyterHub that of its proxy.
+
+        Raises:
+            CourseError: The port is taken, or the hub has no jupyter-server-proxy.
         """
         self.look()
         url = self._cell.opened(port, token)
-        sys.stdout.write(f"The viewer is at {url}\n")
-        if browser:
-            webbrowser.open(url)
+        announce("The viewer", url, browser=browser)
         return url
 
     def summary(self) -> str:
