@@ -1,0 +1,142 @@
+"""A term on the disk: a course of its own, a class list, and what the platform gives for each week.
+
+`declared.json` has what must come of each hand-in; tests/grading/term/recompute.py compares it with the records.
+"""
+
+import json
+import random
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+
+from course_lib.course.installation import checkout_root
+from tests.grading.platforms import Handed, moodle_zip, table
+from tests.grading.term.handed_in import HandIn, handed_in, tasks_of
+
+PACKAGE = "simulated_term"
+FIRST = datetime(2027, 3, 7, 23, 59)  # the first deadline; summer begins within the term
+WEEK, DAY = timedelta(days=7), timedelta(days=1)
+LATE = (*((0, -3 * DAY),) * 6, *((0, -timedelta(minutes=5)),) * 6, (0, timedelta(minutes=10)),
+        (1, timedelta(hours=9)), (2, DAY + timedelta(hours=9)), (8, 7 * DAY + timedelta(hours=9)))  # fmt: skip
+EXTENSION = 3 * DAY
+GROUP_WEEK = "week07"  # where the term has it, else its last one
+SETTINGS = """
+[term]
+drop_lowest = 1
+group_weeks = ["WEEK"]
+quiz_percent = 10
+[term.weights]
+WEEK = 2
+"""
+ENTRY = f"[course_lib.course]\n{PACKAGE} = {PACKAGE}\n"
+PROJECT = '[project]\nname = "simulated-term"\nversion = "1"\n'
+
+
+@dataclass(frozen=True)
+class SimulatedTerm:
+    """The folder of a term, and its class.
+
+    Args:
+        top: The folder.
+        students: IDs.
+        weeks: "week01", ….
+    """
+
+    top: Path
+    students: Sequence[str]
+    weeks: Sequence[str]
+
+    @property
+    def course_toml(self) -> Path:
+        return self.top / "exercises" / "course.toml"
+
+    @property
+    def group_week(self) -> str:
+        """The week in which groups hand in."""
+        return GROUP_WEEK if GROUP_WEEK in self.weeks else self.weeks[-1]
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """What makes commands find the course: its distribution is in the folder."""
+        return {"PYTHONPATH": str(self.top)}
+
+    def write(self) -> None:
+        """Write all but the hand-ins."""
+        for name in ("exercises", "solutions", "notebooks"):
+            shutil.copytree(checkout_root() / name, self.top / name, dirs_exist_ok=True)
+        info = self.top / f"{PACKAGE}-1.dist-info"
+        for path, text in {
+            info / "METADATA": "Metadata-Version: 2.1\nName: simulated-term\nVersion: 1\n",
+            info / "entry_points.txt": ENTRY,
+            self.top / PACKAGE / "__init__.py": "",
+            self.top / "pyproject.toml": PROJECT,
+            self.course_toml: self._settings((checkout_root() / "exercises" / "course.toml").read_text()),
+            self.top / "requests" / "nobody" / "week01_exercise.txt": "Who am I?",
+        }.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        self._write_lists()
+
+    def deadline(self, week: str) -> datetime:
+        return FIRST + (int(week.removeprefix("week")) - 1) * WEEK
+
+    def extended(self, week: str) -> list[str]:
+        return [one for one in self.students if random.Random(f"extend {week} {one}").random() < 0.03]
+
+    def _settings(self, text: str) -> str:
+        lines = ['time_zone = "Europe/Paris"']
+        for line in text.replace("grace_minutes = 0", "grace_minutes = 15").splitlines():
+            lines.append(line)
+            if line.startswith("[weeks.") and (week := line[7:-1]) in self.weeks:
+                lines.append(f"deadline = {self.deadline(week).isoformat()}")
+        for week in self.weeks:
+            lines.append(f"[weeks.{week}.extensions]")
+            lines += [f"{one} = {(self.deadline(week) + EXTENSION).isoformat()}" for one in self.extended(week)]
+        return "\n".join(lines) + SETTINGS.replace("WEEK", self.group_week)
+
+    def _write_lists(self) -> None:
+        chance, weeks = random.Random("lists"), self.weeks
+        groups = [(one, f"Student {one}", f"{one}@uni.example", f"g{n // 3}") for n, one in enumerate(self.students)]
+        table(self.top / "roster.csv", ("id", "name", "email", "group"), groups)
+        exempt = [(one, chance.choice(weeks), "ill") for one in self.students if chance.random() < 0.06]
+        table(self.top / "exemptions.csv", ("id", "week", "reason"), exempt)
+        quizzes = [(one, week, chance.randrange(101)) for one in self.students for week in weeks if chance.random() < 0.9]
+        table(self.top / "quizzes.csv", ("id", "week", "percent"), quizzes)
+
+    def hand_in(self, week: str) -> list[HandIn]:
+        """Write the platform's zip and table of a week, and note what must come of it."""
+        senders = [one for n, one in enumerate(self.students) if week != self.group_week or n % 3 == n // 3 % 3]
+        made = list(handed_in(week, senders))
+        numbers = {one: 1000 + number for number, one in enumerate(self.students)}
+        days, times = self._times(week, [one.student for one in made])
+        exercise = f"{week}_exercise"
+        moodle_zip(
+            self.top / f"{week}.zip",
+            [Handed(f"Student {o.student}", numbers[o.student], o.student, files={f"{exercise}.ipynb": o.data}) for o in made],
+        )
+        rows = [(f"Participant {numbers[one]}", one, time, "") for one, time in times.items()]
+        table(self.top / f"{week}.csv", ("Identifier", "ID number", "Last modified (submission)", "Grade"), rows)
+        declared = [
+            {"student": o.student, "exercise": exercise, "kind": o.kind, "name": o.name, "tasks": dict(o.expected),
+             "status": o.status, "days_late": days[o.student]}
+            for o in made
+        ]  # fmt: skip
+        (self.top / f"{week}.declared.json").write_text(json.dumps(declared))
+        return made
+
+    def _times(self, week: str, senders: Sequence[str]) -> tuple[Mapping[str, int], Mapping[str, str]]:
+        """Return started days and the platform's text of each time of receipt."""
+        days, times = {}, {}
+        for one in senders:
+            late, after = random.Random(f"time {week} {one}").choice(LATE)
+            due = self.deadline(week) + (EXTENSION if one in self.extended(week) else 0 * DAY)
+            days[one], times[one] = late, f"{due + after:%A, %-d %B %Y, %-I:%M %p}"
+        return days, times
+
+    def by_hand(self, made: Sequence[HandIn], week: str, most: int) -> list[tuple[str, str, str]]:
+        """Return so many marks of persons: student, task and points."""
+        chance, rubric = random.Random(f"marks {week}"), [task for task in tasks_of(week) if task.rubric]
+        read = [one for one in made if one.expected and one.kind != "copied"][:most]
+        return [(one.student, task.id, f"{chance.randrange(2 * 10) / 2:g}") for one in read for task in rubric]
