@@ -4,6 +4,7 @@
 """
 
 import json
+import os
 import random
 import shutil
 from collections.abc import Mapping, Sequence
@@ -60,7 +61,8 @@ class SimulatedTerm:
     @property
     def environment(self) -> dict[str, str]:
         """What makes commands find the course: its distribution is in the folder."""
-        return {"PYTHONPATH": str(self.top)}
+        before = filter(None, [os.environ.get("PYTHONPATH")])
+        return {"PYTHONPATH": os.pathsep.join([str(self.top), *before])}
 
     def write(self) -> None:
         """Write all but the hand-ins."""
