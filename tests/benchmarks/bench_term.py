@@ -1,12 +1,13 @@
-"""A term on this machine, through the commands: weeks handed in, collected, graded, marked, returned, added up.
+"""A term on this machine by the commands: weeks handed in, collected, graded, marked, returned, added up.
 
     python -m tests.benchmarks.bench_term --students 12 --weeks 1 3
     python -m tests.benchmarks.bench_term --folder term          # 180 students, 8 weeks; goes on after a kill
     python -m tests.benchmarks.bench_term --records 180          # records alone: no code runs
 
-Students hand in right answers, the wrong ones of the course's own tables, mutants, copies, broken and hostile files,
-or nothing; some are late, some have more time, in one week groups hand in. tests/grading/term/recompute.py, which
-knows nothing of the kit, computes the totals again and compares each mark with what was declared of the answer.
+Students hand in right answers, the wrong ones of the course's own tables, mutants, copies, broken and hostile
+files, or nothing; some are late, some have more time, in one week groups hand in. The script recompute.py in
+tests/grading/term, which knows nothing of the kit, computes the totals again and compares each mark with what
+was declared of the answer.
 """
 
 import argparse
@@ -50,8 +51,8 @@ class Cost:
     said: str = ""
 
     def __str__(self) -> str:
-        each = f"{self.cpu / max(self.count, 1):6.2f} s CPU each"
-        return f"{self.step:16} {self.count:5} {self.wall:8.1f} s {self.cpu:8.1f} s CPU {each} {self.memory:6.0f} MB"
+        cpu = f"{self.cpu:8.1f} s CPU {self.cpu / max(self.count, 1):6.2f} s each"
+        return f"{self.step:16} {self.count:5} {self.wall:8.1f} s {cpu} {self.memory:6.0f} MB"
 
 
 def memory_of(root: psutil.Process) -> float:
@@ -130,8 +131,8 @@ def week_of(term: SimulatedTerm, week: str, commands: Commands, jobs: int) -> li
 
 def look_again(term: SimulatedTerm, handed: dict[str, list[HandIn]], commands: Commands) -> None:
     """Enter requests, answer some of them, and change a mark."""
-    asked = [(one.student, f"{week}_exercise", task) for week, made in handed.items() for one in made[:REQUESTS]
-             for task in list(one.expected)[:1]]  # fmt: skip
+    first = [(week, one) for week, made in handed.items() for one in made[:REQUESTS] if one.expected]
+    asked = [(one.student, f"{week}_exercise", next(iter(one.expected))) for week, one in first]
     for student, exercise, _ in asked:
         (term.top / "requests" / student).mkdir(parents=True, exist_ok=True)
         (term.top / "requests" / student / f"{exercise}.txt").write_text("Please look at it <b>again</b>.")

@@ -1,4 +1,4 @@
-"""What a class hands in, with what must come of it by the course's own tables of right and wrong answers."""
+"""Hand-ins of a class, with what must come of each by the course's own tables of right and wrong answers."""
 
 import json
 import random
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from course_lib.authoring.answers import Variant, changed, read_answers
+from course_lib.authoring.answers import changed, read_answers
 from course_lib.authoring.mutants import mutants, operators
 from course_lib.course.exercise import exercise_path, read_notebook, source
 from course_lib.course.installation import solutions_dir
@@ -93,12 +93,8 @@ def _changes(week: str, kind: str, cells: Sequence[str]) -> Iterator[tuple[str, 
         return
     for one in answers.variants:
         if bool(one.way) == (kind == "way"):
-            new = changed(one, names[one.task], cells)
-            yield _name(one), one.task, [new.get(place, cell) for place, cell in enumerate(cells)]
-
-
-def _name(variant: Variant) -> str:
-    return variant.miss or variant.way
+            put = changed(one, names[one.task], cells)
+            yield one.miss or one.way, one.task, [put.get(place, cell) for place, cell in enumerate(cells)]
 
 
 def expected_of(week: str, task: str, new: Sequence[str], points: str) -> dict[str, str]:
@@ -168,7 +164,7 @@ def _answer(
     if kind == "try":
         name = chance.choice(("first_try", "second_try"))
         answers = read_answers(solutions_dir(), week)
-        wrong = {task: LESS for task in answers.files[name]}
+        wrong = dict.fromkeys(answers.files[name], LESS)
         return name, cells_of(answers.file(name)), all_get(week, ANY) | wrong, (*waits, LIMIT)
     if kind == "hostile":
         name = chance.choice(list(HOSTILE))

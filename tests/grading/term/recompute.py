@@ -129,7 +129,8 @@ def disagreements(out: Path, declared: list[dict[str, Any]], percent_per_day: fl
         row = book.get((one["student"], one["exercise"]))
         told = _faults(out, one, row, percent_per_day) if row else ["not in the gradebook"]
         made += [f"{one['exercise']} {one['student']} ({one['kind']} {one['name']}): {text}" for text in told]
-    return made + [f"nobody handed in {found}" for found in book.keys() - {(d["student"], d["exercise"]) for d in declared}]
+    handed = {(one["student"], one["exercise"]) for one in declared}
+    return made + [f"nobody handed in {found}" for found in book.keys() - handed]
 
 
 def _faults(out: Path, one: dict[str, Any], row: dict[str, str], percent_per_day: float) -> list[str]:

@@ -1,6 +1,6 @@
 """A term on the disk: a course of its own, a class list, and what the platform gives for each week.
 
-`declared.json` has what must come of each hand-in; tests/grading/term/recompute.py compares it with the records.
+WEEK.declared.json has what must come of each hand-in; recompute.py compares it with the records.
 """
 
 import json
@@ -19,8 +19,11 @@ from tests.grading.term.handed_in import HandIn, handed_in, tasks_of
 PACKAGE = "simulated_term"
 FIRST = datetime(2027, 3, 7, 23, 59)  # the first deadline; summer begins within the term
 WEEK, DAY = timedelta(days=7), timedelta(days=1)
-LATE = (*((0, -3 * DAY),) * 6, *((0, -timedelta(minutes=5)),) * 6, (0, timedelta(minutes=10)),
-        (1, timedelta(hours=9)), (2, DAY + timedelta(hours=9)), (8, 7 * DAY + timedelta(hours=9)))  # fmt: skip
+MORNING, MINUTE = timedelta(hours=9), timedelta(minutes=1)
+LATE = (  # started days, and the time from the deadline on
+    *((0, -3 * DAY),) * 6, *((0, -5 * MINUTE),) * 6, (0, 10 * MINUTE),
+    (1, MORNING), (2, DAY + MORNING), (8, 7 * DAY + MORNING),
+)  # fmt: skip
 EXTENSION = 3 * DAY
 GROUP_WEEK = "week07"  # where the term has it, else its last one
 SETTINGS = """
@@ -32,6 +35,7 @@ quiz_percent = 10
 WEEK = 2
 """
 ENTRY = f"[course_lib.course]\n{PACKAGE} = {PACKAGE}\n"
+HEADINGS = ("Identifier", "ID number", "Last modified (submission)", "Grade")
 PROJECT = '[project]\nname = "simulated-term"\nversion = "1"\n'
 
 
@@ -60,7 +64,7 @@ class SimulatedTerm:
 
     @property
     def environment(self) -> dict[str, str]:
-        """What makes commands find the course: its distribution is in the folder."""
+        """Variables with which commands find the course: its distribution is in the folder."""
         before = filter(None, [os.environ.get("PYTHONPATH")])
         return {"PYTHONPATH": os.pathsep.join([str(self.top), *before])}
 
@@ -95,36 +99,39 @@ class SimulatedTerm:
                 lines.append(f"deadline = {self.deadline(week).isoformat()}")
         for week in self.weeks:
             lines.append(f"[weeks.{week}.extensions]")
-            lines += [f"{one} = {(self.deadline(week) + EXTENSION).isoformat()}" for one in self.extended(week)]
+            later = (self.deadline(week) + EXTENSION).isoformat()
+            lines += [f"{one} = {later}" for one in self.extended(week)]
         return "\n".join(lines) + SETTINGS.replace("WEEK", self.group_week)
 
     def _write_lists(self) -> None:
         chance, weeks = random.Random("lists"), self.weeks
-        groups = [(one, f"Student {one}", f"{one}@uni.example", f"g{n // 3}") for n, one in enumerate(self.students)]
-        table(self.top / "roster.csv", ("id", "name", "email", "group"), groups)
+        members = [(one, f"Student {one}", f"g{n // 3}") for n, one in enumerate(self.students)]
+        table(self.top / "roster.csv", ("id", "name", "group"), members)
         exempt = [(one, chance.choice(weeks), "ill") for one in self.students if chance.random() < 0.06]
         table(self.top / "exemptions.csv", ("id", "week", "reason"), exempt)
-        quizzes = [(one, week, chance.randrange(101)) for one in self.students for week in weeks if chance.random() < 0.9]
+        asked = [(one, week) for one in self.students for week in weeks if chance.random() < 0.9]
+        quizzes = [(*pair, chance.randrange(101)) for pair in asked]
         table(self.top / "quizzes.csv", ("id", "week", "percent"), quizzes)
 
     def hand_in(self, week: str) -> list[HandIn]:
         """Write the platform's zip and table of a week, and note what must come of it."""
-        senders = [one for n, one in enumerate(self.students) if week != self.group_week or n % 3 == n // 3 % 3]
-        made = list(handed_in(week, senders))
+        alone = week != self.group_week
+        made = list(
+            handed_in(week, [one for n, one in enumerate(self.students) if alone or n % 3 == n // 3 % 3])
+        )
         numbers = {one: 1000 + number for number, one in enumerate(self.students)}
         days, times = self._times(week, [one.student for one in made])
         exercise = f"{week}_exercise"
-        moodle_zip(
-            self.top / f"{week}.zip",
-            [Handed(f"Student {o.student}", numbers[o.student], o.student, files={f"{exercise}.ipynb": o.data}) for o in made],
-        )
+        files = {one.student: {f"{exercise}.ipynb": one.data} for one in made}
+        sent = [Handed(f"Student {one}", numbers[one], one, files=files[one]) for one in files]
+        moodle_zip(self.top / f"{week}.zip", sent)
         rows = [(f"Participant {numbers[one]}", one, time, "") for one, time in times.items()]
-        table(self.top / f"{week}.csv", ("Identifier", "ID number", "Last modified (submission)", "Grade"), rows)
+        table(self.top / f"{week}.csv", HEADINGS, rows)
         declared = [
-            {"student": o.student, "exercise": exercise, "kind": o.kind, "name": o.name, "tasks": dict(o.expected),
-             "status": o.status, "days_late": days[o.student]}
-            for o in made
-        ]  # fmt: skip
+            {"student": one.student, "exercise": exercise, "kind": one.kind, "name": one.name}
+            | {"tasks": dict(one.expected), "status": one.status, "days_late": days[one.student]}
+            for one in made
+        ]
         (self.top / f"{week}.declared.json").write_text(json.dumps(declared))
         return made
 
@@ -139,6 +146,6 @@ class SimulatedTerm:
 
     def by_hand(self, made: Sequence[HandIn], week: str, most: int) -> list[tuple[str, str, str]]:
         """Return so many marks of persons: student, task and points."""
-        chance, rubric = random.Random(f"marks {week}"), [task for task in tasks_of(week) if task.rubric]
-        read = [one for one in made if one.expected and one.kind != "copied"][:most]
-        return [(one.student, task.id, f"{chance.randrange(2 * 10) / 2:g}") for one in read for task in rubric]
+        chance, rubric = random.Random(f"marks {week}"), [task.id for task in tasks_of(week) if task.rubric]
+        read = [one.student for one in made if one.expected and one.kind != "copied"][:most]
+        return [(one, task, f"{chance.randrange(20) / 2:g}") for one in read for task in rubric]
