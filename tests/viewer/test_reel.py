@@ -28,7 +28,11 @@ def filled(frames: int, reel: Reel | None = None) -> Reel:
 
 def values(made: Reel) -> list[Any]:
     return [
-        (f.time, list(f.changes), *(v.pixels.sum() if isinstance(v, Inset) else v for v in f.changes.values()))
+        (
+            f.time,
+            list(f.changes),
+            *(v.pixels.sum() if isinstance(v, Inset) else v for v in f.changes.values()),
+        )
         for f in made.frames()
     ]
 
