@@ -20,7 +20,7 @@ ROOMS = {
     "export",
     "grading",
 }
-ALL = ROOMS | {"gateway", "authoring"}
+ALL = ROOMS | {"gateway", "authoring", "book"}
 # room -> the rooms it may import; `errors` and `arrays` are known to all
 ARROWS = {
     "arrays": set[str](),
@@ -38,9 +38,10 @@ ARROWS = {
     "gateway": {"ros", "course", "grading", "tools", "robots", "sensors"},  # grading: platforms' rosters
     "grading": ROOMS,
     "authoring": {"course", "grading", "ros"},
+    "book": {"course", "displays", "viewer"},
     "demo": ALL | {"demo"},
     "cli": ALL | {"demo", "cli_robot", "cli_staff"},
-    "cli_author": {"course", "authoring", "grading"},
+    "cli_author": {"course", "authoring", "book", "grading"},
     "cli_robot": {"ros", "gateway"},
     "cli_staff": ALL | {"cli_author", "cli_class"},
     "cli_class": ALL,

@@ -60,7 +60,7 @@ def shared_script(folder: Path) -> str:
     """Write the viewer into a folder, if it is not there yet, and return the file's name."""
     from course_lib.viewer import assets, html
 
-    path = folder / f"viewer-{assets.bundle()[0].rpartition('_')[2]}.js"
+    path = folder / f"viewer-{assets.bundle_name().rpartition('_')[2]}.js"
     if not path.is_file():
         write_whole(path, html.bundle_code().encode())
     return path.name
