@@ -30,6 +30,7 @@ app.add_typer(staff)
 app.add_typer(robots)
 
 ShowArgs = Annotated[bool, typer.Option("--show-args", help="Only list a launch file's arguments.")]
+Browser = Annotated[bool, typer.Option(help="Open a browser.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -42,7 +43,7 @@ def course(debug: Debug = False) -> None:
 def lab(
     work_dir: Annotated[Path, typer.Argument(help="Your folder; made if missing.")] = Path("my_course"),
     port: Annotated[int | None, typer.Option(help="The port to listen on.")] = None,
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    browser: Browser = True,
     server: Annotated[bool, typer.Option(help="Start JupyterLab; without, the folder is all.")] = True,
 ) -> None:
     """Open JupyterLab on your course folder."""
@@ -166,7 +167,7 @@ def view(
     rviz: Annotated[Path | None, typer.Option(help="The layout to show it through.")] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any that is free.")] = 0,
     token: Annotated[str | None, typer.Option(help="The address's secret part; default: by chance.")] = None,
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    browser: Browser = True,
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,
