@@ -12,17 +12,12 @@ from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
 from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
 
-HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
 LONG = 1e6  # [s] of robot time, where something else ends the run
 
 app = typer.Typer(
-    help=HELP,
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+    no_args_is_help=True, rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False
 )
 bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
