@@ -36,7 +36,7 @@ class Backlog:
         return self._graph.now_ns if self._replayed_ns is None else self._replayed_ns
 
     def receive(self, sample: Sample) -> None:
-        """Take a published message."""
+        """Process a published message, now or later."""
         topics = self._wanted()
         if topics is None:
             self._session.receive(sample)
@@ -47,7 +47,7 @@ class Backlog:
         self._wait(sample)
 
     def tick(self, now_ns: int) -> None:
-        """Take a robot time that has come, [ns]."""
+        """Process a robot time that has come, [ns], now or later."""
         if self._wanted() is None:
             self._session.tick(now_ns)
         else:
