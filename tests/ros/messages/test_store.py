@@ -54,7 +54,8 @@ def test_big_endian_functions_are_compiled_when_such_a_message_comes(
     folder.mkdir(parents=True)
     (folder / "Swapped.msg").write_text("int32 x\n")
     add_package(folder.parent)
-    swapped, orders = message_class("swapped_msgs/msg/Swapped"), []
+    swapped: Any = message_class("swapped_msgs/msg/Swapped")
+    orders: list[str] = []
     compiled = "course_lib.ros.messages.store.generate_deserialize_cdr"
 
     def generate(entries: Any, store: Any, order: str) -> Any:
