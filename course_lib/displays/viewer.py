@@ -56,7 +56,7 @@ class Viewer:
         session.context.is_seen, session.latched = self.is_seen, graph.latched
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)
-        self._film = Film(scene, lambda: backlog.now_ns / NS)
+        self.film = Film(scene, lambda: backlog.now_ns / NS)
         self._cell = ViewerCell(session, graph)
         stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
         self._end = weakref.finalize(self, end_all, stops, self._cell)  # once no name or page holds it
@@ -221,7 +221,7 @@ class Viewer:
             playback: Whether the page plays what was seen so far; it says so if that is not all.
         """
         self.look()
-        save_html(self._film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
+        save_html(self.film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
         """Draw the scene into a PNG of a size in [px]; the result names its renderer.
@@ -248,7 +248,7 @@ class Viewer:
             seconds: How much of what was seen before its bar can play, [s] of robot time.
         """
         self.look()
-        return self._cell.at_rest(self._film, seconds)
+        return self._cell.at_rest(self.film, seconds)
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
         """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.

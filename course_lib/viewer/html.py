@@ -85,4 +85,4 @@ def bundle_script(start: str = "mountAll()") -> str:
 def bundle_code(start: str = "mountAll()") -> str:
     """Return what that element does, for pages that share one file of it."""
     zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _CODE.format(zipped=zipped, key=assets.bundle()[0], start=start)
+    return _CODE.format(zipped=zipped, key=assets.bundle_name(), start=start)
