@@ -52,20 +52,30 @@ class Film:
         """The time that can be played, [s]."""
         return max(self._now() - self._start, 0.0)
 
-    def packed(self, seconds: float = math.inf) -> bytes:
+    @property
+    def time(self) -> float:
+        """The present time, [s]."""
+        return self._now()
+
+    def packed(self, seconds: float = math.inf, until: float = math.inf, interval: float = 0.0) -> bytes:
         """Write batches with times in [s] since the start, or just the scene if nothing has changed.
 
         Args:
             seconds: How much of the past is wanted at most, [s].
+            until: When that ends, as `time` was then, [s].
+            interval: Changes within so many [s] become one, to save room.
         """
         with self.scene.lock:
-            frames, end, scene = list(self._frames), self._now(), copied(self._first)
+            end = min(self._now(), until)
+            frames = [frame for frame in self._frames if frame.time <= end]
+            scene = copied(self._first)
         start = max(self._start, end - seconds)
         note = self.note() if start == self._start else ""
-        while frames and frames[0].time < start:
+        while frames and (frames[0].time < start or end <= start):
             frames.pop(0).apply(scene)
-        if not frames or end <= start:
-            return encoding.snapshot(self.scene)
+        if not frames:
+            return encoding.snapshot(scene)
+        frames = _thinned(frames, interval)
         batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.whole(scene)}]
         paths = batches[0]["paths"]
         for frame in frames:
@@ -124,6 +134,17 @@ class _Frame:
     def apply(self, scene: Scene) -> None:
         for (what, path), value in self.changes.items():
             _write(scene, what, path, value)
+
+
+def _thinned(frames: list[_Frame], interval: float) -> list[_Frame]:
+    """Return frames that are at least an interval apart; each has all changes until the next one."""
+    thinned: list[_Frame] = []
+    for frame in frames:
+        if not thinned or frame.time - thinned[-1].time >= interval:
+            thinned.append(_Frame(frame.time))
+        for (what, path), value in frame.changes.items():
+            thinned[-1].add(what, path, value)
+    return thinned
 
 
 def _batch(scene: Scene, frame: _Frame) -> dict[str, Any]:
