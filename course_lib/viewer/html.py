@@ -86,4 +86,4 @@ def bundle_script(start: str = MOUNT_ALL) -> str:
 def bundle_code(start: str = MOUNT_ALL) -> str:
     """Return what that element does, for pages that share one file of it; `start` is given the viewer."""
     zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _CODE.format(zipped=zipped, key=assets.bundle()[0], start=start)
+    return _CODE.format(zipped=zipped, key=assets.bundle_name(), start=start)

@@ -7,6 +7,7 @@ evidence, judged elsewhere and not believed.
 import _thread
 import importlib
 import os
+import resource
 import sys
 import timeit  # noqa: F401  before robot time is there: %timeit measures, also when graded
 from collections.abc import Callable, Sequence
@@ -88,20 +89,21 @@ class Worker:
 
     def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
-        part = Instructions(kind, seed, calls)
+        part, before = Instructions(kind, seed, calls), cpu_seconds()
         if kind != "node" and not threads_left():  # a fork takes longer than all the rest of it
             self._perform(task, name, part, end_ns)
-            self._channel.send(["exit", 0])
+            self._channel.send(["exit", 0, cpu_seconds() - before])
             return
         try:
             child = os.fork()
         except BlockingIOError as error:  # what an earlier cell left running has multiplied
             self._channel.send(["result", [], [describe(error)]])
-            self._channel.send(["exit", 1])
+            self._channel.send(["exit", 1, 0.0])
             return
         if child == 0:
             self._run_in_child(task, name, part, end_ns)
-        self._channel.send(["exit", os.waitpid(child, 0)[1]])
+        status = os.waitpid(child, 0)[1]
+        self._channel.send(["exit", status, cpu_seconds() - before])
 
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
@@ -158,6 +160,12 @@ class Worker:
         if name not in self._shell.user_ns:
             raise CourseError(f"{name} {NOT_MADE}")
         return self._shell.user_ns[name]
+
+
+def cpu_seconds() -> float:
+    """Return what this process and its children that have ended used, [s]; `time` has robot time here."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def threads_left() -> int:
