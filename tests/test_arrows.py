@@ -1,5 +1,6 @@
 import ast
 from collections.abc import Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -78,8 +79,13 @@ def modules() -> dict[str, Path]:
 STANDIN_NAMES = {path.name for path in (COURSE_LIB / "ros" / "standin").iterdir()}
 
 
-def written_imports(path: Path) -> Iterator[str]:
-    """Yield the names that a file imports, anywhere in it; the stand-in's by their place in course_lib."""
+@cache
+def written_imports(path: Path) -> frozenset[str]:
+    """Return the names that a file imports, anywhere in it; the stand-in's by their place in course_lib."""
+    return frozenset(_imports_of(path))
+
+
+def _imports_of(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom):
             names = [f"{node.module}.{alias.name}" for alias in node.names]
@@ -90,6 +96,7 @@ def written_imports(path: Path) -> Iterator[str]:
         yield from (f"{STANDIN}{name}" if name.split(".")[0] in STANDIN_NAMES else name for name in names)
 
 
+@cache
 def import_graph() -> dict[str, set[str]]:
     """Return the modules of course_lib that each of them imports, also lazily or for its types only.
 
