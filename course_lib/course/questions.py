@@ -124,7 +124,11 @@ def _question_of(table: dict[str, Any]) -> Question:
 
 
 def predict(key: str) -> None:
-    """Ask for a guess before the run, e.g. `predict("week01.top")`; `compare` shows the answer."""
+    """Ask for a guess before the run; `compare` shows the answer.
+
+    Args:
+        key: The question, "week01.top".
+    """
     question = load_prediction(key)
     kept = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
@@ -137,7 +141,12 @@ def keep_prediction(key: str, guess: str) -> None:
 
 
 def compare(key: str, measured: str = "") -> None:
-    """Print the guess kept under `key` with its reason, the right answer, and what the cell measured."""
+    """Print the guess with its reason, the right answer, and what the cell measured.
+
+    Args:
+        key: The question, as `predict` takes it.
+        measured: A sentence with the values of this run.
+    """
     question = load_prediction(key)
     guess = question.answer(student_state().get(SECTION, key))
     lines = ["You predicted: nothing yet (choose an answer above, then run this cell again)"]
