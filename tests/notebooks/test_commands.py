@@ -28,7 +28,14 @@ from tests.notebooks.commands import Shown, commands_of
 HERE = Path(__file__).parent
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 GUIDE = checkout_root() / "docs" / "instructor.md"
-DOCUMENTS = [checkout_root() / "README.md", GUIDE, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
+HUB_GUIDE = checkout_root() / "docs" / "hub.md"
+DOCUMENTS = [
+    checkout_root() / "README.md",
+    GUIDE,
+    HUB_GUIDE,
+    *sorted(lessons_dir().glob("week*.ipynb")),
+    *EXERCISES,
+]
 SECONDS = 4.0  # [s] of robot time beside a ros2 command
 
 NOT_RUN = {  # command -> why
@@ -38,7 +45,8 @@ NOT_RUN = {  # command -> why
     "%rqt": "names the magic",
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
-    "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
+    "course lab ~/my_course": "serves until it is stopped: tests/course/test_lab.py",
+    "course mark --serve": "serves until it is stopped: tests/grading/marking",
     "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     **dict.fromkeys(
         (
