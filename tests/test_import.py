@@ -50,8 +50,8 @@ print(*sorted(sys.modules))
 """
 NOT_DRAWN_WITH = (
     "matplotlib", "trimesh", "collada", "scipy", "pinocchio", "coal", "meshcat", "example_robot_data",
-    "xacro", "jedi", "nbformat", "jinja2", "jupyterlab", "rich", "typer", "dateparser", "ruamel", "zenoh", "lz4",
-    "tornado", "psutil",
+    "xacro", "jedi", "nbformat", "jinja2", "jupyterlab", "rich", "typer", "dateparser", "ruamel", "zenoh",
+    "lz4", "tornado", "psutil",
 )  # fmt: skip
 
 
