@@ -1,4 +1,4 @@
-"""What pages of docs/ take from the kit when the book is built."""
+"""Pages of docs/ that are made from the kit when the book is built."""
 
 import io
 import re
