@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def environment(folder: Path) -> str:
-    """Make an environment with nbgrader and Otter; return its Python."""
+    """Create an environment with nbgrader and Otter; return its Python."""
     venv.create(folder, with_pip=True)
     python = str(next(folder.glob("bin/python")))
     subprocess.run([python, "-m", "pip", "install", "-q", *THERE, "ipykernel"], check=True)
