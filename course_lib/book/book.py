@@ -10,7 +10,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from course_lib.course.course_file import shipped_course_file
 from course_lib.course.installation import extras, lessons_dir, material_root
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
@@ -18,24 +17,6 @@ from course_lib.errors import CourseError
 NEEDED = ("sphinx", "myst_nb", "sphinx_book_theme")
 MARK = ".course_book"  # a file in every book: what may be replaced
 VIEWER = "_scenes/viewer.js"
-SETTINGS = "from course_lib.book.settings import *  # noqa: F403\n"
-INDEX = """\
-{readme}
-
-```{{toctree}}
-:caption: Lessons
-:glob:
-:maxdepth: 1
-lessons/*
-```
-
-```{{toctree}}
-:caption: Guides
-:glob:
-:maxdepth: 1
-*
-```
-"""
 
 
 @dataclass(frozen=True)
@@ -94,21 +75,16 @@ def _free_place(out: Path) -> Path:
 
 def _write_sources(sources: Path, students: Path, tell: Callable[[str], object]) -> None:
     """Write the pages that Sphinx reads: the course's docs/, and its lessons with their outputs."""
+    from course_lib.book.guides import write_guides
     from course_lib.book.lessons import make_page
     from course_lib.viewer.html import bundle_code
 
-    docs, readme = material_root() / "docs", material_root() / "README.md"
-    if docs.is_dir():
-        shutil.copytree(docs, sources, ignore=shutil.ignore_patterns(".*", "__pycache__"))
-    if not (sources / "conf.py").is_file():
-        write_whole(sources / "conf.py", SETTINGS.encode())
-    if not (sources / "index.md").is_file():
-        text = readme.read_text("utf-8") if readme.is_file() else f"# {shipped_course_file().title}"
-        write_whole(sources / "index.md", INDEX.format(readme=text).encode())
+    write_guides(sources)
     for lesson in sorted([*lessons_dir().glob("week*.ipynb"), *extras()]):
         tell(f"Running {lesson.name}")
         make_page(lesson, sources, students / lesson.stem)
-    write_whole(sources / "_extra" / VIEWER, bundle_code("mountNear()").encode())
+    scenes = (Path(__file__).parent / "static" / "scenes.js").read_text("utf-8")
+    write_whole(sources / "_extra" / VIEWER, bundle_code(scenes).encode())
 
 
 def _run_sphinx(sources: Path, out: Path, doctrees: Path) -> tuple[str, ...]:
@@ -125,8 +101,10 @@ def _run_sphinx(sources: Path, out: Path, doctrees: Path) -> tuple[str, ...]:
         app.build()
     with suppress(OSError):
         shutil.rmtree(out / "_sources")
-    lines = said.getvalue().splitlines()
-    return tuple(line.replace(f"{sources}/", "") for line in lines if line.strip())
+    lines = [line.replace(f"{sources}/", "") for line in said.getvalue().splitlines() if line.strip()]
+    if failed := [line for line in lines if "Errno" in line or "OSError" in line]:  # Sphinx goes on
+        raise CourseError(f"The book can't be written: {failed[0]}")
+    return tuple(lines)
 
 
 def _add_viewer(app: Any, page: str, template: str, context: dict[str, Any], tree: Any) -> None:

@@ -1,14 +1,16 @@
 """The book in a lesson's kernel: what a cell shows in 3D becomes a scene of the page, kept in a file."""
 
-import base64
-import gzip
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from html import escape
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from IPython.core.getipython import get_ipython
+from PIL import Image
 
+from course_lib.book.compact import compact, script
 from course_lib.course.state import write_whole
 from course_lib.displays.panel.resting_view import RestingView
 from course_lib.displays.viewer import Viewer
@@ -19,7 +21,11 @@ from course_lib.viewer.widget import SceneWidget
 
 HEIGHT = 320  # [px] of a scene in the page
 POSTER = (640, 272)  # [px] of the picture that stands there before
+TONES = 64  # colours of that picture
 SECONDS = 20.0  # [s] of robot time that a scene plays at most
+BEFORE = 10.0  # [s] of it that were before its cell was run
+ROOM = 90_000  # bytes of a scene's script
+INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \
 data-label="{label}" data-alone="false">\
@@ -28,20 +34,34 @@ data-label="{label}" data-alone="false">\
 
 @dataclass
 class _Playing:
-    """A viewer in its cell, while the next cells run."""
+    """A viewer in its cell, while the next cells run; times in [s] of its film."""
 
     name: str
     viewer: Viewer
-    since: float  # [s] of robot time, when it was shown
-    packed: bytes = b""  # its film, as the last cell left it
-    scene: Scene = field(default_factory=Scene)  # its last picture
+    since: float
+    until: float
+    scene: Scene  # as the last cell left it
+
+    def follow(self) -> None:
+        """Extend the scene until now, if it is not long enough yet."""
+        film = self.viewer.film
+        if film.time < self.since:  # robot time began again
+            self.since = self.until = film.time
+        if film.time - self.since <= SECONDS:
+            self.viewer.look()
+            self.until, self.scene = film.time, copied(film.scene)
+
+    def packed(self, interval: float) -> bytes:
+        """Write its film, as pages play it."""
+        seconds = min(self.until - self.since + BEFORE, SECONDS)
+        return self.viewer.film.packed(seconds, self.until, interval)
 
 
 class Scenes:
     """The scenes of one lesson, in the order of its cells.
 
     A viewer goes on in its cell while the next cells run. Its scene ends with the last cell
-    before the next view.
+    before the next view. The files are written in a cell of their own, so that an error ends the lesson.
 
     Args:
         lesson: The file's name, of which those of its scenes are made.
@@ -53,51 +73,67 @@ class Scenes:
         self._lesson, self._folder, self._link = lesson, folder, link
         self._count = 0
         self._playing: _Playing | None = None
+        self._made: list[tuple[str, bytes, Scene]] = []
 
     def of_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Begin the scene of a viewer, and return what its cell displays."""
         self.end()
-        name, words = self._next(), viewer.summary()
-        self._playing = _Playing(name, viewer, viewer.film.duration)
+        name, words, film = self._next(), viewer.summary(), viewer.film
+        self._playing = _Playing(name, viewer, film.time, film.time, copied(film.scene))
         return self._shown(name, words)
 
     def of_widget(self, widget: SceneWidget) -> dict[str, Any]:
         """Keep a view at rest, or a scene without a viewer, and return what its cell displays."""
         self.end()
         name = self._next()
-        self._write(name, widget.film or encoding.snapshot(widget.scene), widget.scene)
+        self._made.append((name, widget.film or encoding.snapshot(widget.scene), widget.scene))
         return self._shown(name, widget.label)
 
     def follow(self, *_: object) -> None:
-        """Remember the scene of the viewer that is shown as this cell leaves it."""
-        now = self._playing
-        if now is None:
-            return
-        now.viewer.look()
-        gone_by = now.viewer.film.duration - now.since
-        if not now.packed or gone_by < SECONDS:
-            now.packed = now.viewer.film.packed(min(gone_by + SECONDS / 2, SECONDS))
-            now.scene = copied(now.viewer.scene)
+        """Extend the scene of the viewer that is shown to the end of this cell."""
+        if self._playing is not None:
+            self._playing.follow()
 
     def end(self) -> None:
         """Keep the scene of the viewer that was shown."""
         if self._playing is not None:
-            self._write(self._playing.name, self._playing.packed, self._playing.scene)
+            self._made.append((self._playing.name, _fitting(self._playing.packed), self._playing.scene))
         self._playing = None
+
+    def write(self) -> None:
+        """Write all scenes, and their pictures."""
+        self.end()
+        for name, packed, scene in self._made:
+            small, shared = compact(packed)
+            for file, content in (shared | {name: small}).items():
+                write_whole(self._folder / f"{file}.js", script(content))
+            write_whole(self._folder / f"{name}.png", _poster(scene))
 
     def _next(self) -> str:
         self._count += 1
         return f"{self._lesson}-{self._count:02}"
 
-    def _write(self, name: str, packed: bytes, scene: Scene) -> None:
-        data = base64.b64encode(gzip.compress(packed, 9, mtime=0)).decode()
-        write_whole(self._folder / f"{name}.js", f'document.currentScript.dataset.scene="{data}";'.encode())
-        write_whole(self._folder / f"{name}.png", zbuffer.draw(scene, POSTER))
-
     def _shown(self, name: str, words: str) -> dict[str, Any]:
         label = escape(" ".join(words.split()))
         place = PLACE.format(height=HEIGHT, folder=self._link, name=name, label=label)
         return {"text/html": place, "text/plain": words}
+
+
+def _fitting(pack: Callable[[float], bytes]) -> bytes:
+    """Return a film with as many pictures as there is room for."""
+    for interval in INTERVALS:
+        packed = pack(interval)
+        if len(script(compact(packed)[0])) <= ROOM:
+            break
+    return packed
+
+
+def _poster(scene: Scene) -> bytes:
+    """Return a picture of a scene, as a small PNG."""
+    picture = Image.open(BytesIO(zbuffer.draw(scene, POSTER))).convert("RGB").quantize(TONES)
+    small = BytesIO()
+    picture.save(small, "png", optimize=True)
+    return small.getvalue()
 
 
 def begin(lesson: str, folder: str, link: str) -> None:
@@ -113,8 +149,8 @@ def begin(lesson: str, folder: str, link: str) -> None:
 
 
 def end() -> None:
-    """Keep the scene that is open at the lesson's end."""
-    _kept.pop().end()
+    """Write the scenes, at the lesson's end."""
+    _kept.pop().write()
 
 
 _kept: list[Scenes] = []

@@ -12,13 +12,14 @@ import nbclient
 import nbformat
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 
+from course_lib.book.guides import LESSONS
 from course_lib.course.exercise import notebook_text, read_notebook, source
 from course_lib.course.hand_out import prepare
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 
 SECONDS = 120  # [s] for a cell
-FOLDER, SCENES = "lessons", "_scenes"  # of the book
+SCENES = "_scenes"  # of the book
 KERNEL = "__import__('course_lib.book.kernel', fromlist=['begin'])"
 SHOWN_BY_SCRIPTS = "application/vnd.jupyter.widget-view+json"
 # What a prediction's answer is stays in the lesson that students run; nobody watches a book being made.
@@ -45,18 +46,18 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
         if cell["cell_type"] == "code":
             cell["outputs"] = [kept for output in cell["outputs"] for kept in _kept(output)]
         for name, data in _attachments(cell):
-            write_whole(book / FOLDER / "images" / lesson.stem / name, data)
+            write_whole(book / LESSONS / "images" / lesson.stem / name, data)
         if "attachments" in cell:
             cell["source"] = ATTACHED.sub(rf"images/{lesson.stem}/\1", cell["source"])
             del cell["attachments"]
-    write_whole(book / FOLDER / lesson.name, notebook_text(notebook).encode())
+    write_whole(book / LESSONS / lesson.name, notebook_text(notebook).encode())
 
 
 def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
     """Run a lesson's cells without a page; its scenes become files."""
     plain = read_notebook(lesson)
     begin = f"{KERNEL}.begin({lesson.stem!r}, {str(scenes)!r}, '../{SCENES}')"
-    plain["cells"] = [_cell("begin", begin), *plain["cells"], _cell("end", f"{KERNEL}.end()")]
+    plain["cells"] = [_cell("book-begin", begin), *plain["cells"], _cell("book-end", f"{KERNEL}.end()")]
     notebook: Any = nbformat.reads(notebook_text(plain), as_version=4)  # type: ignore[no-untyped-call]  # has no types
     place = ["before its first cell"]
 
@@ -64,7 +65,11 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
         place[0] = f"cell {cell_index}, {source(cell).partition(chr(10))[0]!r}"
 
     client = nbclient.NotebookClient(
-        notebook, timeout=SECONDS, resources={"metadata": {"path": str(work)}}, on_cell_start=note
+        notebook,
+        timeout=SECONDS,
+        store_widget_state=False,
+        resources={"metadata": {"path": str(work)}},
+        on_cell_start=note,
     )
     try:
         client.execute(env=_environment(), stderr=DEVNULL)

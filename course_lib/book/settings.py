@@ -10,7 +10,7 @@ extensions = ["myst_nb"]
 source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
 exclude_patterns = ["conf.py"]
 
-myst_enable_extensions = ["colon_fence", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "html_image"]
 myst_heading_anchors = 4
 nb_execution_mode = "off"  # `course book` has run the lessons
 suppress_warnings = ["misc.highlighting_failure"]  # blocks of an unusual language stay without colours

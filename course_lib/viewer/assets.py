@@ -26,7 +26,7 @@ const MeshCat = ((module, exports, define) => { %(meshcat)s
 return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
 const { THREE } = MeshCat;
 %(ours)s
-return { Link, follow, mountAll, mountNear, picture };
+return { Link, follow, mount, mountAll, picture, unpacked };
 })();
 """
 

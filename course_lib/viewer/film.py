@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import chain
+from itertools import chain, takewhile
 from typing import Any
 
 from course_lib.viewer import encoding
@@ -49,21 +49,30 @@ class Film:
         """The time that can be played, [s]."""
         return max(self._now() - self._start, 0.0)
 
-    def packed(self, seconds: float = math.inf) -> bytes:
+    @property
+    def time(self) -> float:
+        """The present time, [s]."""
+        return self._now()
+
+    def packed(self, seconds: float = math.inf, until: float = math.inf, interval: float = 0.0) -> bytes:
         """Write batches with times in [s] since the start, or just the scene if nothing has changed.
 
         Args:
             seconds: How much of the past is wanted at most, [s].
+            until: When that ends, as `time` was then, [s].
+            interval: Changes within so many [s] become one, to save room.
         """
         with self.scene.lock:
-            frames, end, scene = self._frames.frames(), self._now(), copied(self._first)
+            end, scene = min(self._now(), until), copied(self._first)
+            frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
             begun, note = self._start, self.note()
         start = max(begun, end - seconds)
-        if end <= start or (first := _seek(scene, frames, start)) is None:
-            return encoding.snapshot(self.scene)
+        first = _seek(scene, frames, start if start < end else math.inf)
+        if first is None:
+            return encoding.snapshot(scene)
         batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.whole(scene)}]
         paths = batches[0]["paths"]
-        for frame in chain((first,), frames):
+        for frame in _thinned(chain((first,), frames), interval):
             _apply(scene, frame)
             batches.append({"time": frame.time - start, **_batch(scene, frame)})
             if batches[-1].get("paths", paths) == paths:
@@ -114,6 +123,20 @@ def _seek(scene: Scene, frames: Iterator[Frame], start: float) -> Frame | None:
             return frame
         _apply(scene, frame)
     return None
+
+
+def _thinned(frames: Iterator[Frame], interval: float) -> Iterator[Frame]:
+    """Yield frames that are at least an interval apart, [s]; each has all changes until the next one."""
+    thinned: Frame | None = None
+    for frame in frames:
+        if thinned is None or frame.time - thinned.time >= interval:
+            if thinned is not None:
+                yield thinned
+            thinned = Frame(frame.time)
+        for (what, path), value in frame.changes.items():
+            thinned.add(what, path, value)
+    if thinned is not None:
+        yield thinned
 
 
 def _batch(scene: Scene, frame: Frame) -> dict[str, Any]:

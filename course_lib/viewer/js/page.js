@@ -9,44 +9,21 @@ import { View } from "./view.js";
 /** @param {string} text base64 */
 const fromBase64 = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 
-/** @param {BlobPart} zipped */
-async function inflated(zipped) {
-  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+/** @param {string} text a scene, a film or a part of one, zipped, in base64 */
+export async function unpacked(text) {
+  const stream = new Blob([fromBase64(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return decode(new Uint8Array(await new Response(stream).arrayBuffer()));
 }
 
 /** Show every scene that is written into the page and not shown yet. */
 export async function mountAll() {
   for (const data of document.querySelectorAll(".course-scene > script"))
-    await mount(/** @type {HTMLElement} */ (data.parentElement), data.textContent ?? "");
+    mount(/** @type {HTMLElement} */ (data.parentElement), await unpacked(data.textContent ?? ""));
 }
 
-/** Show each scene that is in a script of its own, `data-scene`, once the page is scrolled near to it. */
-export async function mountNear() {
-  const near = new IntersectionObserver((entries) => {
-    for (const { isIntersecting, target } of entries) {
-      if (!isIntersecting) continue;
-      near.unobserve(target);
-      load(/** @type {HTMLElement} */ (target));
-    }
-  }, { rootMargin: "300px" });
-  for (const host of document.querySelectorAll(".course-scene[data-scene]")) near.observe(host);
-}
-
-/** @param {HTMLElement} host shows the scene that the script puts into its own element */
-function load(host) {
-  const script = document.createElement("script");
-  script.src = host.dataset.scene ?? "";
-  script.onload = () => mount(host, script.dataset.scene ?? "");
-  script.onerror = () => host.append(`The 3D view cannot be shown: ${script.src} is missing.`);
-  document.head.append(script);
-}
-
-/** @param {HTMLElement} host @param {string} text a scene or a film, zipped, in base64 */
-async function mount(host, text) {
-  const bytes = fromBase64(text);
+/** @param {HTMLElement} host @param {any} content a scene or a film */
+export function mount(host, content) {
   host.textContent = "";
-  const content = decode(await inflated(bytes));
   const mirror = new Mirror();
   const picture = Object.assign(document.createElement("div"), { style: "flex:1;min-height:0" });
   host.style.cssText += ";display:flex;flex-direction:column";
@@ -66,9 +43,8 @@ function play(film, host, keys) {
 }
 
 /**
- * Draw a scene at once.
+ * Draw a scene at once, as the data address of a PNG.
  * @param {string} scene a snapshot in base64 @param {number} width in pixels @param {number} height
- * @returns {string} a PNG as a data address
  */
 export function picture(scene, width, height) {
   const mirror = new Mirror();
