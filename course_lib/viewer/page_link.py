@@ -105,7 +105,7 @@ class PageLink:
     def _follow(self, page: str, number: int, kind: str) -> None:
         """Note how far a page has come, and send it the scene if it has another one.
 
-        While all pages are hidden, nothing is written and sent; each gets the scene when it is seen again.
+        While all pages are hidden, nothing is sent; each gets the scene when it is seen again.
         """
         is_new = self._flow.heard(page, number)
         known = self._flow.pages[page]

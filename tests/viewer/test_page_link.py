@@ -158,9 +158,7 @@ def test_a_hidden_page_whose_scene_stands_still_gets_nothing_when_it_is_seen_aga
     assert wire.kinds() == ["batch", "batch"]
 
 
-def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(
-    wire: Wire, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
     counts: list[int] = []
     wire.link.on_views = counts.append

@@ -61,8 +61,7 @@ export class Link {
     /** @type {Player | null} of a view at rest */
     this.player = null;
     this.attempt(() => this.start());
-    // A hidden page gets nothing, and the whole scene later; also while a laptop sleeps much may be lost.
-    this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" });
+    this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" }); // a laptop may have slept, too
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
     model.on("comm_live_update", () => model.comm_live || this.undock());
