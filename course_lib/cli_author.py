@@ -66,3 +66,14 @@ def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]
     refuse_broken(this_course())
     paths = write(out)
     typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
+
+
+@authors.command()
+def book(out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")]) -> None:
+    """Build the course's lessons and guides as web pages, with their scenes; they need no network."""
+    from course_lib.book.book import build
+
+    made = build(out, typer.echo)
+    typer.echo(f"{made.index}: {made.pages} pages")
+    typer.echo("\n".join(made.warnings), err=True, nl=bool(made.warnings))
+    raise typer.Exit(NOT_READY if made.warnings else 0)

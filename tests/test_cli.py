@@ -1,11 +1,15 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 import course_lib
+from course_lib import cli
+from course_lib.tools.run import HASH_SEED
 
 PROGRAM = Path(__file__).parent / "programs" / "timer.py"
 HELLO = "import rclpy\nrclpy.init()\nrclpy.create_node('hello').get_logger().info(rclpy.__file__)\n"
@@ -16,12 +20,35 @@ def course(*words: str, cwd: Path, **environment: str) -> "subprocess.CompletedP
     return subprocess.run(
         command,
         cwd=cwd,
-        env=os.environ | environment,
+        env=os.environ | {"PYTHONHASHSEED": HASH_SEED} | environment,  # otherwise some start twice
         capture_output=True,
         text=True,
         check=False,
         timeout=120,
     )
+
+
+class Typed(NamedTuple):
+    """A command that has ended."""
+
+    returncode: object
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def in_process(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Typed]:
+    """Like `course`, but in this process: most of a second cheaper, for a command that ends at once."""
+
+    def run(*words: str, cwd: Path) -> Typed:
+        monkeypatch.chdir(cwd)
+        monkeypatch.setattr(sys, "argv", ["course", *words])
+        monkeypatch.setenv("PYTHONHASHSEED", HASH_SEED)  # otherwise `course run` starts this process again
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+        return Typed(left.value.code, *capfd.readouterr())
+
+    return run
 
 
 @pytest.fixture
@@ -81,12 +108,19 @@ def bad_inputs(tmp_path: Path) -> Path:
         "demo --out full",
     ],
 )
-def test_unusable_input_is_one_line_and_exit_code_2(bad_inputs: Path, words: str) -> None:
-    done = course(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
+def test_unusable_input_is_one_line_and_exit_code_2(
+    bad_inputs: Path, in_process: Callable[..., Typed], words: str
+) -> None:
+    done = in_process(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
     assert done.returncode == 2, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
     (line,) = done.stderr.splitlines()
     assert line.startswith("error: ")
+
+
+def test_the_program_itself_refuses_unusable_input_so(bad_inputs: Path) -> None:
+    done = course("run", "folder", cwd=bad_inputs)
+    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
 
 
 def test_debug_shows_the_traceback(tmp_path: Path) -> None:
@@ -96,14 +130,14 @@ def test_debug_shows_the_traceback(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "command", ["", "lab", "run", "ros2", "render", "check", "submit", "grade", "release", "bag info"]
 )
-def test_every_command_has_help(tmp_path: Path, command: str) -> None:
-    done = course(*command.split(), "--help", cwd=tmp_path)
+def test_every_command_has_help(tmp_path: Path, in_process: Callable[..., Typed], command: str) -> None:
+    done = in_process(*command.split(), "--help", cwd=tmp_path)
     assert done.returncode == 0
     assert "Usage: course" in done.stdout
 
 
-def test_sim_time_without_a_robot_is_refused(tmp_path: Path) -> None:
-    done = course("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
+def test_sim_time_without_a_robot_is_refused(tmp_path: Path, in_process: Callable[..., Typed]) -> None:
+    done = in_process("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
     assert done.returncode == 2
     assert "--robot tcp/HOST:7447" in done.stderr
 

@@ -1,6 +1,5 @@
 """Questions to the student: predictions and quizzes, as a widget or as text."""
 
-import sys
 import textwrap
 import tomllib
 from collections.abc import Callable
@@ -11,15 +10,10 @@ from typing import Any
 from course_lib.course.installation import exercises_dir
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError, place_of
+from course_lib.surroundings import in_notebook
 
 SECTION = "predictions"
 WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
-
-
-def in_notebook() -> bool:
-    """Return whether this code runs in a notebook's kernel."""
-    ipython = sys.modules.get("IPython")
-    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 def show(build_widget: Callable[[], Any], text: str) -> None:
@@ -130,7 +124,11 @@ def _question_of(table: dict[str, Any]) -> Question:
 
 
 def predict(key: str) -> None:
-    """Ask for a guess before the run, e.g. `predict("week01.top")`; `compare` shows the answer."""
+    """Ask for a guess before the run; `compare` shows the answer.
+
+    Args:
+        key: The question, "week01.top".
+    """
     question = load_prediction(key)
     kept = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
@@ -143,7 +141,12 @@ def keep_prediction(key: str, guess: str) -> None:
 
 
 def compare(key: str, measured: str = "") -> None:
-    """Print the guess kept under `key` with its reason, the right answer, and what the cell measured."""
+    """Print the guess with its reason, the right answer, and what the cell measured.
+
+    Args:
+        key: The question, as `predict` takes it.
+        measured: A sentence with the values of this run.
+    """
     question = load_prediction(key)
     guess = question.answer(student_state().get(SECTION, key))
     lines = ["You predicted: nothing yet (choose an answer above, then run this cell again)"]

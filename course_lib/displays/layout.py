@@ -132,15 +132,25 @@ Config: TypeAlias = Mapping[str, Any]  # of one thing in a layout, by RViz's lab
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts of a layout that say what is drawn, but for what has another shape than in RViz's files."""
+    """The parts of a layout that say what is drawn, but for what has another shape than in RViz's files.
 
-    options: Config = field(default_factory=dict)  # RViz's Global Options
-    displays: tuple[Config, ...] = ()  # the configuration of each display and group, in order
-    view: Config = field(default_factory=dict)  # the configuration of the current view
-    saved_views: tuple[Config, ...] = ()  # those of the saved ones
-    tools: tuple[Config, ...] = ()  # those of the tools
-    document: Config = field(default_factory=dict)  # the whole file
-    problems: tuple[str, ...] = ()  # what was left out, with line and column
+    Args:
+        options: RViz's Global Options, by label.
+        displays: The configuration of each display and group, in order.
+        view: The configuration of the current view.
+        saved_views: Those of the saved ones.
+        tools: Those of the tools.
+        document: The whole file.
+        problems: What was left out, with line and column.
+    """
+
+    options: Config = field(default_factory=dict)
+    displays: tuple[Config, ...] = ()
+    view: Config = field(default_factory=dict)
+    saved_views: tuple[Config, ...] = ()
+    tools: tuple[Config, ...] = ()
+    document: Config = field(default_factory=dict)
+    problems: tuple[str, ...] = ()
 
 
 class Options(PropertyHolder):
@@ -177,6 +187,9 @@ class Options(PropertyHolder):
 def read_layout(path: str | Path) -> Layout:
     """Read an .rviz file; like RViz, take of any YAML what is there.
 
+    Args:
+        path: The file.
+
     Raises:
         CourseError: If there is no such file, or if it is not YAML; with line and column.
     """
@@ -200,7 +213,12 @@ def layout_of(text: str, name: str) -> Layout:
 
 
 def text_at(config: Config, label: str) -> str:
-    """Return a text of a layout; empty if there is none."""
+    """Return a text of a layout; empty if there is none.
+
+    Args:
+        config: A part of a `Layout`.
+        label: RViz's key, "Class".
+    """
     value = config.get(label)
     return "" if value is None or isinstance(value, Mapping | list | tuple) else str(value)
 

@@ -45,10 +45,21 @@ AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
 
 
 class OwnDisplay(DrawnDisplay):
-    """Base of displays of one's own: the last message, in the frame of its header or in the fixed frame."""
+    """Base of displays of one's own: the last message, in the frame of its header or in the fixed frame.
+
+    A subclass has a `class_name` like "my_package/Name", a `type_name` like "nav_msgs/msg/Path", a table
+    of `properties`, and the method `drawing`. `Viewer.add` makes the object.
+    """
 
     def drawing(self, message: Any) -> Mapping[str, Drawable]:
-        """Return what is to be seen of a message, by name, in the frame of its header; lengths in [m]."""
+        """Return what is to be seen of a message, in the frame of its header; lengths in [m].
+
+        Args:
+            message: Of the type `type_name`.
+
+        Returns:
+            Drawables by names of your choice: `solid(...)`, `Lines`, `Points`, `Mesh`, `Text`.
+        """
         raise NotImplementedError
 
     def take(self, message: Any) -> None:
@@ -87,6 +98,9 @@ class OwnDisplay(DrawnDisplay):
 
 def register(display: AnyDisplay) -> AnyDisplay:
     """Add a class of displays to the registry, in place of an earlier one of its `class_name`.
+
+    Args:
+        display: A subclass of `OwnDisplay`; `@register` above the class is enough.
 
     Raises:
         CourseError: If it has no name of the form ``my_package/Name``, or one of RViz's.

@@ -16,13 +16,20 @@ _LARGEST = 3.4e38  # of a number in four bytes
 
 @dataclass(frozen=True)
 class Property:
-    """One row of RViz's property tree."""
+    """One row of RViz's property tree.
 
-    label: str  # RViz's label; a property below another one is written ``Line Style/Line Width``
-    default: Any  # RViz's default
-    # turns what a user or a file gives into the value, or raises ValueError with what it expects
+    Args:
+        label: RViz's label; a property below another one is written ``Line Style/Line Width``.
+        default: RViz's default.
+        convert: Turns what a user or a file gives into the value, or raises ValueError with what it
+            expects: `number(...)`, `color`, `flag` and the like.
+        names: Of the rows down to it, if one of them has a slash, as frames may.
+    """
+
+    label: str
+    default: Any
     convert: Convert
-    names: tuple[str, ...] = ()  # of the rows down to it, if one of them has a slash, as frames may
+    names: tuple[str, ...] = ()
 
     @property
     def path(self) -> tuple[str, ...]:
@@ -51,7 +58,7 @@ class Limited:
 
 
 def number(low: float = -math.inf, high: float = math.inf) -> Limited:
-    """Return a conversion to a finite number, which RViz keeps within the bounds."""
+    """Return a conversion to a finite number, which RViz keeps within the bounds `low` and `high`."""
 
     def convert(value: Any) -> float:
         return min(max(_finite(value), low), high)
@@ -60,7 +67,7 @@ def number(low: float = -math.inf, high: float = math.inf) -> Limited:
 
 
 def integer(low: int, high: int = 2**31 - 1) -> Limited:
-    """Return a conversion to a whole number, which RViz keeps within the bounds."""
+    """Return a conversion to a whole number, which RViz keeps within the bounds `low` and `high`."""
 
     def convert(value: Any) -> int:
         whole = int(value) if isinstance(value, int) else int(float(value))
@@ -72,7 +79,7 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
 
 
 def flag(value: Any) -> bool:
-    """Convert True or False, or one of these as layouts write it."""
+    """Convert a value that is True or False, or one of these as layouts write it."""
     value = {"true": True, "false": False}.get(value.lower(), value) if isinstance(value, str) else value
     if not isinstance(value, bool):
         raise ValueError("True or False")
@@ -80,7 +87,7 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Convert text; YAML's null is the empty one."""
+    """Convert a value that is text; YAML's null is the empty one."""
     if isinstance(value, list | dict):
         raise ValueError("text")
     return "" if value is None else str(value)
@@ -103,7 +110,7 @@ def words(*options: str) -> Limited:
 
 
 def color(value: Any) -> Color:
-    """Convert a colour as RViz does: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
+    """Convert a value as RViz does colours: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
     from PIL import ImageColor
 
     try:
@@ -116,7 +123,7 @@ def color(value: Any) -> Color:
 
 
 def vector(value: Any) -> Vector:
-    """Convert three numbers, or a map with X, Y and Z."""
+    """Convert a value of three numbers, or a map with X, Y and Z."""
     try:
         x, y, z = (
             _finite(part)

@@ -20,7 +20,11 @@ _TOP_HEIGHT = 500.0  # [m] of the camera that looks down
 
 
 class Orbit(ViewController):
-    """A camera around a focal point, which follows the target frame's position."""
+    """A camera around a focal point, which follows the target frame's position.
+
+    Args:
+        properties: By RViz's labels: `Orbit(distance=6.0)`; in [m] and [rad].
+    """
 
     class_name = "rviz_default_plugins/Orbit"
     properties = (
@@ -65,7 +69,11 @@ class Orbit(ViewController):
 
 
 class XYOrbit(Orbit):
-    """An Orbit whose focal point is on the ground, seen in the lower half of the picture."""
+    """An Orbit whose focal point is on the ground, seen in the lower half of the picture.
+
+    Args:
+        properties: By RViz's labels: `XYOrbit(distance=6.0)`; in [m] and [rad].
+    """
 
     class_name = "rviz_default_plugins/XYOrbit"
     lift = 0.2
@@ -87,14 +95,22 @@ class XYOrbit(Orbit):
 
 
 class ThirdPersonFollower(XYOrbit):
-    """An XYOrbit that turns about z with the target frame."""
+    """An XYOrbit that turns about z with the target frame.
+
+    Args:
+        properties: By RViz's labels: `ThirdPersonFollower(target_frame="base_link")`; in [m] and [rad].
+    """
 
     class_name = "rviz_default_plugins/ThirdPersonFollower"
     turns = True
 
 
 class TopDownOrtho(ViewController):
-    """A camera that looks straight down, without perspective."""
+    """A camera that looks straight down, without perspective.
+
+    Args:
+        properties: By RViz's labels: `TopDownOrtho(scale=80.0)`; the scale is in [px/m].
+    """
 
     class_name = "rviz_default_plugins/TopDownOrtho"
     properties = (
@@ -133,7 +149,11 @@ _AXES = {
 
 
 class FPS(ViewController):
-    """A camera that looks around from a point."""
+    """A camera that looks around from a point.
+
+    Args:
+        properties: By RViz's labels: `FPS(position=(2.0, 0.0, 1.0))`; in [m] and [rad].
+    """
 
     class_name = "rviz_default_plugins/FPS"
     properties: tuple[Property, ...] = (
@@ -163,6 +183,9 @@ class FrameAligned(FPS):
     """A camera that looks around from a point of the target frame, and follows all of its motion.
 
     RViz has it from Jazzy 14.1.11 on; it begins at the frame's origin and looks along one of its axes.
+
+    Args:
+        properties: By RViz's labels: `FrameAligned(target_frame="camera")`; in [m] and [rad].
     """
 
     class_name = "rviz_default_plugins/FrameAligned"

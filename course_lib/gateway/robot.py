@@ -59,7 +59,12 @@ def _drop(lines: Iterator[str]) -> None:
 
 
 class RobotProcess:
-    """A robot in another process, which ends with this one."""
+    """A robot in another process, which ends with this one; `start_robot` makes it.
+
+    Args:
+        process: Runs the robot.
+        router: The address of its Zenoh router, for `connect`.
+    """
 
     def __init__(self, process: "subprocess.Popen[str]", router: str) -> None:
         self._process = process

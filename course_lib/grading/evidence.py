@@ -110,12 +110,17 @@ class Verdict:
 
 
 def passed(message: str) -> Verdict:
-    """Return the full score."""
+    """Return the full score with a message."""
     return Verdict(1.0, message)
 
 
 def failed(message: str, mistake: str) -> Verdict:
-    """Return no score, with the reason for a public check and the one for a hidden check."""
+    """Return no score.
+
+    Args:
+        message: The reason with values, which a public check shows.
+        mistake: The kind of mistake without values, which a hidden check shows.
+    """
     return Verdict(0.0, message, mistake)
 
 

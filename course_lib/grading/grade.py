@@ -53,6 +53,7 @@ from course_lib.grading.reports.table import (
     watched,
 )
 from course_lib.grading.reports.tables import concerns, write_tables
+from course_lib.grading.reports.times import keep_check_times
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import Ran, demand, keep, run, unpack
 
@@ -230,10 +231,11 @@ def judge_mark_report(
         OutError: The folder can't be written.
     """
     kept, catalog = _kept(attempts, out) if resume else None, catalog_of(course)
-    judged = () if kept else [_judged(one, faults, course, out) for one in attempts.submissions]
+    judged = [] if kept else [_judged(one, faults, course, out) for one in attempts.submissions]
     result = kept or mark(attempts.submissions, judged, catalog.course, attempts.digest)
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
+        _keep_times(attempts.submissions, judged, out)
         try:
             report(result, out, catalog)
         except OSError:
@@ -244,6 +246,14 @@ def judge_mark_report(
         if result is not kept:
             result.write(out)
     return row_of(result.as_plain(), marks)
+
+
+def _keep_times(
+    submissions: Sequence[Submission], judged: Sequence[Judgement | Fault | None], out: Path
+) -> None:
+    for one, judgement in zip(submissions, judged, strict=False):  # none is judged where a result is kept
+        if isinstance(judgement, Judgement):
+            keep_check_times(out, one.key, judgement)
 
 
 def _judged(submission: Submission, faults: Faults, course: Course, out: Path) -> Judgement | Fault | None:

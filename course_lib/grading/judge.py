@@ -1,11 +1,9 @@
 """The stage `judge`: from evidence to scores, in pure functions: equal evidence gets equal scores."""
 
-import signal
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +11,7 @@ from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Check, Evidence, Verdict
 from course_lib.grading.run.job import Run
 from course_lib.grading.task import Row, Task
+from course_lib.grading.time_limit import time_limit
 
 if TYPE_CHECKING:  # students' kernels judge without a jail
     from course_lib.grading.run.run import ExerciseRun
@@ -42,6 +41,7 @@ class CheckResult:
         message: The reason, with values.
         mistake: The kind of mistake, without values.
         broken: The exception of a check that raised one; for staff only.
+        seconds: Of processor time [s]; it differs from time to time, so no result file has it.
     """
 
     title: str
@@ -52,6 +52,7 @@ class CheckResult:
     message: str
     mistake: str
     broken: str = ""
+    seconds: float = field(default=0.0, compare=False)
 
     @property
     def passed(self) -> bool:
@@ -116,7 +117,10 @@ class TaskResult:
 
     def as_plain(self) -> dict[str, Any]:
         """Return the entry of a result file."""
-        return {**asdict(self), "score": self.score}
+        plain = asdict(self)
+        for check in plain["checks"]:
+            del check["seconds"]
+        return {**plain, "score": self.score}
 
     @classmethod
     def from_plain(cls, content: Mapping[str, Any]) -> "TaskResult":
@@ -200,13 +204,15 @@ class _Judge:
     def __init__(self) -> None:
         self._left = TASK_SECONDS
         self._verdicts: dict[Callable[[Evidence], Verdict], Verdict] = {}  # of one run
+        self._seconds: dict[Callable[[Evidence], Verdict], float] = {}
 
     def results(self, run: Run) -> list[CheckResult]:
         """Return a row for each check; what was decoded for them is released."""
         self._verdicts = {}
         rows = [_row(check, run, self._verdict(check, run.evidence)) for check in run.scenario.checks]
         run.evidence.release()
-        return rows
+        took = [self._seconds.get(check.judge, 0.0) for check in run.scenario.checks]
+        return [replace(row, seconds=seconds) for row, seconds in zip(rows, took, strict=True)]
 
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:
         """Return what a check finds; where it passes, but one that it requires does not, that is named."""
@@ -237,7 +243,8 @@ class _Judge:
                 0.0, message, kind, f"{_place(check, error)}{type(error).__name__}: {error}"[:LONGEST]
             )
         finally:
-            self._left -= time.process_time() - begin
+            self._seconds[check.judge] = time.process_time() - begin
+            self._left -= self._seconds[check.judge]
 
 
 def _place(check: Check, error: Exception) -> str:
@@ -262,37 +269,3 @@ def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:
         mistake=mistake,
         broken=verdict.broken,
     )
-
-
-AGAIN = 1.0  # [s] of processor time: code that swallows the exception gets another one
-
-
-class _OverError(BaseException):
-    """The end of a time limit; no `except Exception` catches it."""
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Bound the processor time of a block; for the main thread of a process.
-
-    Raises:
-        TimeoutError: The block took more than so many seconds.
-    """
-
-    def ring(*_: Any) -> None:
-        raise _OverError
-
-    if not hasattr(signal, "setitimer"):  # Windows, where nothing of a stranger's is judged
-        yield
-        return
-    before = signal.signal(signal.SIGPROF, ring)
-    try:
-        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
-        try:
-            yield
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-    except _OverError:
-        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
-    finally:
-        signal.signal(signal.SIGPROF, before)

@@ -23,6 +23,12 @@ def my_values(task_id: str) -> Mapping[str, Any]:
     """Return your own values of a task, by name: `my_values("week01.post")["height"]`.
 
     They depend on your student ID. Without one they are those of a guest.
+
+    Args:
+        task_id: The task, "week01.post".
+
+    Raises:
+        CourseError: There is no such task.
     """
     if _given is not None:
         if task_id not in _given:

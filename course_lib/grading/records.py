@@ -98,6 +98,11 @@ def usage_path(out: Path, key: str) -> Path:
     return out / "evidence" / f"{key}.usage.json"
 
 
+def check_times_path(out: Path, key: str) -> Path:
+    """Return the file of the time that judging that evidence took, check by check."""
+    return out / "evidence" / f"{key}.checks.json"
+
+
 def result_path(out: Path, student: str, exercise: str) -> Path:
     """Return the file of a student's result at an exercise."""
     return out / "results" / student / f"{exercise}.json"

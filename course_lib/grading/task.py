@@ -50,7 +50,12 @@ def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
 
 
 class Call:
-    """One call of a function task: plain values as arguments; arrays and tuples arrive as lists."""
+    """One call of a function task; arrays and tuples arrive as lists.
+
+    Args:
+        args: Plain values.
+        kwargs: The same, by name.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         self.args = list(args)
@@ -59,9 +64,15 @@ class Call:
 
 @dataclass(frozen=True)
 class Message:
-    """A message as plain data, published `at` [s] after the start of a scenario.
+    """A message as plain data, published in a scenario.
 
     With the name and the type of a service it is a request, whose response nobody waits for.
+
+    Args:
+        topic: Its full name.
+        type_name: "geometry_msgs/msg/Twist".
+        fields: As `to_plain` gives them; those left out have their defaults.
+        at: Time after the start of the scenario, [s].
     """
 
     topic: str
@@ -72,7 +83,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a rubric: a criterion, and its points."""
+    """A row of a rubric: the text of a criterion, and its points."""
 
     text: str
     points: float

@@ -82,7 +82,11 @@ class Wall:
 
 
 def flatness(stripes: Iterable[Points]) -> float:
-    """Return the extent of all stripes along x, [m]; 0 is flat."""
+    """Return the extent of all stripes along x, [m]; 0 is flat.
+
+    Args:
+        stripes: The points of each, shape (N, 3), in map, [m].
+    """
     return float(np.ptp([piece[:, 0] for piece in _pieces(stripes)] or 0.0))
 
 

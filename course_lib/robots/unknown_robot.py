@@ -277,7 +277,7 @@ class SafetyStop(RobotPart):
 
 
 def unknown_robot(serial: int = 0) -> list[Node]:
-    """Return the nodes of a robot."""
+    """Return the nodes of the robot with a serial number, which students explore in week 6."""
     kinds = (CameraDriver, BoxDetector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
     return [kind(serial) for kind in kinds]
 

@@ -53,7 +53,7 @@ class Pinhole:
         return unit
 
     def info(self, header: Header) -> CameraInfo:
-        """Return the model as sensor_msgs/CameraInfo."""
+        """Return the model as sensor_msgs/CameraInfo with a header."""
         k = self.matrix
         info = CameraInfo(header=header, width=self.width, height=self.height, distortion_model="plumb_bob")
         info.d, info.k, info.r = [0.0] * 5, k.ravel(), np.eye(3).ravel()
@@ -72,7 +72,12 @@ class CameraNode(SensorNode):
     """Publishes `<prefix>/image_raw` in colour, `<prefix>/image_raw/compressed` and `<prefix>/camera_info`.
 
     Args:
+        world: What there is to see.
+        pose: transform_optical_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
+        prefix: Of the topics.
+        pinhole: The camera's model; None takes 320 x 240 pixels that see 60 degrees.
         compressed: "png", "jpeg", or None for no compressed pictures.
+        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
     """
 
     def __init__(

@@ -45,7 +45,7 @@ class Detector:
 
     Args:
         world: What there is to see.
-        pose: transform_sensor_to_world, (4, 4) in [m], or a function of robot time [s]; x ahead.
+        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s]; x ahead.
         range_max: [m]
         field_of_view: The whole angle around x, [rad].
         noise: Standard deviation of places [m] and velocities [m/s].
@@ -141,7 +141,10 @@ class DetectorNode(Node):
 
     Args:
         detector: Where detections come from.
+        name: Of the node.
+        topic: Where detections are published.
         frame_id: The world's frame, in which boxes are given.
+        rate: Detections a second, [Hz].
     """
 
     def __init__(
@@ -151,7 +154,7 @@ class DetectorNode(Node):
         name: str = "detector",
         topic: str = "objects",
         frame_id: str = "map",
-        rate: float = 2.0,  # [Hz]
+        rate: float = 2.0,
     ) -> None:
         self.detector, self.frame_id = detector, frame_id
         period = 1 / check_number("rate [Hz]", rate, above=0)

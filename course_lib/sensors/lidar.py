@@ -22,7 +22,19 @@ def beams_at(azimuth: Floats, elevation: Floats) -> Floats:
 
 
 class LaserScanNode(SensorNode):
-    """Publishes sensor_msgs/LaserScan: `beams` from `angle_min` to `angle_max` [rad], counter-clockwise."""
+    """Publishes sensor_msgs/LaserScan.
+
+    Args:
+        world: What there is to see.
+        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
+        topic: Where scans are published.
+        beams: Their number, evenly from `angle_min` to `angle_max`, counter-clockwise.
+        angle_min: Of the first beam, from x about z, [rad].
+        angle_max: Of the last beam, [rad].
+        range_min: Nearer things give -inf, [m].
+        range_max: Farther things give inf, [m].
+        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+    """
 
     def __init__(
         self,
@@ -33,8 +45,8 @@ class LaserScanNode(SensorNode):
         beams: int = 720,
         angle_min: float = -np.pi,
         angle_max: float = np.pi,
-        range_min: float = 0.1,  # [m]
-        range_max: float = 30.0,  # [m]
+        range_min: float = 0.1,
+        range_max: float = 30.0,
         **common: Unpack[Common],
     ) -> None:
         self.limits = check_limits("range", "m", range_min, range_max)
@@ -57,7 +69,19 @@ class LaserScanNode(SensorNode):
 
 
 class PointCloudNode(SensorNode):
-    """Publishes sensor_msgs/PointCloud2: `columns` of rays around, `rings` within +-`opening` [rad]."""
+    """Publishes sensor_msgs/PointCloud2 with the fields x, y, z [m] and rgb.
+
+    Args:
+        world: What there is to see.
+        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
+        topic: Where clouds are published.
+        columns: Rays of a ring, evenly around z.
+        rings: Their number, evenly from -`opening` to `opening`.
+        opening: Elevation of the highest ring, [rad].
+        range_min: Nearer things are left out, [m].
+        range_max: Farther things are left out, [m].
+        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+    """
 
     def __init__(
         self,
@@ -68,8 +92,8 @@ class PointCloudNode(SensorNode):
         columns: int = 360,
         rings: int = 16,
         opening: float = np.pi / 12,
-        range_min: float = 0.3,  # [m]
-        range_max: float = 30.0,  # [m]
+        range_min: float = 0.3,
+        range_max: float = 30.0,
         **common: Unpack[Common],
     ) -> None:
         self.limits = check_limits("range", "m", range_min, range_max)
@@ -108,7 +132,19 @@ def cone_rays(field_of_view: float, count: int) -> Floats:
 
 
 class RangeNode(SensorNode):
-    """Publishes sensor_msgs/Range: the nearest of `rays` within `field_of_view` [rad], the whole angle."""
+    """Publishes sensor_msgs/Range: the distance of the nearest thing in a cone around x.
+
+    Args:
+        world: What there is to see.
+        pose: transform_range_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
+        topic: Where ranges are published.
+        field_of_view: The whole angle of the cone, [rad].
+        rays: Their number, evenly over the cone.
+        range_min: Nearer things give -inf, [m].
+        range_max: Farther things give inf, [m].
+        radiation_type: Range.ULTRASOUND or Range.INFRARED.
+        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+    """
 
     def __init__(
         self,
@@ -118,8 +154,8 @@ class RangeNode(SensorNode):
         topic: str = "range",
         field_of_view: float = np.pi / 9,
         rays: int = 100,
-        range_min: float = 0.02,  # [m]
-        range_max: float = 4.0,  # [m]
+        range_min: float = 0.02,
+        range_max: float = 4.0,
         radiation_type: int = Range.ULTRASOUND,
         **common: Unpack[Common],
     ) -> None:

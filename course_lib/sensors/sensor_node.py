@@ -30,7 +30,7 @@ class SensorNode(Node, ABC):
 
     Args:
         world: What there is to see.
-        pose: transform_sensor_to_world, (4, 4) in [m], or a function of robot time [s] that gives it.
+        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
         name: Of the node.
         frame_id: The sensor's frame in the messages.
         rate: Measurements a second, [Hz].
@@ -62,10 +62,22 @@ class SensorNode(Node, ABC):
 
     @abstractmethod
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Measure at a robot time [s] since the start of the run and publish."""
+        """Measure and publish; a subclass has this method.
+
+        Args:
+            header: With the stamp and the sensor's frame, for the message.
+            seconds: Robot time since the start of the run, [s].
+            chance: Where noise comes from; it depends on seed, stamp and name.
+        """
 
     def disturbed(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
-        """Return distances [m] with noise; by REP 117 inf is too far, -inf too near, NaN lost."""
+        """Return distances with noise; by REP 117 inf is too far, -inf too near, NaN lost.
+
+        Args:
+            distance: What was measured, shape (N,), [m].
+            limits: The nearest and the farthest distance, [m].
+            chance: As `measure` gets it.
+        """
         noisy = distance + self.noise * chance.standard_normal(distance.shape)
         noisy[noisy > limits[1]] = np.inf
         noisy[noisy < limits[0]] = -np.inf

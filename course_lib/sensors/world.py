@@ -23,13 +23,22 @@ _STEP = 1e-4  # [s] of the difference that gives velocities
 
 
 def placed(x: float, y: float, z: float, yaw: float = 0.0) -> Floats:
-    """Return the transform of a thing at a point [m], turned about z by yaw [rad]."""
+    """Return the pose, shape (4, 4), of a thing at (x, y, z) [m], turned about z by yaw [rad]."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([[cos, -sin, 0, x], [sin, cos, 0, y], [0, 0, 1, z], [0, 0, 0, 1]], float)
 
 
 def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float], Floats]:
-    """Return the motion between two points [m] in the world, to and fro, at a speed [m/s]."""
+    """Return a motion along a line, to and fro; x looks ahead.
+
+    Args:
+        start: Where it begins in the world, shape (3,), [m].
+        goal: Where it turns round, shape (3,), [m].
+        speed: [m/s]
+
+    Returns:
+        transform_thing_to_world, shape (4, 4), [m], as a function of robot time [s].
+    """
     begin, end = check_array("start [m]", start, (3,)), check_array("goal [m]", goal, (3,))
     length = float(np.linalg.norm(end - begin))
     check_number("speed [m/s]", speed, above=0)
@@ -47,7 +56,16 @@ def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float
 
 
 def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float], Floats]:
-    """Return the motion on a circle about a center [m], one round per period [s]; clockwise below 0."""
+    """Return a motion on a horizontal circle; x looks ahead.
+
+    Args:
+        center: In the world, shape (3,), [m].
+        radius: [m]
+        period: Of one round, [s]; clockwise if it is negative.
+
+    Returns:
+        transform_thing_to_world, shape (4, 4), [m], as a function of robot time [s].
+    """
     x, y, z = check_array("center [m]", center, (3,))
     check_number("radius [m]", radius, above=0)
     if check_number("period [s]", period) == 0:
@@ -67,7 +85,7 @@ class Thing:
 
     Args:
         shape: What it looks like.
-        pose: transform_thing_to_world, (4, 4) in [m], or a function of robot time [s] that gives it.
+        pose: transform_thing_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
         color: Red, green, blue, each 0 to 1.
         label: What a detector calls it; without one, detectors leave it alone.
     """

@@ -26,31 +26,42 @@ const MeshCat = ((module, exports, define) => { %(meshcat)s
 return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
 const { THREE } = MeshCat;
 %(ours)s
-return { Link, follow, mountAll, picture };
+return { Link, follow, mount, mountAll, picture, unpacked };
 })();
 """
 
 
-@cache
 def bundle() -> tuple[str, str]:
     """Return the name under which a page finds the viewer, and the script that puts it there."""
+    key, zipped = _zipped()
+    return key, gzip.decompress(zipped).decode()
+
+
+def bundle_name() -> str:
+    """Return the name under which a page finds the viewer."""
+    return _zipped()[0]
+
+
+def bundle_zipped() -> bytes:
+    """Return the script, compressed."""
+    return _zipped()[1]
+
+
+@cache
+def _zipped() -> tuple[str, bytes]:
+    """Return the name and the compressed script: as text it would hold 2 MB of each kernel."""
     style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
     scripts = [f"const DESK_STYLE = {style};", *(_joinable(name) for name in _MODULES)]
     meshcat, ours = _meshcat(), "\n".join(scripts)
     key = "__courseViewer_" + hashlib.sha256((meshcat + ours).encode()).hexdigest()[:12]
-    return key, _SCRIPT % {"key": key, "meshcat": meshcat, "ours": ours}
-
-
-@cache
-def bundle_zipped() -> bytes:
-    """Return the script, compressed."""
-    return gzip.compress(bundle()[1].encode(), 9, mtime=0)
+    script = _SCRIPT % {"key": key, "meshcat": meshcat, "ours": ours}
+    return key, gzip.compress(script.encode(), 9, mtime=0)
 
 
 @cache
 def widget_module() -> str:
     """Return the module of a widget, which loads the script."""
-    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle()[0])
+    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle_name())
 
 
 def _meshcat() -> str:

@@ -66,8 +66,8 @@ class Solids:
     Args:
         shape: Unit box, sphere of diameter 1, or cylinder or cone of diameter 1 and height 1 along z; all
             are centred on their origin, the tip of the cone points to +z.
-        placements: Affine transforms from the unit shape to the node, shape (N, 4, 4).
-        colors: Shape (N, 4), or (4,) for all of them.
+        placements: Affine transforms from the unit shape to the node, shape (N, 4, 4), [m].
+        colors: RGBA, 0 to 1, shape (N, 4), or (4,) for all of them.
         lit: Whether faces are shaded.
     """
 
@@ -84,9 +84,9 @@ class Mesh:
     """Triangles, seen from both sides.
 
     Args:
-        vertices: Shape (V, 3).
+        vertices: Shape (V, 3), [m].
         faces: Corners of each triangle by index, shape (F, 3); None if each three vertices make one.
-        colors: Shape (V, 4), or (4,) for all of them.
+        colors: RGBA, 0 to 1, shape (V, 4), or (4,) for all of them.
         normals: Unit normals at the vertices, shape (V, 3); None gives each triangle its own.
         lit: Whether faces are shaded.
     """
@@ -111,9 +111,9 @@ class Lines:
     """Strips that turn their flat side to the camera, as RViz's billboard lines do.
 
     Args:
-        points: Shape (P, 3); joined one after the other, or, if not ``strip``, in pairs.
-        colors: Shape (P, 4), or (4,) for all of them.
-        width: Width of the strip; 0 draws a line that is one pixel wide.
+        points: Shape (P, 3), [m]; joined one after the other, or, if not ``strip``, in pairs.
+        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for all of them.
+        width: Width of the strip, [m]; 0 draws a line that is one pixel wide.
         strip: Whether each point is joined to the next.
     """
 
@@ -130,8 +130,8 @@ class Points:
     """Spots as RViz's point clouds have them: flat and turned to the camera, or along the node's axes.
 
     Args:
-        points: Shape (P, 3).
-        colors: Shape (P, 4), or (4,) for all of them.
+        points: Shape (P, 3), [m].
+        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for all of them.
         size: Width and height, for boxes also depth, in [m], or in pixels.
         pixels: Whether the size is in pixels.
         spot: What is drawn at each point; RViz's spheres are discs, darker at the rim; boxes
@@ -161,8 +161,8 @@ class Text:
 
     Args:
         text: May have several lines.
-        height: Height of a capital letter.
-        color: Shape (4,).
+        height: Height of a capital letter, [m].
+        color: RGBA, 0 to 1, shape (4,).
         below: Whether all of it is below the origin in the picture; else it is centred there.
     """
 

@@ -1,25 +1,23 @@
 """The changes of a scene over time, to be played again."""
 
 import math
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import chain, takewhile
 from typing import Any
 
-import numpy as np
-
 from course_lib.viewer import encoding
+from course_lib.viewer.reel import Frame, Reel
 from course_lib.viewer.scene import Scene, What
 
 INTERVAL = 1 / 40  # [s] as between a stream's batches
-_CHANGE = 500  # bytes that Python keeps for a small change, about
 _OF_ALL = ("background", "camera", "animation")  # what belongs to the scene, not to one node
 
 
 class Film:
     """The changes of a scene, with times.
 
-    Values are kept as they were set, and written down only when somebody wants them. What is older than the
-    limits is folded into the first picture.
+    Values are kept as they were set, the older ones packed, and written down only when somebody wants them.
+    What is older than the limits is folded into the first picture.
 
     Args:
         scene: What to follow.
@@ -42,8 +40,7 @@ class Film:
         self._limits, self._interval = (seconds, megabytes * 1e6), interval
         self._start = now()
         self._first = copied(scene)
-        self._frames: deque[_Frame] = deque()
-        self._size = 0
+        self._frames = Reel()
         self.forgotten = False  # whether the beginning is gone
         self.stop = scene.listen(self._note)
 
@@ -52,30 +49,39 @@ class Film:
         """The time that can be played, [s]."""
         return max(self._now() - self._start, 0.0)
 
-    def packed(self, seconds: float = math.inf) -> bytes:
+    @property
+    def time(self) -> float:
+        """The present time, [s]."""
+        return self._now()
+
+    def packed(self, seconds: float = math.inf, until: float = math.inf, interval: float = 0.0) -> bytes:
         """Write batches with times in [s] since the start, or just the scene if nothing has changed.
 
         Args:
             seconds: How much of the past is wanted at most, [s].
+            until: When that ends, as `time` was then, [s].
+            interval: Changes within so many [s] become one, to save room.
         """
         with self.scene.lock:
-            frames, end, scene = list(self._frames), self._now(), copied(self._first)
-        start = max(self._start, end - seconds)
-        note = self.note() if start == self._start else ""
-        while frames and frames[0].time < start:
-            frames.pop(0).apply(scene)
-        if not frames or end <= start:
-            return encoding.snapshot(self.scene)
+            end, scene = min(self._now(), until), copied(self._first)
+            frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
+            begun, note = self._start, self.note()
+        start = max(begun, end - seconds)
+        first = _seek(scene, frames, start if start < end else math.inf)
+        if first is None:
+            return encoding.snapshot(scene)
         batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.whole(scene)}]
         paths = batches[0]["paths"]
-        for frame in frames:
-            frame.apply(scene)
+        for frame in _thinned(chain((first,), frames), interval):
+            _apply(scene, frame)
             batches.append({"time": frame.time - start, **_batch(scene, frame)})
             if batches[-1].get("paths", paths) == paths:
                 batches[-1].pop("paths", None)
             else:
                 paths = batches[-1]["paths"]
-        return encoding.pack({"start": start, "end": end - start, "note": note, "batches": batches})
+        return encoding.pack(
+            {"start": start, "end": end - start, "note": note * (start == begun), "batches": batches}
+        )
 
     def note(self) -> str:
         """The text about parts that are missing, or ""."""
@@ -86,47 +92,54 @@ class Film:
     def _note(self, what: What, path: str) -> None:
         """Remember a change; the scene's lock is held."""
         now = self._now()
-        if now < (self._frames[-1].time if self._frames else self._start):
-            self._forget(len(self._frames), now)
-        if not self._frames or now - self._frames[-1].time >= self._interval:
-            self._frames.append(_Frame(now))
-        self._size += self._frames[-1].add(what, path, _value(self.scene, what, path))
+        newest = self._frames.newest
+        if now < (newest.time if newest else self._start):
+            self._forget(len(self._frames))
+            self._start, newest = now, None
+        if newest is None or now - newest.time >= self._interval:
+            self._frames.begin(now)
+        self._frames.add(what, path, _value(self.scene, what, path))
         seconds, size = self._limits
-        while len(self._frames) > 1 and (now - self._start > seconds or self._size > size):
-            self._forget(1, self._frames[1].time)
-            self.forgotten = True
+        while len(self._frames) > 1 and (now - self._start > seconds or self._frames.size > size):
+            self._forget(1)
+            self._start, self.forgotten = self._frames.start, True
 
-    def _forget(self, count: int, start: float) -> None:
+    def _forget(self, count: int) -> None:
         """Fold the oldest frames into the first picture."""
         for _ in range(count):
-            frame = self._frames.popleft()
-            self._size -= frame.size
-            frame.apply(self._first)
-        self._start = start
+            _apply(self._first, self._frames.forget())
 
 
-class _Frame:
-    """The last value of everything that changed at about one time."""
-
-    def __init__(self, time: float) -> None:
-        self.time = time
-        self.size = 0
-        self.changes: dict[tuple[What, str], Any] = {}
-
-    def add(self, what: What, path: str, value: Any) -> int:
-        """Add a change; returns an estimate of the additional bytes."""
-        before = self.changes.pop((what, path), None)  # the order of the last changes counts
-        self.changes[what, path] = value
-        size = _size(value) - (0 if before is None else _size(before))
-        self.size += size
-        return size
-
-    def apply(self, scene: Scene) -> None:
-        for (what, path), value in self.changes.items():
-            _write(scene, what, path, value)
+def _apply(scene: Scene, frame: Frame) -> None:
+    """Change a scene as a frame says."""
+    for (what, path), value in frame.changes.items():
+        _write(scene, what, path, value)
 
 
-def _batch(scene: Scene, frame: _Frame) -> dict[str, Any]:
+def _seek(scene: Scene, frames: Iterator[Frame], start: float) -> Frame | None:
+    """Apply the frames before a time, [s]; returns the first one after it."""
+    for frame in frames:
+        if frame.time >= start:
+            return frame
+        _apply(scene, frame)
+    return None
+
+
+def _thinned(frames: Iterator[Frame], interval: float) -> Iterator[Frame]:
+    """Yield frames that are at least an interval apart, [s]; each has all changes until the next one."""
+    thinned: Frame | None = None
+    for frame in frames:
+        if thinned is None or frame.time - thinned.time >= interval:
+            if thinned is not None:
+                yield thinned
+            thinned = Frame(frame.time)
+        for (what, path), value in frame.changes.items():
+            thinned.add(what, path, value)
+    if thinned is not None:
+        yield thinned
+
+
+def _batch(scene: Scene, frame: Frame) -> dict[str, Any]:
     """Write a frame whose changes the scene has."""
     changes = [change for change in frame.changes if change[0] != "transform"]
     batch: dict[str, Any] = {}
@@ -165,9 +178,3 @@ def _write(scene: Scene, what: What, path: str, value: Any) -> None:
         setattr(scene, what, value)
     else:
         getattr(scene, f"set_{what}")(path, value)
-
-
-def _size(value: Any) -> int:
-    """Estimate the bytes of a value, by its arrays."""
-    parts = vars(value).values() if hasattr(value, "__dict__") else ()
-    return _CHANGE + sum(part.nbytes for part in parts if isinstance(part, np.ndarray))

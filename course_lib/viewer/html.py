@@ -33,12 +33,13 @@ main, main > .course-viewer { flex: 1; min-height: 0 }
 </style>
 <main class="course-page"></main>"""
 
+MOUNT_ALL = "(viewer) => viewer.mountAll()"
 _CODE = """\
 (async () => {{
   const zipped = Uint8Array.from(atob("{zipped}"), (sign) => sign.charCodeAt(0));
   const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
   (0, eval)(await new Response(stream).text());
-  await globalThis["{key}"].{start};
+  await ({start})(globalThis["{key}"]);
 }})().catch((error) => document.body.append("The 3D view could not start: " + error));
 """
 
@@ -73,16 +74,16 @@ def scene_fragment(
 
 def live_page(title: str) -> str:
     """Return a page that follows the scene of the program that it comes from, over a WebSocket."""
-    script = bundle_script('follow(document.querySelector("main"))')
+    script = bundle_script('(viewer) => viewer.follow(document.querySelector("main"))')
     return _PAGE.format(title=escape(title), background=Scene().background, fragment=_MAIN, script=script)
 
 
-def bundle_script(start: str = "mountAll()") -> str:
+def bundle_script(start: str = MOUNT_ALL) -> str:
     """Return the element that starts all scenes of a page."""
     return f"<script>\n{bundle_code(start)}</script>"
 
 
-def bundle_code(start: str = "mountAll()") -> str:
-    """Return what that element does, for pages that share one file of it."""
+def bundle_code(start: str = MOUNT_ALL) -> str:
+    """Return what that element does, for pages that share one file of it; `start` is given the viewer."""
     zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _CODE.format(zipped=zipped, key=assets.bundle()[0], start=start)
+    return _CODE.format(zipped=zipped, key=assets.bundle_name(), start=start)

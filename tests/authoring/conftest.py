@@ -1,6 +1,7 @@
 """A course with one week, as `course new` makes it."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -11,13 +12,27 @@ from course_lib.grading.records import Course
 Break = Callable[[str, str, str], None]
 
 
-@pytest.fixture
-def course(tmp_path: Path) -> Course:
-    """A course with a week 9 on occupancy maps."""
-    made = Course(tmp_path / "exercises", tmp_path / "solutions")
+def empty_course(top: Path) -> Course:
+    """A course without weeks."""
+    made = Course(top / "exercises", top / "solutions")
     for folder in (made.exercises, made.solutions, made.lessons):
         folder.mkdir()
     (made.exercises / "course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
+    return made
+
+
+def write(course: Course, name: str, old: str, new: str) -> None:
+    """Replace a text in a file of the course."""
+    path = course.exercises.parent / name
+    text = path.read_text("utf-8")
+    assert old in text, f"{name} has no {old!r}"
+    path.write_text(text.replace(old, new), "utf-8")
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Course:
+    """A course with a week 9 on occupancy maps."""
+    made = empty_course(tmp_path)
     new_week("week09", "Occupancy maps", made)
     return made
 
@@ -25,11 +40,4 @@ def course(tmp_path: Path) -> Course:
 @pytest.fixture
 def change(course: Course) -> Break:
     """Replaces a text in a file of the course."""
-
-    def write(name: str, old: str, new: str) -> None:
-        path = course.exercises.parent / name
-        text = path.read_text("utf-8")
-        assert old in text, f"{name} has no {old!r}"
-        path.write_text(text.replace(old, new), "utf-8")
-
-    return write
+    return partial(write, course)

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,8 @@ class Notebook:
     """One notebook, open in JupyterLab.
 
     Args:
-        page: The browser's page, with a time out for busy machines.
+        page: The browser's page, with a time out for busy machines; where it shows JupyterLab already, the
+            notebook takes the place of what is open there: to load the page costs seconds.
         address: The server's address, as `course lab` prints it.
         folder: The student's folder, a folder of the server's root.
         name: The notebook's path in the student's folder.
@@ -71,7 +73,10 @@ class Notebook:
         # A workspace of its own: what other tests have left open stays closed.
         workspace = f"{base.split('/lab')[0]}/lab/workspaces/{folder.name}"
         self._url = f"{workspace}/tree/{folder.name}/{name}?{query}"
-        self.open()
+        if page.url == "about:blank":
+            self.open()
+        else:
+            self.leave_for(name)
 
     def open(self) -> None:
         """Open the notebook, or reload the page, and wait for its kernel."""
@@ -80,11 +85,12 @@ class Notebook:
         self.wait_idle()
 
     def leave_for(self, name: str) -> None:
-        """End the kernel, and open another notebook in its place: a second load of the page costs seconds."""
+        """End the kernels, and open another notebook in the place of what is open."""
+        self.end()
         script = """async path => {
-            await jupyterapp.serviceManager.sessions.shutdownAll();
-            jupyterapp.shell.currentWidget.dispose();
             const opened = await jupyterapp.commands.execute('docmanager:open', { path });
+            for (const other of [...jupyterapp.shell.widgets('main')])
+                if (other !== opened) other.dispose();  // JupyterLab's launcher
             await opened.context.ready; }"""
         self.page.evaluate(script, f"{self.folder.name}/{name}")
         self.name = name
@@ -92,9 +98,11 @@ class Notebook:
         self.wait_idle()
 
     def end(self) -> None:
-        """End all kernels of the server, and close the page."""
-        self.page.evaluate("() => jupyterapp.serviceManager.sessions.shutdownAll()")
-        self.page.close()
+        """End all kernels of the server, and close all that is open in the page."""
+        script = """async () => {
+            await jupyterapp.serviceManager.sessions.shutdownAll();
+            for (const one of [...jupyterapp.shell.widgets('main')]) one.dispose(); }"""
+        self.page.evaluate(script)
 
     def wait_idle(self) -> None:
         """Wait until the kernel has nothing to do."""
@@ -170,7 +178,7 @@ class Notebook:
 
 @dataclass(frozen=True)
 class Lab:
-    """A JupyterLab and a browser for all files of tests; each has its own folder and page.
+    """A JupyterLab and a browser for all files of tests; each has its own folder.
 
     Args:
         folder: The root of the server.
@@ -187,6 +195,11 @@ class Lab:
         prepare(folder)
         return folder
 
+    @cached_property
+    def page(self) -> Page:
+        """The page that shows one file's notebook after the other's."""
+        return self.new_page(viewport={"width": 1280, "height": 900})
+
     def new_page(self, **settings: Any) -> Page:
         """Return a page with a time out for busy machines."""
         page = self.browser.new_page(**settings)
@@ -200,7 +213,7 @@ def opened(lab: Lab, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]
     folder = lab.student_folder(f"{Path(name).stem}_{len(list(lab.folder.iterdir()))}")
     if cells:
         write_notebook(folder / name, cells)
-    notebook = Notebook(lab.new_page(viewport={"width": 1280, "height": 900}), lab.address, folder, name)
+    notebook = Notebook(lab.page, lab.address, folder, name)
     yield notebook
     notebook.end()
 

@@ -13,10 +13,13 @@ PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 _LISTED = """() => [...document.querySelectorAll(".jp-DirListing-itemText")].map(
     (name) => [name.textContent, name.scrollWidth > name.clientWidth])"""
 
+_GO_TO = "path => jupyterapp.commands.execute('filebrowser:go-to-path', { path })"
+
 
 def test_lessons_and_exercises_come_first_and_their_names_fit(lab: Lab) -> None:
     with opened(lab, "week00_welcome.ipynb") as notebook:
         folder = notebook.folder
+        notebook.page.evaluate(_GO_TO, folder.name)
         (folder / "a_recording").mkdir()
         (folder / "a_layout.rviz").write_text("")
         notebook.page.get_by_role("button", name="Refresh the file browser.").click()

@@ -74,6 +74,7 @@ def notebook(lab: Lab) -> Iterator[Notebook]:
     notebook.run_all()
     yield notebook
     notebook.end()
+    notebook.page.close()
 
 
 def are_all(notebook: Notebook, color: int) -> bool:

@@ -10,12 +10,25 @@ from course_lib.grading.records import Course
 from tests.grading.conftest import RIGHT
 
 GRADE = """
-import sys
+import sys, time
 from pathlib import Path
 from course_lib.errors import CourseError
+from course_lib.grading import grade as stages
 from course_lib.grading.grade import grade
 from course_lib.grading.records import Course
+
+def with_pauses(graded):
+    def rows(work, *rest):
+        for number, row in enumerate(graded(work, *rest), 1):
+            yield row
+            pause = work.out.with_name(f"pause_{number}")
+            while pause.exists():
+                pause.write_text("now")
+                time.sleep(0.01)
+    return rows
+
 if __name__ == "__main__":
+    stages._graded = with_pauses(stages._graded)
     top, out, jobs, flags = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
     course = Course(top / "course/exercises", top / "course/solutions")
     try:
@@ -40,7 +53,10 @@ def write_class(top: Path, count: int) -> Path:
 
 
 def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> "subprocess.Popen[str]":
-    """A grader of the class beside the course, in a process of its own."""
+    """A grader of the class beside the course, in a process of its own.
+
+    It pauses after row 3 as long as there is a file `pause_3` beside `out`, and says so in the file.
+    """
     script = out.parent / "grade.py"
     script.write_text(GRADE)
     top = str(course.exercises.parents[1])

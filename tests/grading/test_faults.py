@@ -6,8 +6,11 @@ import signal
 import subprocess
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import psutil
 import pytest
@@ -18,8 +21,9 @@ from course_lib.grading.records import Course, OutError, sole_use
 from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
 
+T = TypeVar("T")
 STUDENTS = 12
-SECONDS = 120  # [s] a grader may take on a busy machine
+SECONDS = 300  # [s] a grader may take on a busy machine
 
 
 @pytest.fixture(scope="module")
@@ -76,17 +80,16 @@ def test_processes_that_are_killed_cost_nobody_a_mark(
     course: Course, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
+    pauses = [tmp_path / "pause_1", tmp_path / "pause_4"]
+    for pause in pauses:
+        pause.touch()
     grader = start_grader(course, out, 2)
-    for enough, kind in {
-        2: "spawn_main",
-        6: "jail.template",
-    }.items():  # what grades, what submissions are forks of
-        _wait_for_results(out, enough)
-        below = psutil.Process(grader.pid).children(recursive=True)
-        killed = [process for process in below if any(kind in word for word in _command(process))]
-        assert len(killed) >= 2
-        for process in killed:
+    # What grades, two of it, and what submissions are forks of: each process that has run one has its own.
+    for pause, kind, enough in zip(pauses, ("spawn_main", "jail.template"), (2, 1), strict=True):
+        _wait_until(pause.read_text)
+        for process in _wait_until(partial(_below, grader.pid, kind, enough)):
             process.kill()
+        pause.unlink()
     said = grader.communicate(timeout=SECONDS)[0]
     assert grader.returncode == 0, said
     assert fingerprint(out) == undisturbed
@@ -153,15 +156,22 @@ def test_half_written_files_of_a_killed_grader_are_cleared_away(tmp_path: Path) 
         assert not draft.exists()
 
 
-def _command(process: psutil.Process) -> list[str]:
-    try:
-        return list(process.cmdline())
-    except psutil.NoSuchProcess:
-        return []
+def _below(pid: int, kind: str, enough: int) -> list[psutil.Process]:
+    """List the processes below one whose command has a word in it; none if they are not enough."""
+    found = []
+    for process in psutil.Process(pid).children(recursive=True):
+        with suppress(psutil.NoSuchProcess):
+            found += [process] if any(kind in word for word in process.cmdline()) else []
+    return found if len(found) >= enough else []
 
 
 def _wait_for_results(out: Path, enough: int) -> None:
+    _wait_until(lambda: len(list(out.glob("results/*/*.json"))) >= enough)
+
+
+def _wait_until(ready: Callable[[], T]) -> T:
     end = time.monotonic() + SECONDS
-    while len(list(out.glob("results/*/*.json"))) < enough:
+    while not (found := ready()):
         assert time.monotonic() < end
         time.sleep(0.01)
+    return found

@@ -8,11 +8,14 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.course_file import CourseFile, read_course_file
+from course_lib.grading.grade import grade
 from course_lib.grading.judge import CheckResult, Judgement, TaskResult
 from course_lib.grading.marks.mark import Result, results_in
-from course_lib.grading.records import Course
+from course_lib.grading.records import Course, check_times_path
 from course_lib.grading.reports.items import FEWEST, Analysis, Item, analyse, correlation
 from course_lib.grading.reports.tables import write_tables
+from course_lib.grading.reports.times import Spent, check_times
+from tests.grading.graders import write_class
 from tests.grading.term.simulated import write_results
 
 EXERCISE = "week01_exercise"
@@ -122,6 +125,36 @@ def test_titles_on_the_page_are_escaped_and_the_index_leads_to_it(
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)" in page
     assert 'href="items.html"' in (tmp_path / "reports/index.html").read_text()
+
+
+def test_the_page_has_the_time_of_each_check_and_scenario_and_results_have_none(
+    tmp_path: Path, course: Course
+) -> None:
+    write_class(tmp_path, 2)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    analysis = analyse(EXERCISE, list(results_in(tmp_path / "out")), tmp_path / "out")
+    assert analysis.check_times.keys() == {(i.task, i.scenario, i.title) for i in analysis.checks}
+    assert {task for task, _ in analysis.scenario_times} == {item.task for item in analysis.tasks}
+    assert {spent.count for spent in analysis.scenario_times.values()} == {2}
+    assert all(spent.most >= spent.middle > 0 for spent in analysis.scenario_times.values())
+    assert any(spent.middle > 0 for spent in analysis.check_times.values())
+    page = (tmp_path / "out/reports/items.html").read_text()
+    assert 'aria-label="Scenarios of week01_exercise"' in page
+    for path in (tmp_path / "out/results").glob("*/*.json"):
+        assert "seconds" not in path.read_text()
+
+
+@pytest.mark.parametrize("text", ["", "[1]", '[["a", "b", "c", null]]', '{"a": 1}'])
+def test_damaged_times_are_left_out(tmp_path: Path, text: str) -> None:
+    path = check_times_path(tmp_path, "key")
+    path.parent.mkdir()
+    path.write_text(text)
+    assert check_times(tmp_path, ["key", "none"]) == {}
+
+
+def test_a_check_that_took_a_second_is_called_slow() -> None:
+    assert Spent(9, 0.1, 1.2).remark == "slow: a check may take 5 s"
+    assert Spent(9, 0.1, 0.2).remark == ""
 
 
 def test_an_item_with_a_fault_of_the_grader_does_not_count(tmp_path: Path, settings: CourseFile) -> None:

@@ -6,7 +6,7 @@ from course_lib.grading.records import usage_path
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.run import read_usage
 from course_lib.grading.run.submission_run import SubmissionRun
-from course_lib.grading.task import Scenario, Task
+from course_lib.grading.task import Call, Scenario, Task
 
 ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
 
@@ -27,6 +27,19 @@ def test_time_and_memory_of_a_submission_and_of_its_children_count() -> None:
     assert busy.cpu_seconds > 2 * idle.cpu_seconds
     assert child.cpu_seconds > 2 * idle.cpu_seconds
     assert large.memory_megabytes > idle.memory_megabytes + 190
+
+
+def test_each_scenario_has_its_own_time() -> None:
+    busy = Task(
+        "week01.busy", "Busy", "function", "busy", ("a", "b", "c"), (Scenario("public", calls=(Call(1),)),)
+    )
+    cells = ("answer = 1\ndef busy(x):\n    return sum(range(20_000_000))",)
+    with closing(SubmissionRun(cells, {ANSWER.id: {}, busy.id: {}}, Limits())) as session:
+        for task in (ANSWER, busy):
+            session.run(task, task.scenarios[0])
+    times = session.usage.scenarios
+    assert times["week01.busy/public"] > 10 * times["week01.answer/public"] > 0
+    assert sum(times.values()) < session.usage.cpu_seconds
 
 
 def test_usage_comes_back_from_its_file_and_a_broken_one_is_none(tmp_path: Path) -> None:

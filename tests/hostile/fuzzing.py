@@ -49,7 +49,7 @@ frames = st.one_of(
     st.tuples(st.just("publish"), st.integers(2, 4), cdrs).map(list),
     st.tuples(st.just("alarm"), st.integers(0, 3), numbers, st.just(2), st.just(0)).map(list),
     st.tuples(st.just("result"), st.lists(values, max_size=2), st.lists(texts, max_size=2)).map(list),
-    st.just(["idle"]) | st.just(["exit", 0]),
+    st.just(["idle"]) | st.just(["exit", 0, 0.1]),
 )
 
 

@@ -11,10 +11,11 @@ from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.handin.archives import working_files
 from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.judge import CHECK_SECONDS, time_limit
+from course_lib.grading.judge import CHECK_SECONDS
 from course_lib.grading.run.job import Job, Run, plan
 from course_lib.grading.run.run import run_scenarios
 from course_lib.grading.task import Message
+from course_lib.grading.time_limit import time_limit
 from tests.hostile.made_up import made_up, spoilt_evidence
 
 T = "/topic"

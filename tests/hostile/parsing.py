@@ -12,11 +12,11 @@ from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.handin.notebook import parse_notebook
 from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.judge import time_limit
 from course_lib.grading.run.job import Run, Step
 from course_lib.grading.run.run import ExerciseRun, pack, unpack
 from course_lib.grading.run.submission_run import CellLog
 from course_lib.grading.task import Scenario, Task
+from course_lib.grading.time_limit import time_limit
 from course_lib.ros.parameter_yaml import read_text
 from tests.hostile.made_up import made_text, spoilt
 

@@ -13,7 +13,7 @@ def test_whatever_a_submission_sends_ends_in_a_mark(stream: bytes) -> None:
 
 
 def test_the_streams_can_publish() -> None:
-    published = packed(["publish", 3, b"x"]) + packed(["result", [], []]) + packed(["exit", 0])
+    published = packed(["publish", 3, b"x"]) + packed(["result", [], []]) + packed(["exit", 0, 0.1])
     assert swallow(b"".join(map(packed, PUBLISHER)) + published).samples
 
 
@@ -26,7 +26,7 @@ def test_the_streams_can_publish() -> None:
         struct.pack("!I", 150_004) + b"\xdd\x7f\xff\xff\xff" + b"\x90" * 149_999,
         packed(["result", [float("nan"), float("inf"), -0.0], []]),
         packed(["result", [[[[]]] * 1000], ["x" * 10_000]]),
-        packed(["result", [{"object": 1}] * 100, []]) + packed(["exit", 0]),
+        packed(["result", [{"object": 1}] * 100, []]) + packed(["exit", 0, 0.1]),
     ],
 )
 def test_bombs_are_refused(stream: bytes) -> None:

@@ -134,3 +134,18 @@ def test_only_the_last_seconds_may_be_wanted_and_begin_with_the_scene_as_it_was(
     assert [batch["matrices"][9] for batch in data["batches"]] == [1.0, 2.0, 3.0]
     clock.now += 5.0
     assert "batches" not in decoded(film.packed(1.5))
+
+
+def test_a_film_may_be_wanted_until_a_time_and_in_fewer_frames(clock: Clock) -> None:
+    scene = Scene()
+    scene.set_object("a", RED_BOX)
+    film = Film(scene, clock)
+    for x in range(1, 9):
+        clock.now += 0.25
+        scene.set_transform("a", moved(float(x)))
+    data = decoded(film.packed(until=101.5, interval=0.5))
+    assert data["end"] == 1.5
+    assert [batch["time"] for batch in data["batches"]] == [0.0, 0.25, 0.75, 1.25]
+    assert [batch["matrices"][9] for batch in data["batches"][1:]] == [2.0, 4.0, 6.0]
+    (at_first,) = decoded(film.packed(until=100.0))["commands"][-1:]
+    assert at_first["path"] == "a"

@@ -57,7 +57,13 @@ def shapes(poses: npt.ArrayLike, holder: PropertyHolder, below: str = "") -> dic
 def rgba_of(
     holder: PropertyHolder, color_label: str = "Color", alpha_label: str = "Alpha"
 ) -> tuple[float, ...]:
-    """Return the values of two properties as one colour, in 0..1."""
+    """Return the values of two properties as one colour, RGBA from 0 to 1.
+
+    Args:
+        holder: A display that has them.
+        color_label: The property with the colour.
+        alpha_label: The property with the alpha.
+    """
     return (*(channel / 255 for channel in holder[color_label]), holder[alpha_label])
 
 

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
 from typing import Any
@@ -14,6 +14,7 @@ from course_lib.grading.judge import TaskResult
 from course_lib.grading.marks.marks import HandMark, apply_marks, read_marks
 from course_lib.grading.records import marks_path
 from course_lib.grading.reports.table import csv_of, fill
+from course_lib.grading.reports.times import Name, Spent, check_times, scenario_times
 from course_lib.grading.run.run import read_usage
 
 TASK_COLUMNS = (
@@ -74,6 +75,8 @@ class Analysis:
         tasks: In the order of the exercise.
         checks: Of each task, in its order.
         cpu_seconds: What running each submission took [s].
+        scenario_times: Of the jail's processes, by task and scenario.
+        check_times: Of judging, by task, scenario and title.
     """
 
     exercise: str
@@ -81,6 +84,8 @@ class Analysis:
     tasks: Sequence[Item]
     checks: Sequence[Item]
     cpu_seconds: Sequence[float]
+    scenario_times: Mapping[Name, Spent] = field(default_factory=dict)
+    check_times: Mapping[Name, Spent] = field(default_factory=dict)
 
     @property
     def histogram(self) -> list[tuple[str, int, int]]:
@@ -135,13 +140,16 @@ def analyse(exercise: str, results: Sequence[Mapping[str, Any]], out: Path) -> A
     """Return the analysis of one exercise from its results."""
     judged = [[TaskResult.from_plain(task) for task in one["tasks"]] for one in results if one.get("tasks")]
     rows = [one["row"] for one in results if one["row"]["max_score"]]
-    usages = [read_usage(out, one["attempts"][-1]["key"]) for one in results if one.get("tasks")]
+    keys = [one["attempts"][-1]["key"] for one in results if one.get("tasks")]
+    usages = [read_usage(out, key) for key in keys]
     return Analysis(
         exercise,
         [100 * float(row["final"]) / float(row["max_score"]) for row in rows],
         list(_items(judged, of_checks=False)),
         list(_items(judged, of_checks=True)),
         [usage.cpu_seconds for usage in usages if usage],
+        scenario_times(out, keys),
+        check_times(out, keys),
     )
 
 

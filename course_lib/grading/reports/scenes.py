@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import time_limit
 from course_lib.grading.personal import build
 from course_lib.grading.run.job import Run
 from course_lib.grading.task import Message, Task
+from course_lib.grading.time_limit import time_limit
 from course_lib.recording import Recording
 from course_lib.robots.resources import packages_only
 from course_lib.ros.clock import START_NS
@@ -60,7 +60,7 @@ def shared_script(folder: Path) -> str:
     """Write the viewer into a folder, if it is not there yet, and return the file's name."""
     from course_lib.viewer import assets, html
 
-    path = folder / f"viewer-{assets.bundle()[0].rpartition('_')[2]}.js"
+    path = folder / f"viewer-{assets.bundle_name().rpartition('_')[2]}.js"
     if not path.is_file():
         write_whole(path, html.bundle_code().encode())
     return path.name

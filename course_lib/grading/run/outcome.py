@@ -5,7 +5,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from itertools import islice
 from typing import Any
@@ -31,10 +31,11 @@ NOT_MADE = "is not in the notebook: no cell that ran to its end makes it"  # beh
 
 @dataclass
 class Outcome:
-    """Returned values and errors of student code."""
+    """Returned values and errors of student code, and the CPU that it says it used [s]."""
 
     returns: list[Any] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
+    cpu_seconds: float = 0.0
 
 
 def plain(value: Any) -> Any:
@@ -171,17 +172,20 @@ _RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3  # getrusage counts bytes
 class Usage:
     """CPU of all processes together [s], and the most memory that one of them held [MB].
 
-    Where files are on a disk, also the most that they took [MB]; else the kernel bounds them.
+    Where files are on a disk, also the most that they took [MB]; else the kernel bounds them. `scenarios` has
+    the CPU of each scenario [s] by task and name, as the worker, which runs the student's code, tells it.
     """
 
     cpu_seconds: float = 0.0
     memory_megabytes: float = 0.0
     files_megabytes: float = 0.0
+    scenarios: Mapping[str, float] = field(default_factory=dict)
 
     def __add__(self, other: "Usage") -> "Usage":
         memory = max(self.memory_megabytes, other.memory_megabytes)
         files = max(self.files_megabytes, other.files_megabytes)
-        return Usage(round(self.cpu_seconds + other.cpu_seconds, 3), memory, files)
+        cpu = round(self.cpu_seconds + other.cpu_seconds, 3)
+        return Usage(cpu, memory, files, {**self.scenarios, **other.scenarios})
 
     def fills(self, megabytes: float) -> bool:
         """Return whether all files take far more than the limit of a single one."""

@@ -21,6 +21,7 @@ from course_lib.ros.channel import (
 )
 from course_lib.ros.graph_server import GraphServer, RecordingLimitError, Room
 
+MOST_CPU = 1e6  # [s] that a scenario can have used
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
 
 
@@ -70,7 +71,7 @@ class SubmissionRun:
         files: Mapping[str, str] | None = None,
     ) -> None:
         self.log = CellLog()
-        self.usage = Usage()  # of the workers that have ended
+        self.usage = Usage()  # of the workers that have ended, and of each scenario
         self._template = template or shared_template()
         self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
@@ -100,6 +101,7 @@ class SubmissionRun:
         begin = wall.monotonic()
         outcome, stopped = self._serve(worker, stage, task)
         self._shares.take(task.id, wall.monotonic() - begin)
+        self.usage += Usage(scenarios={f"{task.id}/{scenario.name}": outcome.cpu_seconds})
         if stopped == "time":
             self._hung.add(task.id)
         output = worker.take_output()
@@ -209,10 +211,11 @@ def _drive(channel: Channel, stage: ScenarioGraph, room: Room) -> Outcome:
     server.end()
     match server.last_frame:
         case ["result", list(returns), list(errors)] if is_plain(returns):
-            if channel.receive()[:1] != ["exit"]:
-                raise ChannelError("something came after the result")
-            return Outcome(returns, _sentences(errors))
-        case ["exit", int()]:
+            match channel.receive():
+                case ["exit", int(), float(seconds)] if 0 <= seconds <= MOST_CPU:
+                    return Outcome(returns, _sentences(errors), seconds)
+            raise ChannelError("something came after the result")
+        case ["exit", int(), float()]:
             return Outcome(errors=[ENDED_EARLY])
     raise ChannelError("what came is not a result")
 

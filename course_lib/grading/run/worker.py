@@ -7,6 +7,7 @@ evidence, judged elsewhere and not believed.
 import _thread
 import importlib
 import os
+import resource
 import sys
 import timeit  # noqa: F401  before robot time is there: %timeit measures, also when graded
 from collections.abc import Callable, Sequence
@@ -26,6 +27,7 @@ from course_lib.ros.channel import Channel, ChannelClosedError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
 from course_lib.ros.interrupts import watch
+from course_lib.ros.messages import compile_wire
 from course_lib.ros.process import make_shell
 from course_lib.ros.remote_graph import RemoteGraph
 from course_lib.ros.seeding import seeded
@@ -39,6 +41,17 @@ USUAL = (  # what most notebooks import, or need for a line of magic
     "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
     "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "ruamel.yaml", "course_lib.extension",
     "course_lib.displays.viewer", "course_lib.ros.launch_program", "course_lib.tools.notebook",
+)  # fmt: skip
+SENT = (  # by most nodes, or by the kit's own; a type in a message's list comes with it
+    "rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/Bool",
+    "std_msgs/msg/Float64", "std_msgs/msg/String", "geometry_msgs/msg/PointStamped",
+    "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/Twist", "tf2_msgs/msg/TFMessage",
+    "nav_msgs/msg/Odometry", "nav_msgs/msg/Path",
+    "sensor_msgs/msg/BatteryState", "sensor_msgs/msg/Image", "sensor_msgs/msg/Imu",
+    "sensor_msgs/msg/JointState", "sensor_msgs/msg/LaserScan", "diagnostic_msgs/msg/DiagnosticArray",
+    "trajectory_msgs/msg/JointTrajectory", "vision_msgs/msg/Detection3DArray",
+    "visualization_msgs/msg/MarkerArray", "rcl_interfaces/srv/SetParameters_Request",
+    "rcl_interfaces/srv/SetParameters_Response",
 )  # fmt: skip
 PUBLIC = ("course_lib", *(f"course_lib.{room}" for room in ("displays", "robots", "sensors", "export")))
 NO_SHELL = "There is no shell when graded: this line is left out."
@@ -88,20 +101,21 @@ class Worker:
 
     def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
         """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
-        part = Instructions(kind, seed, calls)
+        part, before = Instructions(kind, seed, calls), cpu_seconds()
         if kind != "node" and not threads_left():  # a fork takes longer than all the rest of it
             self._perform(task, name, part, end_ns)
-            self._channel.send(["exit", 0])
+            self._channel.send(["exit", 0, cpu_seconds() - before])
             return
         try:
             child = os.fork()
         except BlockingIOError as error:  # what an earlier cell left running has multiplied
             self._channel.send(["result", [], [describe(error)]])
-            self._channel.send(["exit", 1])
+            self._channel.send(["exit", 1, 0.0])
             return
         if child == 0:
             self._run_in_child(task, name, part, end_ns)
-        self._channel.send(["exit", os.waitpid(child, 0)[1]])
+        status = os.waitpid(child, 0)[1]
+        self._channel.send(["exit", status, cpu_seconds() - before])
 
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
@@ -160,6 +174,12 @@ class Worker:
         return self._shell.user_ns[name]
 
 
+def cpu_seconds() -> float:
+    """Return what this process and its children that have ended used, [s]; `time` has robot time here."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
 def threads_left() -> int:
     """Count the threads that the cells have left running; the one that watches callbacks is the kit's."""
     return _thread._count() - watch.threads
@@ -188,6 +208,8 @@ def warm_up() -> "InteractiveShell":
     for module in map(importlib.import_module, USUAL + PUBLIC):
         for name in module.__all__ if module.__name__ in PUBLIC else ():
             getattr(module, name)  # it is imported now
+    for type_name in SENT:
+        compile_wire(type_name)
     shell = make_shell()
     shell.InteractiveTB.set_mode("Minimal")
     vars(shell).update(system=_no_shell, getoutput=_no_shell)

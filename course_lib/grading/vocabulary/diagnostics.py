@@ -69,7 +69,7 @@ def _meant(name: str, value: Any) -> list[float | str]:
 
 @word("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
-    """Expect one status about each second between two times [s]: of a level, with a word in its message."""
+    """Expect one status about each second from begin to end, [s]: of a level, with the word `says`."""
     came = heard(evidence, TOPIC, ARRAY)
     lists = [list(m.status) for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
     statuses = [status for together in lists for status in together]
@@ -90,7 +90,7 @@ def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end
 
 
 def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[Check, ...]:
-    """Return a check of each part of a run: (level, word in its message, title), each of so many seconds.
+    """Return a check of each of the parts (level, word in its message, title), each of `seconds` [s].
 
     The first part requires the last one, and all others the first: one level for all times is worth little.
     """
@@ -104,7 +104,7 @@ def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[C
 
 @word("{name}")
 def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Problem]:
-    """Expect a dict with a fact about the robot of this number, rates within 3 %; no message tells it."""
+    """Expect a dict with the fact `name` about the robot `serial`, rates within 3 %; no message tells it."""
     facts: Any = evidence.returns[0] if evidence.returns else None
     if not isinstance(facts, dict) or name not in facts:
         return [Problem(f"there is no {name!r} in what came back", "a fact is missing")]

@@ -33,7 +33,7 @@ TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
 def expect_joint_states(
     evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC, moving: bool = False
 ) -> Iterable[Problem]:
-    """Expect exactly these joints in every message, in any order, each with a finite position.
+    """Expect exactly the joints `names` in every message, in any order, each with a finite position.
 
     With `moving`, some joint must move: positions that are forgotten are no motion.
     """
@@ -61,7 +61,7 @@ def expect_joint_swing(
     topic: str = TOPIC,
     tolerance: float = 0.02,
 ) -> Iterable[Problem]:
-    """Expect the position middle + amplitude * sin(2 pi hz t + phase), t from the first message.
+    """Expect a joint at middle + amplitude * sin(2 pi hz t + phase), t [s] from the first message.
 
     Amplitude, phase, middle and tolerance in [rad] (or [m]); an amplitude of 0 asks for standing still, None
     for a swing by whatever amplitude above the tolerance. It is published for half of the scenario at least.
@@ -86,7 +86,7 @@ def expect_joint_swing(
 def expect_joints_still(
     evidence: Evidence, positions: Mapping[str, float], *, topic: str = TOPIC
 ) -> Iterable[Problem]:
-    """Each of these joints stands still at its position, [rad] or [m], as `expect_joint_swing` has it."""
+    """Expect joints that stand still at their `positions`, [rad] or [m], as `expect_joint_swing` has it."""
     for joint, middle in positions.items():
         check = expect_joint_swing(joint, amplitude=0.0, hz=0.0, middle=middle, topic=topic)
         verdict = check.judge(evidence)

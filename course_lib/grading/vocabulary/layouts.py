@@ -39,7 +39,7 @@ def expect_display(
     properties: Mapping[str, Any] | None = None,
     call: int = 0,
 ) -> Iterable[Problem]:
-    """Expect an enabled display of a class, on a topic, with values by RViz's labels, like "Topic/Depth"."""
+    """Expect an enabled display of a class, on a topic, with properties by RViz's labels: "Topic/Depth"."""
     displays = _of_class(_layout(evidence, call), class_name)
     if topic is not None:
         on_topic = [config for config in displays if _topic_of(config) == topic]

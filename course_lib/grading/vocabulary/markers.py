@@ -68,8 +68,8 @@ def expect_marker(
 
     `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale (None is any
     length), points (shape (N, 3), in any order, but for an arrow) and `tolerance` in [m]; yaw about z in
-    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1. A line strip joins the corners of `loop` in order,
-    from any of them and in either direction, and ends at the first.
+    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1; text and frame are compared exactly. A line strip
+    joins the corners of `loop` in order, from any of them and in either direction, and ends at the first.
     """
     wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw, "scale": scale}
     wanted |= {"color": color, "text": text, "points": points, "loop": loop, "lifetime": lifetime}
@@ -103,7 +103,7 @@ def expect_marker_count(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     at: float | None = None,
 ) -> Iterable[Problem]:
-    """Expect exactly so many visible markers (of one type) on the topic, `at` [s] or at the end."""
+    """Expect a count of visible markers (of one type) on the topic, `at` [s] or at the end."""
     if topic not in evidence.topics:
         return [nothing_on(evidence, topic)]
     reasons = [unseen(marker) for marker in shown(evidence, topic, at) if fits(marker, type, None, None)]

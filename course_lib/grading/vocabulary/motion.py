@@ -182,7 +182,7 @@ def expect_circling_frame(
     start: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """Expect a frame that goes round the origin of another one, for most of the scenario.
+    """Expect a frame that goes round the origin of the frame `target`, for most of the scenario.
 
     Radius and height (None: those of the first pose) and tolerance in [m], the period of one turn in [s],
     counter-clockwise as seen from above; heading is the yaw less the direction from the origin, [rad]: 0
@@ -267,7 +267,7 @@ def expect_path(
     yaw: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """Expect so many poses in the last path, in a frame, from one end to the other.
+    """Expect a count of poses in the last path, in a frame, from one of the ends to the other.
 
     Ends of shape (2, 3) and tolerance in [m]; yaw of the last pose about z in [rad].
     """

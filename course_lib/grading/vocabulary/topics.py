@@ -27,7 +27,7 @@ def expect_topic(
     at_least: int = 1,
     at_most: int | None = None,
 ) -> Iterable[Problem]:
-    """Expect at least so many messages of this type on the topic, and no more than `at_most`."""
+    """Expect `at_least` messages of this type on the topic, and no more than `at_most`."""
     came = heard(evidence, topic)
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
@@ -50,7 +50,7 @@ def expect_rate(
     begin: float = 0.0,
     end: float | None = None,
 ) -> Iterable[Problem]:
-    """Expect a rate, [1/s] off by this fraction at most, from beginning to end, [s].
+    """Expect a rate of `hz`, [1/s], off by the fraction `tolerance` at most, from begin to end, [s].
 
     Messages of equal time count once.
     """

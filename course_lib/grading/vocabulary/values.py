@@ -26,7 +26,7 @@ def expect_value(
     unit: str = "",
     name: str = "the value",
 ) -> Iterable[Problem]:
-    """Expect a value, handed in or returned by the `call`-th call.
+    """Expect the value `expected`, handed in or returned by the `call`-th call.
 
     Numbers, texts, and lists or dicts of them; a tuple, list or array of equal values are the same.
     """
@@ -39,7 +39,7 @@ def expect_value(
 
 @word("{name} says it")
 def expect_text(evidence: Evidence, *any_of: str, name: str = "your answer") -> Iterable[Problem]:
-    """Expect one of these phrases in the text; case, spaces and punctuation do not matter."""
+    """Expect one of the phrases `any_of` in the text; case, spaces and punctuation do not matter."""
     text = evidence.returns[0] if evidence.returns else None
     if not isinstance(text, str) or not text.strip():
         return [Problem(f"{name} is {_short(text)}, expected a text", "the answer is empty or no text")]
@@ -50,7 +50,7 @@ def expect_text(evidence: Evidence, *any_of: str, name: str = "your answer") -> 
 
 @word("its length")
 def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Problem]:
-    """Expect a text of so many words."""
+    """Expect a text of `fewest` to `most` words."""
     text = evidence.returns[0] if evidence.returns else None
     count = len(text.split()) if isinstance(text, str) else 0
     if fewest <= count <= most:

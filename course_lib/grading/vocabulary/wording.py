@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -60,9 +61,19 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
             full = title.format(**values.arguments, given=listed(list(kwargs)) or "is there")
             return Check(full, judge, origin=origin)
 
+        _describe(expect, find)
         return expect
 
     return word_of
+
+
+def _describe(expect: Any, find: Callable[..., Any]) -> None:
+    """Show in `help(word)` what an author calls: without the evidence, and with a check as the result."""
+    signature = inspect.signature(find)
+    asked = list(signature.parameters.values())[1:]
+    expect.__signature__ = signature.replace(parameters=asked, return_annotation=Check)
+    expect.__annotations__ = {one.name: one.annotation for one in asked} | {"return": Check}
+    expect.__doc__ = re.sub(r"\n +evidence: .*", "", find.__doc__ or "")
 
 
 def _verdict(problems: Sequence[Problem]) -> Verdict:

@@ -1,0 +1,121 @@
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from course_lib.authoring.new_course import new_course
+from tests.browser.book_pages import MOST, WIDTHS, dead_links, drawn, look_at, opened, pages_of, size_of
+from tests.browser.waiting import wait_until
+
+pytestmark = pytest.mark.browser
+LESSON = "week01_first_steps.ipynb"
+
+
+def build(course: Path, out: Path) -> subprocess.CompletedProcess[str]:
+    """Build a course's book as its author does, who has installed it."""
+    environment = os.environ | {"PYTHONPATH": str(course)}
+    command = [sys.executable, "-m", "course_lib", "book", str(out)]
+    return subprocess.run(
+        command, cwd=course, env=environment, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A new course with one lesson, as pip installs it."""
+    root = new_course("Tiny robots", tmp_path_factory.mktemp("course"))
+    (root / "notebooks" / "week00_start.ipynb").unlink()
+    installed = root / "tiny_robots-0.1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: tiny-robots\nVersion: 0.1.0\n")
+    package = "course_tiny_robots"
+    (installed / "entry_points.txt").write_text(f"[course_lib.course]\n{package} = {package}\n")
+    return root
+
+
+@pytest.fixture(scope="module")
+def book(course: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    pytest.importorskip("sphinx_book_theme", reason='pip install "course-lib[docs]"')
+    out = tmp_path_factory.mktemp("made") / "book"
+    done = build(course, out)
+    assert (done.returncode, done.stderr) == (0, "")
+    return out
+
+
+@pytest.fixture
+def lesson(book: Path) -> Path:
+    return (book / "lessons" / LESSON).with_suffix(".html")
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    said: list[str] = []
+    page = opened(browser, said)
+    yield page
+    page.close()
+    assert said == []
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_scenes_of_a_lesson_are_drawn_and_fit_a_desk_and_a_telephone(
+    page: Page, lesson: Path, width: int
+) -> None:
+    looked = look_at(page, lesson, width)
+    assert (looked.scenes, looked.films, looked.problems) == (1, 1, ())
+
+
+def test_a_scene_plays_what_the_lesson_has_shown(page: Page, lesson: Path) -> None:
+    page.goto(lesson.as_uri())
+    scene = page.locator(".course-scene")
+    scene.scroll_into_view_if_needed()
+    end = drawn(scene)
+    scene.get_by_role("slider").press("Home")
+    wait_until(lambda: drawn(scene) < end, page)  # the post was not there yet
+    scene.get_by_role("button", name="Play").click()
+    wait_until(lambda: drawn(scene) == end, page)
+
+
+def test_a_scene_is_loaded_once_the_reader_comes_near(page: Page, lesson: Path) -> None:
+    loaded: list[str] = []
+    page.on("request", lambda request: loaded.append(Path(request.url).name))
+    page.goto(lesson.as_uri())
+    assert "week01_first_steps-01.js" not in loaded
+    page.locator(".course-scene").scroll_into_view_if_needed()
+    wait_until(lambda: "week01_first_steps-01.js" in loaded, page)
+
+
+def test_pages_are_small_and_their_links_lead_somewhere(book: Path) -> None:
+    assert list(dead_links(book)) == []
+    assert max(size_of(path) for path in pages_of(book)) < MOST
+
+
+def test_the_time_bar_follows_the_theme_of_the_page(page: Page, lesson: Path) -> None:
+    page.goto(lesson.as_uri())
+    page.locator(".course-scene").scroll_into_view_if_needed()
+    bar = page.locator(".course-time")
+    bar.wait_for()
+    colors = set()
+    for theme in ("light", "dark"):
+        page.evaluate("(theme) => (document.documentElement.dataset.theme = theme)", theme)
+        colors.add(bar.evaluate("(bar) => getComputedStyle(bar).backgroundColor"))
+    assert len(colors) == 2
+
+
+def test_the_search_finds_a_lesson_in_the_file_system(page: Page, book: Path) -> None:
+    page.goto(f"{(book / 'search.html').as_uri()}?q=publishes")
+    page.get_by_role("link", name="Week 1: First steps").first.wait_for()
+
+
+def test_a_book_holds_neither_answers_nor_solutions(course: Path, book: Path) -> None:
+    text = "\n".join(path.read_text("utf-8") for path in book.rglob("*.html"))
+    assert "Measured: 1.0 m" in text
+    assert "You predicted" not in text
+    quiz = (course / "exercises" / "quizzes" / "week01.toml").read_text("utf-8")
+    reasons = [line.partition('"')[2][:20] for line in quiz.splitlines() if line.startswith("reason")]
+    assert reasons
+    assert not [reason for reason in reasons if reason in text]
+    assert not list(book.rglob("*solution*"))

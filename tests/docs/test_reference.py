@@ -1,0 +1,100 @@
+"""The reference in docs/: every public name is in it, with what each argument is, its shape and its unit."""
+
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_lib.grading import Check, expect_drawn
+
+DOCS = Path(__file__).parents[2] / "docs"
+ROOMS = ("displays", "robots", "sensors", "grading", "export")
+MODULES = ["course_lib", *(f"course_lib.{room}" for room in ROOMS)]
+UNIT = re.compile(r"\[(m|rad|s|Hz|px|m/s|ns)\]|0 to 1|by index|[Uu]nit normals")
+MADE_BY_THE_KIT = {"course_lib.displays.OwnDisplay"}  # Viewer.add calls it
+
+
+def page_of(module: str) -> str:
+    return (DOCS / "reference" / f"{module.rpartition('.')[2]}.md").read_text("utf-8")
+
+
+def public(module: str) -> list[tuple[str, Any]]:
+    """Return a module's public names, and what they are."""
+    found = importlib.import_module(module)
+    return [(name, getattr(found, name)) for name in found.__all__]
+
+
+def own_docstring(found: Any) -> str:
+    """Return the docstring; that of a base class does not count."""
+    text = found.__dict__.get("__doc__") if inspect.isclass(found) else inspect.getdoc(found)
+    return inspect.cleandoc(text or "")
+
+
+def arguments(module: str) -> Iterator[tuple[str, str, inspect.Parameter]]:
+    """Yield the names and docstrings of what can be called, with each argument."""
+    for name, found in public(module):
+        made_elsewhere = inspect.isclass(found) and issubclass(found, Exception)
+        if callable(found) and not made_elsewhere and f"{module}.{name}" not in MADE_BY_THE_KIT:
+            for argument in inspect.signature(found).parameters.values():
+                yield name, own_docstring(found), argument
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_each_public_name_is_in_the_reference(module: str) -> None:
+    page = page_of(module)
+    [left_out] = re.findall(rf"automodule:: {module}\n(?:   :exclude-members: (.*)\n)?```", page)
+    elsewhere = dict(public("course_lib")) if module != "course_lib" else {}
+    for name, found in public(module):
+        if inspect.ismodule(found):
+            assert f"automodule:: {module}.{name}\n" in page
+        elif not callable(found):
+            assert f"{{py:data}} {module}.{name}\n" in page
+        elif name in re.split(", *", left_out):
+            assert elsewhere[name] is found
+        else:
+            assert own_docstring(found), name
+
+
+def test_the_pages_of_the_reference_are_those_of_the_public_modules() -> None:
+    pages = {path.stem for path in (DOCS / "reference").glob("*.md")}
+    listed = re.findall(r"^reference/(\w+)$", (DOCS / "reference.md").read_text("utf-8"), re.MULTILINE)
+    assert pages == set(listed) == {module.rpartition(".")[2] for module in MODULES}
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_each_argument_is_described(module: str) -> None:
+    shared = " ".join(re.findall(r"^\| (`.*?) \|", page_of(module), re.MULTILINE))  # in a table of the page
+    silent = [
+        f"{name}: {argument.name}"
+        for name, text, argument in arguments(module)
+        if not re.search(rf"\b{argument.name}\b", f"{text} {shared}".replace("-", "_"), re.IGNORECASE)
+    ]
+    assert silent == []
+
+
+@pytest.mark.parametrize("module", ["course_lib.displays", "course_lib.robots", "course_lib.sensors"])
+def test_each_argument_that_is_an_array_has_its_shape_and_its_unit(module: str) -> None:
+    arrays = [
+        (
+            f"{name}: {argument.name}",
+            re.search(rf"^    {argument.name}: (.*(?:\n        .*)*)", text, re.MULTILINE),
+        )
+        for name, text, argument in arguments(module)
+        if "numpy" in repr(argument.annotation)
+    ]
+    assert arrays
+    for where, entry in arrays:
+        assert entry, where
+        assert re.search(r"[Ss]hape \(", entry[1]), where
+        assert UNIT.search(entry[1]), where
+
+
+def test_help_shows_a_word_as_authors_call_it() -> None:
+    signature = inspect.signature(expect_drawn)
+    assert list(signature.parameters) == ["class_name", "messages", "best_effort", "call"]
+    assert signature.return_annotation is Check
+    assert "evidence" not in own_docstring(expect_drawn)
