@@ -66,7 +66,7 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
     """
     import pinocchio as pin
 
-    model, data, ends = tree.model, tree.model.createData(), _ends(tree)
+    model, data, ends = tree.model, _data(tree), _ends(tree)
     values = pin.neutral(model)
     for name, position in positions.items():
         if tree.joints[name].kind in MOVING:
@@ -78,6 +78,12 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
         motion = pin.SE3.Identity() if number is None else data.liMi[number]
         poses[name] = pin.SE3ToXYZQUAT(joint_in_parent * motion * child_in_joint)
     return poses
+
+
+@lru_cache(maxsize=32)
+def _data(tree: Urdf) -> "pin.Data":
+    """Return the model's working memory, which each use overwrites."""
+    return tree.model.createData()
 
 
 @lru_cache(maxsize=32)
