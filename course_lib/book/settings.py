@@ -6,7 +6,7 @@ from course_lib.course.course_file import shipped_course_file
 
 project = shipped_course_file().title
 html_title = project
-extensions = ["myst_nb"]
+extensions = ["myst_nb", "sphinx.ext.githubpages"]
 source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
 exclude_patterns = ["conf.py"]
 
