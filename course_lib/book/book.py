@@ -78,14 +78,19 @@ def _write_sources(sources: Path, students: Path, tell: Callable[[str], object])
     """Write the pages that Sphinx reads: the course's docs/, and its lessons with their outputs."""
     from course_lib.book.guides import write_guides
     from course_lib.book.lessons import make_page
-    from course_lib.viewer.html import bundle_code
 
     write_guides(sources)
     for lesson in sorted([*lessons_dir().glob("week*.ipynb"), *extras()]):
         tell(f"Running {lesson.name}")
         make_page(lesson, sources, students / lesson.stem)
-    scenes = (Path(__file__).parent / "static" / "scenes.js").read_text("utf-8")
-    write_whole(sources / "_extra" / VIEWER, bundle_code(scenes).encode())
+    write_whole(sources / "_extra" / VIEWER, viewer_script().encode())
+
+
+def viewer_script() -> str:
+    """Return the script that all pages share: the viewer, and what loads the scenes of a page."""
+    from course_lib.viewer.html import bundle_code
+
+    return bundle_code((Path(__file__).parent / "static" / "scenes.js").read_text("utf-8"))
 
 
 def _run_sphinx(sources: Path, out: Path, doctrees: Path) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.installation import lessons_dir, material_root
+from course_lib.course.installation import extras, lessons_dir, material_root
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 
@@ -55,7 +55,8 @@ def _index(sources: Path) -> str:
     readme = material_root() / "README.md"
     title = f"# {shipped_course_file().title}\n"
     text = _relinked(readme.read_text("utf-8"), readme.parent, Path()) if readme.is_file() else title
-    text += CONTENTS.format(caption="Lessons", pages=f"{LESSONS}/*")
+    patterns = [f"{LESSONS}/week*", *([f"{LESSONS}/*"] if extras() else [])]
+    text += CONTENTS.format(caption="Lessons", pages="\n".join(patterns))
     return text + (CONTENTS.format(caption="Guides", pages="*") if any(sources.glob("*.md")) else "")
 
 

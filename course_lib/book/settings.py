@@ -19,6 +19,7 @@ nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they come from a network
 
 html_theme = "sphinx_book_theme"
 html_theme_options = {
+    "footer_content_items": [],
     "navbar_persistent": [],  # the search is in the side bar
     "show_toc_level": 2,
     "use_download_button": False,
