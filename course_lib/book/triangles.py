@@ -15,7 +15,7 @@ MOST_CORNERS = 2**15  # of a mesh that can be written
 
 
 @dataclass(frozen=True)
-class Triangles:
+class PageMesh:
     """A mesh with normals and colours at its V vertices.
 
     Args:
@@ -31,7 +31,7 @@ class Triangles:
     colors: AnyArray
 
 
-def triangles_of(mesh: Mapping[str, Any]) -> Triangles:
+def triangles_of(mesh: Mapping[str, Any]) -> PageMesh:
     """Read a mesh of a packed scene; without normals each triangle has its own."""
     faces = np.frombuffer(mesh["faces"].data, np.uint32).reshape(-1, 3)
     vertices = np.frombuffer(mesh["vertices"].data, np.float32).reshape(-1, 3)
@@ -39,16 +39,14 @@ def triangles_of(mesh: Mapping[str, Any]) -> Triangles:
     colors = np.broadcast_to(colors, (len(vertices), 4))
     if mesh["normals"] is not None:
         normals = np.frombuffer(mesh["normals"].data, np.float32).reshape(-1, 3)
-        return Triangles(vertices, faces, normals, colors)
+        return PageMesh(vertices, faces, normals, colors)
     corners = vertices[faces]
     across = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     apart = np.arange(faces.size).reshape(-1, 3)
-    return Triangles(
-        corners.reshape(-1, 3), apart, np.repeat(across, 3, axis=0), colors[faces].reshape(-1, 4)
-    )
+    return PageMesh(corners.reshape(-1, 3), apart, np.repeat(across, 3, axis=0), colors[faces].reshape(-1, 4))
 
 
-def thinned(mesh: Triangles, most: int) -> Triangles:
+def thinned(mesh: PageMesh, most: int) -> PageMesh:
     """Return a mesh of about so many triangles: near corners of one colour and one side become one."""
     size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
     if len(mesh.faces) <= most or not 0 < size < np.inf:
@@ -64,10 +62,10 @@ def thinned(mesh: Triangles, most: int) -> Triangles:
         if len(faces) <= most:
             break
     normals = _unit(_means(mesh.normals, to_new))
-    return Triangles(_means(mesh.vertices, to_new), faces, normals, mesh.colors[first])
+    return PageMesh(_means(mesh.vertices, to_new), faces, normals, mesh.colors[first])
 
 
-def coded(mesh: Triangles) -> dict[str, Any]:
+def coded(mesh: PageMesh) -> dict[str, Any]:
     """Write a mesh as `static/scenes.js` reads it: column by column, numbers as differences from the last."""
     used, faces = np.unique(mesh.faces, return_inverse=True)
     vertices = mesh.vertices[used]

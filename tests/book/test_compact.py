@@ -2,7 +2,7 @@ import numpy as np
 import trimesh
 
 from course_lib.book.compact import MOST_FACES, SHARED, compact
-from course_lib.book.triangles import Triangles, thinned
+from course_lib.book.triangles import PageMesh, thinned
 from course_lib.viewer import encoding
 from course_lib.viewer.drawables import Mesh
 from course_lib.viewer.scene import Scene
@@ -27,7 +27,7 @@ def test_a_large_mesh_has_fewer_triangles_in_the_same_shape_and_colours() -> Non
     large = ball()
     assert large.normals is not None
     colors = np.rint(large.colors * 255).astype(np.uint8)
-    mesh = thinned(Triangles(large.vertices, large.faces, large.normals, colors), MOST_FACES)
+    mesh = thinned(PageMesh(large.vertices, large.faces, large.normals, colors), MOST_FACES)
     assert len(large.faces) > 3 * MOST_FACES
     assert MOST_FACES / 3 < len(mesh.faces) <= MOST_FACES
     assert np.allclose(np.linalg.norm(mesh.vertices, axis=1), 0.1, atol=0.006)
