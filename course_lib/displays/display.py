@@ -41,12 +41,15 @@ class Context:
     touched: Callable[[], None] = lambda: None
     node: RvizNode | None = None  # of the viewer in the running graph; a recording has none
     is_seen: bool = True  # False where no page can show the scene, as long as nobody asks for it
+    owes: bool = False  # True while messages wait that nobody has asked for yet
+    settle: Callable[[], None] = lambda: None  # processes them
     draws: bool = True  # whether the frame that is made is seen: by a page, or because somebody asks for it
     _followed: dict[str, Matrix] = field(default_factory=dict)
 
     def show(self) -> None:
         """Draw what was left out while no page could show it, and all that comes from now on."""
         if not self.is_seen:
+            self.settle()
             self.is_seen = True
             self.touched()
 
@@ -76,18 +79,35 @@ class Display(PropertyHolder):
 
     class_name: ClassVar[str] = ""
     properties: tuple[Property, ...] = (Property("Enabled", True, flag),)
+    acts: ClassVar[bool] = False  # whether messages make it publish or call services
 
     def __init__(self, context: Context, name: str, path: str) -> None:
         super().__init__()
-        self.context = context
+        self._context = context
         self.name = name
         self.path = path
-        self.statuses = Statuses()
+        self._statuses = Statuses()
         self.interests: tuple[Interest, ...] = ()
         self.started = False
         self._grouped = True  # whether the groups it is in are ticked
 
+    @property
+    def context(self) -> Context:
+        """The parts that all displays of the session share, after all messages so far."""
+        if self._context.owes:
+            self._context.settle()
+        return self._context
+
+    @property
+    def statuses(self) -> Statuses:
+        """Its statuses, as they are after all messages so far."""
+        if self._context.owes:
+            self._context.settle()
+        return self._statuses
+
     def __setitem__(self, label: str, value: Any) -> None:
+        if self._context.owes:
+            self._context.settle()
         super().__setitem__(label, value)
         if self.started:
             self.context.touched()

@@ -36,6 +36,7 @@ from course_lib.displays.poses.pose import (
 from course_lib.displays.reference_display import AxesDisplay, GridDisplay
 from course_lib.displays.robot_model.display import RobotModelDisplay
 from course_lib.displays.tf import TfDisplay
+from course_lib.errors import CourseError
 
 PACKAGE = "rviz_default_plugins"
 
@@ -112,6 +113,20 @@ def full_name(class_name: str) -> str:
     """Return a class name with its package, which may be left out."""
     known = (name for name in REGISTRY if short_name(name) == class_name)
     return class_name if "/" in class_name else next(known, f"{PACKAGE}/{class_name}")
+
+
+def known_name(class_name: str) -> str:
+    """Return a class name with its package.
+
+    Raises:
+        CourseError: If there is no such display.
+    """
+    wanted = full_name(class_name)
+    if wanted not in REGISTRY:
+        known = [short_name(name) for name in REGISTRY]
+        near = ", ".join(get_close_matches(short_name(class_name), known, 3) or known)
+        raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")
+    return wanted
 
 
 def short_name(class_name: str) -> str:

@@ -104,6 +104,7 @@ class RvizSession:
         return Options(values, self.layout.options, self._set_option)
 
     def _set_option(self, label: str, value: Any) -> None:
+        self.context.settle()
         if label == "Fixed Frame":
             self.fixed_frame = value
         elif label == "Background Color":
@@ -217,8 +218,7 @@ class RvizSession:
         if self.time.has_passed(sample.stamp_ns):
             self._reset("Detected jump back in time.")
             self.time.restart()
-        due_ns = self.time.overdue_ns(sample.stamp_ns)
-        if due_ns is not None:
+        if (due_ns := self.time.overdue_ns(sample.stamp_ns)) is not None:
             self.update(due_ns, is_look=False)
         self.time.hear(sample.stamp_ns)
         self.types[sample.topic] = sample.type_name
@@ -231,6 +231,7 @@ class RvizSession:
 
     def refresh(self) -> None:
         """Update the scene now."""
+        self.context.settle()
         self.update(self.time.robot_ns)
 
     def update(self, now_ns: int, *, is_look: bool = True) -> None:
@@ -282,8 +283,8 @@ class RvizSession:
 
     def _deliver(self, sample: Sample, interests: Iterable[Interest]) -> None:
         """Deserialise a message once, for all that want it and can have it."""
-        listening = [s for s in interests if s.topic == sample.topic]
-        reached = [s for s in listening if reaches(sample, s, self._match_qos)]
+        here = (interest for interest in interests if interest.topic == sample.topic)
+        reached = [interest for interest in here if reaches(sample, interest, self._match_qos)]
         if not reached:
             return
         message = sample.message()

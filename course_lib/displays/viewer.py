@@ -1,29 +1,25 @@
 """RViz in a cell: what lessons import."""
 
-import sys
 import weakref
-import webbrowser
-from collections.abc import Callable
-from difflib import get_close_matches
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-import numpy.typing as npt
-
-from course_lib.displays.display import Display
+from course_lib.displays.backlog import Backlog
+from course_lib.displays.display import Display, node_name
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
 from course_lib.displays.node import RvizNode
 from course_lib.displays.panel.cell import ViewerCell, end_all
 from course_lib.displays.panel.tools import Tool
-from course_lib.displays.registry import REGISTRY, full_name, short_name
+from course_lib.displays.registry import REGISTRY, known_name, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.ros.graph import current_graph
+from course_lib.surroundings import announce
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
@@ -55,13 +51,20 @@ class Viewer:
         session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
         session.context.is_seen, session.latched = self.is_seen, graph.latched
         session.context.node = node = RvizNode(graph, session.time)
-        self.session, self.film = session, Film(scene, lambda: graph.now_ns / NS)
+        self._session, backlog = session, Backlog(session, graph)
+        self.film = Film(scene, lambda: backlog.now_ns / NS)
         self._cell = ViewerCell(session, graph)
-        stops = (graph.tap(session.receive, session.topics), graph.watch_time(session.tick), node.close)
+        stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
         self._end = weakref.finalize(self, end_all, stops, self._cell)  # once no name or page holds it
         self._end.atexit = False
         session.catch_up(session.interests)
         self.add("Grid")
+
+    @property
+    def session(self) -> RvizSession:
+        """Its displays without the window, after all messages so far."""
+        self._session.context.settle()
+        return self._session
 
     @property
     def scene(self) -> Scene:
@@ -76,8 +79,7 @@ class Viewer:
         Raises:
             CourseError: If it is not an .rviz file; with line and column.
         """
-        layout = read_layout(path)
-        viewer = cls(use_sim_time=use_sim_time)
+        layout, viewer = read_layout(path), cls(use_sim_time=use_sim_time)
         viewer.session.apply(layout)
         return viewer
 
@@ -106,11 +108,7 @@ class Viewer:
         Raises:
             CourseError: If there is no such class or property, or a value does not fit.
         """
-        wanted = full_name(class_name)
-        if wanted not in REGISTRY:
-            known = [short_name(name) for name in REGISTRY]
-            near = ", ".join(get_close_matches(short_name(class_name), known, 3) or known)
-            raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")
+        wanted = known_name(class_name)
         if topic is not None:
             properties[getattr(REGISTRY[wanted], "topic_label", "Topic")] = topic
         holder = self.session.group(group) if group else None
@@ -125,7 +123,7 @@ class Viewer:
     @property
     def displays(self) -> list[Display]:
         """The displays, in the order of RViz's tree."""
-        return list(self.session.displays)
+        return list(self._session.displays)
 
     def __repr__(self) -> str:
         shown = ", ".join(display.name for display in self.displays) or "no display"
@@ -141,7 +139,7 @@ class Viewer:
     @property
     def fixed_frame(self) -> str:
         """RViz's Fixed Frame; another one restarts all displays."""
-        return self.session.fixed_frame
+        return self._session.fixed_frame
 
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
@@ -197,19 +195,16 @@ class Viewer:
         self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
         return StatusTable(self.session.rows())
 
-    def show_robot(self, robot: "Robot", configuration: npt.ArrayLike | None = None) -> None:
+    def show_robot(self, robot: "Robot", positions: Mapping[str, float] | None = None) -> None:
         """Draw a robot's links in the fixed frame, without any messages.
 
         Args:
             robot: What `load_robot` returns.
-            configuration: Joint positions, shape (nq,); None takes the rest posture.
+            positions: Joint positions by name, as `link_poses` takes them; None takes the rest posture.
         """
-        from pinocchio.visualize import MeshcatVisualizer  # here: heavy
+        from course_lib.displays.robot_model.still import draw_still  # here: heavy
 
-        visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
-        visualizer.initViewer(viewer=self.meshcat)
-        visualizer.loadViewerModel(rootNodeName=f"robots/{robot.model.name}")
-        visualizer.display(robot.q0 if configuration is None else np.asarray(configuration, dtype=float))
+        draw_still(self.scene, f"robots/{node_name(robot.name)}", robot, positions)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:
         """Write the scene as one page that opens without a network.
@@ -249,7 +244,7 @@ class Viewer:
         return self._cell.at_rest(self.film, seconds)
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
-        """Show the viewer in a browser's tab, for programs outside notebooks; it ends with the program.
+        """Show the viewer in a browser's tab; it ends with the program.
 
         Args:
             browser: Whether to open the page, besides printing its address.
@@ -257,13 +252,14 @@ class Viewer:
             token: The secret part of the address; None makes one up.
 
         Returns:
-            The address.
+            The address; on a JupyterHub that of its proxy.
+
+        Raises:
+            CourseError: The port is taken, or the hub has no jupyter-server-proxy.
         """
         self.look()
         url = self._cell.opened(port, token)
-        sys.stdout.write(f"The viewer is at {url}\n")
-        if browser:
-            webbrowser.open(url)
+        announce("The viewer", url, browser=browser)
         return url
 
     def summary(self) -> str:

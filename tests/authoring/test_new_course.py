@@ -12,8 +12,7 @@ import pytest
 
 from course_lib.authoring.new_course import new_course
 from course_lib.course.course_file import read_course_file
-from course_lib.errors import CourseError
-from course_lib.grading.platforms.gradescope import write_autograder
+from tests.grading.autograder_layout import graded_upload
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "course_robotics_101"
@@ -109,35 +108,14 @@ def test_it_depends_on_the_kit_and_names_its_own_weeks(project: Path) -> None:
     assert (course.title, list(course.weeks)) == ("Robotics 101", ["week00", "week01"])
 
 
-def test_an_autograder_for_gradescope_is_refused_as_the_kit_is_not_in_the_project(
-    project: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.slow
+def test_an_autograder_for_gradescope_has_the_course_and_the_kit_and_grades(
+    project: Path, python: Path, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("course_lib.grading.platforms.gradescope.checkout_root", lambda: project)
-    with pytest.raises(CourseError, match="does not hold the kit itself"):
-        write_autograder(
-            "week01", project.parent / "autograder.zip", hidden="hidden", need="partial", roster=None
-        )
-    assert not (project.parent / "autograder.zip").exists()
-
-
-def test_a_course_of_that_name_is_not_written_over(project: Path) -> None:
-    with pytest.raises(CourseError, match="is there already"):
-        new_course("Robotics 101", project.parent)
-    with pytest.raises(CourseError, match="expected 1 to 60 letters"):
-        new_course("../up", project.parent)
-
-
-def test_nothing_in_the_kit_names_a_lesson_or_a_task_of_its_own_course() -> None:
-    weeks = read_course_file(ROOT / "exercises/course.toml").weeks
-    tasks = {f"{week}.{name}" for week, one in weeks.items() for name in (*one.points, *one.bonus)}
-    lessons = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
-    kinds = (".py", ".toml", ".md", ".js", ".html", ".jinja")
-    files = [path for path in (ROOT / "course_lib").rglob("*") if path.suffix in kinds]
-    found = [
-        (path.name, name)
-        for path in files
-        if "_course" not in path.parts
-        for name in tasks | lessons
-        if name in path.read_text("utf-8")
-    ]
-    assert found == []
+    archive = tmp_path / "autograder.zip"
+    said = run(python, "-m", "course_lib", "gradescope", "week01", "--out", archive, cwd=project)
+    assert "the course, the kit's" in said
+    solution = project / "solutions" / "week01_solution.ipynb"
+    results = graded_upload(archive, solution, tmp_path / "autograder")
+    assert results["score"] == 100.0, results
+    assert results["extra_data"]["status"] == "graded"

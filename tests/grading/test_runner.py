@@ -44,6 +44,11 @@ def test_cells_run_in_order_and_an_error_does_not_stop_the_rest() -> None:
     assert session.log.errors == ["ZeroDivisionError: division by zero (cell In[2], line 1: 1 / 0)"]
 
 
+def test_the_code_of_usual_messages_is_compiled_before_a_submission_begins() -> None:
+    came, _ = run("from course_lib.ros.messages.wire import _store\nanswer = sorted(_store().cache)")
+    assert set(worker.SENT) <= set(came.returns[0])
+
+
 def test_a_missing_object_is_named() -> None:
     came, _ = run("x = 1")
     assert came.errors == ("answer is not in the notebook: no cell that ran to its end makes it",)

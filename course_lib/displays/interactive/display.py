@@ -41,6 +41,8 @@ class InteractiveMarkersDisplay(Display):
         Property("Enable Transparency", True, flag),
     )
 
+    acts = True
+
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.markers: dict[str, ShownMarker] = {}

@@ -9,21 +9,20 @@ from typing import Literal, get_args
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from course_lib.course.course_file import read_course_file
-from course_lib.course.installation import checkout_root
+from course_lib.course.installation import checkout_root, course_package
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.platforms.harness import ROSTER
+from course_lib.grading.platforms.kit_source import PACKAGE, PROJECT, KitSource, belongs, kit_source
 from course_lib.grading.term.class_list import read_class_list
 
 Hidden = Literal["after_published", "after_due_date", "hidden", "visible"]
 NEEDS = {"full": " --require-sandbox", "any": " --i-trust-these-submissions", "partial": ""}
-PROJECT = ("pyproject.toml", "README.md", "LICENSE")
-KIT = "source/course"  # below the root of the autograder
 YEAR = (2000, 1, 1, 0, 0, 0)  # of all files in the zip
 EXECUTABLE, PLAIN = 0o755, 0o644
 SETUP = """\
 #!/usr/bin/env bash
-# Gradescope runs this once, as root, when it makes the image: Python 3.11 or newer, and the kit.
+# Gradescope runs this once, as root, when it makes the image: Python 3.11 or newer, the kit, and the course.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 python=""
@@ -40,7 +39,7 @@ if [ -z "$python" ]; then
   exit 1
 fi
 "$python" -m venv "$root/venv"
-"$root/venv/bin/pip" install -e "$root/source/course"
+"$root/venv/bin/pip" install KIT -e "$root/source/course"
 """
 RUN = """\
 #!/usr/bin/env bash
@@ -67,14 +66,12 @@ def write_autograder(week: str, out: Path, *, hidden: str, need: str, roster: Pa
         raise CourseError(f"--hidden {hidden}: expected one of {', '.join(get_args(Hidden))}")
     root = checkout_root()
     script = RUN.replace("WEEK", week).replace("HIDDEN", hidden).replace(" NEED", NEEDS[need])
-    files = dict(_kit(root, week))
-    if roster is not None:
-        if not any(member.email for member in read_class_list(roster).members):
-            raise CourseError(f"{roster} has no column 'email', by which Gradescope's students are found")
-        files[f"course/solutions/{ROSTER}"] = roster.read_bytes()
+    kit = KitSource("", "the kit") if (root / PACKAGE).is_dir() else kit_source()
+    setup = SETUP.replace("KIT ", f"{kit.words} ".lstrip())
+    files = {**dict(_course_files(root, week)), **kit.files, **_roster_file(roster)}
     data = io.BytesIO()
     with ZipFile(data, "w") as archive:
-        for name, text in (("setup.sh", SETUP), ("run_autograder", script)):
+        for name, text in (("setup.sh", setup), ("run_autograder", script)):
             _put(archive, name, text.encode(), EXECUTABLE)
         for name, content in files.items():
             _put(archive, name, content, PLAIN)
@@ -86,9 +83,17 @@ def write_autograder(week: str, out: Path, *, hidden: str, need: str, roster: Pa
         ) from error
     note = "" if roster else ". Without --roster, the file says whose personal values count"
     return [
-        f"Wrote {out}: {len(files)} files of the kit, with the solution and hidden checks of {week}{note}",
+        f"Wrote {out}: the course, {kit.name}, and of {week} the solution and hidden checks{note}",
         "Upload it in Gradescope: the assignment's Configure Autograder, base image Ubuntu 22.04 or newer",
     ]
+
+
+def _roster_file(roster: Path | None) -> dict[str, bytes]:
+    if roster is None:
+        return {}
+    if not any(member.email for member in read_class_list(roster).members):
+        raise CourseError(f"{roster} has no column 'email', by which Gradescope's students are found")
+    return {f"course/solutions/{ROSTER}": roster.read_bytes()}
 
 
 def _put(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
@@ -97,13 +102,8 @@ def _put(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
     archive.writestr(info, content, ZIP_DEFLATED)
 
 
-def _kit(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
+def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a course that has one week, by their names in the zip."""
-    if not (root / "course_lib").is_dir():
-        raise CourseError(
-            f"{root} does not hold the kit itself: the autograder of such a course can't be packed. "
-            "Grade what Gradescope gives with: course grade"
-        )
     yield "course/exercises/course.toml", _one_week(root / "exercises" / "course.toml", week)
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]
@@ -111,15 +111,11 @@ def _kit(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
         raise CourseError(f"{missing[0]} is missing: an autograder needs the solution and hidden checks")
     paths += [root / name for name in PROJECT if (root / name).is_file()]
     paths += sorted((root / "notebooks").glob(f"{week}*"))
-    for top in ("course_lib", "exercises"):
-        paths += sorted(path for path in (root / top).rglob("*") if _belongs(path.relative_to(root)))
+    for top in (course_package().name, "exercises"):
+        paths += sorted(path for path in (root / top).rglob("*") if belongs(path.relative_to(root)))
     for path in paths:
         if path.is_file() and path != root / "exercises" / "course.toml":
             yield f"course/{path.relative_to(root).as_posix()}", path.read_bytes()
-
-
-def _belongs(path: Path) -> bool:
-    return not any(part in ("__pycache__", "_course") or part.startswith(".") for part in path.parts)
 
 
 def _one_week(path: Path, week: str) -> bytes:

@@ -42,15 +42,29 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
     return _compiled("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
 
 
-def maker(cls: type, kinds: Mapping[str, Kind]) -> Callable[..., Any]:
-    """Return a function that makes a message from the values of its fields as they were sent."""
-    scope: dict[str, Any] = {"_new": cls.__new__, "_cls": cls}
-    body = ["_self = _new(_cls)", f"_self._check_fields = {CHECKED}"]
-    for name, kind in kinds.items():
-        scope[f"_{name}_of"] = kind.from_wire
-        body += [f"_self._{name} = {f'v_{name}' if kind.from_wire is None else f'_{name}_of(v_{name})'}"]
-    arguments = ", ".join([*(f"v_{name}" for name in kinds), "*_placeholder"])
-    return _compiled("make", arguments, [*body, "return _self"], scope)
+def maker(cls: type) -> Callable[..., Any]:
+    """Return a function that makes a message of all values as sent, and the messages in its fields."""
+    scope: dict[str, Any] = {}
+    values: list[str] = []
+    body = _making(cls, "m", scope, values)
+    return _compiled("make", ", ".join(values), [*body, "return m"], scope)
+
+
+def _making(cls: Any, name: str, scope: dict[str, Any], values: list[str]) -> list[str]:
+    """Return the lines that make one message under a name, and note what they need."""
+    scope |= {f"{name}_new": cls.__new__, f"{name}_cls": cls}
+    body = [f"{name} = {name}_new({name}_cls)", f"{name}._check_fields = {CHECKED}"]
+    for field, kind in cls._KINDS.items():
+        inner = f"{name}_{field}"
+        if hasattr(kind.exact, "_KINDS"):
+            body += [*_making(kind.exact, inner, scope, values), f"{name}._{field} = {inner}"]
+            continue
+        values.append(f"v{len(values)}")
+        scope[f"{inner}_of"] = kind.from_wire
+        body += [f"{name}._{field} = {values[-1] if kind.from_wire is None else f'{inner}_of({values[-1]})'}"]
+    if not cls._KINDS:
+        values.append(f"v{len(values)}")  # the placeholder of a message without fields
+    return body
 
 
 def _compiled(name: str, arguments: str, body: Iterable[str], scope: dict[str, Any]) -> Callable[..., Any]:

@@ -1,6 +1,8 @@
 """rosbags' store of compiled functions, for our own classes."""
 
 import re
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any, NoReturn
 
 from rosbags.interfaces import Msgdef
@@ -39,14 +41,20 @@ class CdrStore(Typestore):
 
     def _compiled(self, typename: str) -> Msgdef[object]:
         entries = self.fielddefs[typename][1]
-        slots = [(re.sub(f"^{CONVERTED}", "_", name), kind) for name, kind in entries]
+        slots = [(re.sub(rf"\b{CONVERTED}", "_", name), kind) for name, kind in entries]
         getsize, size = generate_getsize_cdr(slots, self)
         write, read = (
-            [generate(entries, self, order) for order in ("le", "be")]
+            [generate(entries, self, "le"), _when_called(partial(generate, entries, self, "be"))]
             for generate in (generate_serialize_cdr, generate_deserialize_cdr)
         )
         rest: list[Any] = [*write, *read, 0, *[_no_ros1] * 7]
         return Msgdef(typename, entries, self.types[typename], size, getsize, *rest)
+
+
+def _when_called(generate: Callable[[], Callable[..., Any]]) -> Callable[..., Any]:
+    """Return a function that is compiled when it is first called: hardly a message is big endian."""
+    compiled = cache(generate)
+    return lambda *arguments: compiled()(*arguments)
 
 
 def _no_ros1(*_: object) -> NoReturn:

@@ -1,6 +1,7 @@
 """Messages as CDR bytes, by rosbags' serialiser, and as plain Python values."""
 
 from array import array
+from collections.abc import Iterator
 from functools import cache
 from struct import error as StructError  # noqa: N812  # a class under a lower-case name
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -15,6 +16,7 @@ from course_lib.ros.messages.message import RosMessage
 from course_lib.ros.messages.registry import message_class
 
 if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc
     from rosbags.typesys.store import MsgType
 
     from course_lib.ros.messages.store import CdrStore
@@ -42,29 +44,39 @@ def deserialize(cdr: bytes, cls: type[M]) -> M:
     """Create a message from CDR bytes; raises a CourseError if they are of another type."""
     store = _store_with(cls._TYPE_NAME)
     try:
-        return cast("M", store.deserialize_cdr(memoryview(cdr), cls._TYPE_NAME))
+        message: Any = store.deserialize_cdr(memoryview(cdr), cls._TYPE_NAME)
     except store.malformed as error:
         raise CourseError(f"These {len(cdr)} bytes are no {cls._TYPE_NAME}: {error}") from error
+    made: M = message
+    return made
+
+
+def compile_wire(type_name: str) -> None:
+    """Compile what a type's messages need to be sent and heard, so that forks of this process find it."""
+    _store_with(type_name).get_msgdef(type_name)
 
 
 @cache
 def _store_with(type_name: str) -> "CdrStore":
-    """Return the store of our own classes after adding one type and the types of its fields."""
+    """Return the store of our own classes after adding one type and the types in its lists."""
     store = _store()
     if type_name not in store.types:
-        cls, fields = message_class(type_name), definition(type_name).fields
-        known = typestore().fielddefs[type_name][1]
-        names = [_wire_name(cls, field.name) for field in fields]
-        store.fielddefs[type_name] = (
-            [],
-            [(name, desc) for name, (_, desc) in zip(names, known, strict=True)],
-        )
+        store.fielddefs[type_name] = ([], list(_flat(type_name)))
         # rosbags only ever calls it with the values of the fields in order
-        store.types[type_name] = cast("type[MsgType]", maker(cls, cls._KINDS))
-        for field in fields:
-            if field.is_message:
-                _store_with(field.base)
+        store.types[type_name] = cast("type[MsgType]", maker(message_class(type_name)))
     return store
+
+
+def _flat(type_name: str, path: str = "") -> Iterator[tuple[str, "FieldDesc"]]:
+    """Yield what rosbags reads of a message, also of those in its fields: one function then does it all."""
+    cls, known = message_class(type_name), typestore().fielddefs[type_name][1]
+    for field, (_, desc) in zip(definition(type_name).fields, known, strict=True):
+        if field.is_message and field.container == "scalar":
+            yield from _flat(field.base, f"{path}_{field.name}.")
+            continue
+        yield path + _wire_name(cls, field.name), desc
+        if field.is_message:
+            _store_with(field.base)
 
 
 @cache

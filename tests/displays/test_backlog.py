@@ -1,0 +1,193 @@
+from itertools import chain
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import Image
+from tf2_msgs.msg import TFMessage
+
+from course_lib.displays import backlog
+from course_lib.displays.own_display import OwnDisplay
+from course_lib.displays.registry import REGISTRY, short_name
+from course_lib.displays.session import RvizSession
+from course_lib.displays.viewer import Viewer
+from course_lib.ros.graph import Graph, Sample
+from course_lib.viewer import encoding
+from tests.displays.bench import marker
+from tests.displays.samples import FRAME, messages
+from tests.displays.stage import publish, wait
+
+
+class Unseen(Viewer):
+    is_seen = False
+
+
+class Noted(OwnDisplay):
+    class_name = "tests/Noted"
+    type_name = "visualization_msgs/msg/Marker"
+    seen: list[Any]
+
+    def drawing(self, message: Any) -> dict[str, Any]:
+        self.seen.append(message)
+        return {}
+
+
+@pytest.fixture
+def heard(monkeypatch: pytest.MonkeyPatch) -> list[Sample]:
+    """The samples that sessions have processed."""
+    samples: list[Sample] = []
+    receive = RvizSession.receive
+
+    def note(session: RvizSession, sample: Sample) -> None:
+        samples.append(sample)
+        receive(session, sample)
+
+    monkeypatch.setattr(RvizSession, "receive", note)
+    return samples
+
+
+def frame(x: float) -> TFMessage:
+    transform = TransformStamped(child_frame_id=FRAME)
+    transform.header.frame_id = "map"
+    transform.transform.translation.x = float(x)
+    return TFMessage(transforms=[transform])
+
+
+def both(class_name: str = "rviz_default_plugins/Marker", topic: str | None = "/m") -> tuple[Viewer, Viewer]:
+    viewers = Viewer(), Unseen()
+    for viewer in viewers:
+        viewer.add(class_name, topic, name="it")
+    return viewers
+
+
+def described(viewer: Viewer) -> tuple[str, list[str], bytes]:
+    said = str(viewer.statuses())
+    return said, sorted(viewer.scene.objects()), encoding.snapshot(viewer.scene)
+
+
+@pytest.mark.parametrize("class_name", [name for name in REGISTRY if name.startswith("rviz")])
+def test_every_display_says_and_shows_the_same_whether_its_messages_waited(
+    graph: Graph, class_name: str
+) -> None:
+    has_topic = hasattr(REGISTRY[class_name], "topic_label")
+    topic = {"InteractiveMarkers": "/t", "Effort": "/t/image"}.get(short_name(class_name), "/t/image")
+    viewers = both(class_name, topic if has_topic else None)
+    for number in range(3):
+        publish(graph, "/tf", frame(number))
+        for name, message in messages(class_name, number):
+            publish(graph, name, message)
+        wait(graph, 0.4)
+    seen, unseen = (described(viewer) for viewer in viewers)
+    assert unseen == seen
+
+
+def test_nothing_is_processed_that_nobody_asks_for(graph: Graph, heard: list[Sample]) -> None:
+    viewer = Unseen()
+    viewer.add("Marker", "/m")
+    publish(graph, "/m", marker())
+    wait(graph, 1.0)
+    assert repr(viewer) == "<Viewer of map with Grid, Marker>"
+    assert [display.name for display in viewer.displays] == ["Grid", "Marker"]
+    assert heard == []
+    assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
+    assert len(heard) == 1
+
+
+def test_a_property_changes_after_the_messages_that_came_before_it(graph: Graph) -> None:
+    viewers = both()
+    displays = [viewer["it"] for viewer in viewers]
+    publish(graph, "/m", marker())
+    for display in displays:
+        display["Topic"] = "/other"
+    publish(graph, "/other", marker(number=7))
+    wait(graph, 0.5)
+    rows = [display.rows() for display in displays]
+    assert rows[0] == rows[1]
+    seen, unseen = (described(viewer) for viewer in viewers)
+    assert unseen == seen
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda viewer: viewer.options.__setitem__("Fixed Frame", FRAME),
+        lambda viewer: setattr(viewer, "fixed_frame", FRAME),
+        lambda viewer: viewer.remove(viewer["it"]),
+        lambda viewer: viewer["it"].__setitem__("Enabled", False),
+        lambda viewer: viewer.add("MarkerArray", "/a"),
+        lambda viewer: viewer.close(),
+    ],
+)
+def test_whatever_is_done_with_the_viewer_comes_after_the_messages_before_it(
+    graph: Graph, change: Any
+) -> None:
+    viewers = both()
+    fading = marker(frame=FRAME)
+    fading.lifetime.sec = 1
+    publish(graph, "/tf", frame(1.0))
+    publish(graph, "/m", fading)
+    wait(graph, 0.7)
+    for viewer in viewers:
+        change(viewer)
+    publish(graph, "/m", marker(number=3, frame="lost"))
+    wait(graph, 0.7)
+    seen, unseen = (described(viewer) for viewer in viewers)
+    assert unseen == seen
+
+
+def test_a_film_has_the_times_at_which_messages_came(graph: Graph) -> None:
+    viewers = both()
+    for number in range(4):
+        publish(graph, "/m", marker(number=number))
+        wait(graph, 1.0)
+    for viewer in viewers:
+        viewer.look()
+    times = [[round(part.time, 6) for part in viewer.film._frames.frames()] for viewer in viewers]
+    assert len(times[0]) > 3
+    assert times[0] == times[1]
+
+
+def test_no_more_waits_than_there_is_room_for(
+    graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(backlog, "MOST", 10)
+    viewer = Unseen()
+    viewer.add("Marker", "/m")
+    for number in range(25):
+        publish(graph, "/m", marker(number=number))
+    assert len(heard) in range(15, 25)
+    assert "25 messages received" in str(viewer.statuses())
+
+
+def test_large_messages_that_no_display_takes_need_no_room(
+    graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(backlog, "MOST_BYTES", 1_000)
+    viewer = Unseen()
+    viewer.add("Image", "/shown")
+    picture = Image(width=40, height=10, step=120, encoding="rgb8", data=bytes(1_200))
+    publish(graph, "/not_shown", picture)
+    assert heard == []
+    publish(graph, "/shown", picture)
+    assert [sample.topic for sample in heard] == ["/not_shown", "/shown"]
+
+
+def test_a_display_of_ones_own_gets_its_messages_at_once(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(REGISTRY, Noted.class_name, Noted)
+    monkeypatch.setattr(Noted, "seen", [], raising=False)
+    viewer = Unseen()
+    viewer.add(Noted.class_name, "/m")
+    publish(graph, "/m", marker())
+    assert len(Noted.seen) == 1
+
+
+def test_what_is_asked_for_once_is_drawn_at_once_from_then_on(graph: Graph, heard: list[Sample]) -> None:
+    viewer = Unseen()
+    viewer.add("Marker", "/m")
+    publish(graph, "/m", marker())
+    assert heard == []
+    assert list(chain(viewer.scene.objects()))
+    publish(graph, "/m", marker(number=2))
+    assert len(heard) == 2
