@@ -25,6 +25,7 @@ class Page:
     number: int  # of the last batch that it has
     heard: int = 0  # how many questions had been asked when it was heard last
     views: int = 1
+    hidden: bool = False  # behind another tab, or in a minimized window
 
 
 class Flow:
@@ -57,6 +58,11 @@ class Flow:
         self.pages.pop(name, None)
         self._settle()
 
+    def hide(self, name: str, hidden: bool) -> None:
+        """Note whether a page is hidden; nobody waits for hidden ones, which may sleep."""
+        self.pages[name].hidden = hidden
+        self._settle()
+
     def sent(self, number: int, size: int) -> bool:
         """Count a message of a size in bytes, a batch or after one; say whether pages shall answer it."""
         self._batches, self._bytes = self._batches + 1, self._bytes + size
@@ -83,7 +89,7 @@ class Flow:
         self._open.clear()
 
     def _settle(self) -> None:
-        pages = tuple(self.pages.values())
+        pages = [page for page in tuple(self.pages.values()) if not page.hidden]
         slowest = min((page.number for page in pages), default=-1)
         longest = min((page.heard for page in pages), default=-1)  # since one was heard
         while self._open and self._open[0][0] <= slowest and self._open[0][1] <= longest:
@@ -162,6 +168,8 @@ class Stream:
             self.connected = False
             self._stale |= bool(self._changes or self._moved)
             self._changes, self._moved = {}, {}
+            if not self._broken:
+                self._changed.clear()  # or pages that owe an answer would be taken for gone
 
     def reset(self, page: str | None = None) -> None:
         """Send the whole scene to a page, or to all."""
