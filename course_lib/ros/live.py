@@ -174,7 +174,7 @@ def drive_link(graph: Graph) -> None:
 
 
 class _Audience:
-    """Whether somebody may be looking: a page shows a view, or a cell was run a short time ago.
+    """The audience of live runs: a page shows a view, or a cell was run a short time ago.
 
     Each update of a state is a message, and a hub never ends a kernel that sends messages: it is not idle.
     """
