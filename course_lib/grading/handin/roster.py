@@ -206,11 +206,9 @@ def _from_api(path: Path, zone: ZoneInfo) -> Times:
         (time,) = parse_times([str(entry.get("submitted_at") or "")], zone)
         if time is None:
             continue
-        files = [
-            str(file["id"])
-            for file in entry.get("attachments") or ()
-            if isinstance(file, dict) and "id" in file
-        ]
+        attached = entry.get("attachments")
+        listed = attached if isinstance(attached, list) else []
+        files = [str(file["id"]) for file in listed if isinstance(file, dict) and "id" in file]
         by_attachment |= dict.fromkeys(files, time)
         if not files:
             by_number |= {key: time for key in (user, hidden) if key}
