@@ -12,17 +12,12 @@ from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
 from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
 
-HELP = "Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
 LONG = 1e6  # [s] of robot time, where something else ends the run
 
 app = typer.Typer(
-    help=HELP,
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+    no_args_is_help=True, rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False
 )
 bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
@@ -30,6 +25,7 @@ app.add_typer(staff)
 app.add_typer(robots)
 
 ShowArgs = Annotated[bool, typer.Option("--show-args", help="Only list a launch file's arguments.")]
+Browser = Annotated[bool, typer.Option(help="Open a browser.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -42,12 +38,13 @@ def course(debug: Debug = False) -> None:
 def lab(
     work_dir: Annotated[Path, typer.Argument(help="Your folder; made if missing.")] = Path("my_course"),
     port: Annotated[int | None, typer.Option(help="The port to listen on.")] = None,
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    browser: Browser = True,
+    server: Annotated[bool, typer.Option(help="Start JupyterLab; without, the folder is all.")] = True,
 ) -> None:
     """Open JupyterLab on your course folder."""
     from course_lib.course.lab import lab as open_lab
 
-    open_lab(work_dir, port=port, browser=browser)
+    open_lab(work_dir, port=port, browser=browser, serves=server)
 
 
 @app.command()
@@ -165,7 +162,7 @@ def view(
     rviz: Annotated[Path | None, typer.Option(help="The layout to show it through.")] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any that is free.")] = 0,
     token: Annotated[str | None, typer.Option(help="The address's secret part; default: by chance.")] = None,
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    browser: Browser = True,
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,

@@ -5,9 +5,10 @@ import unicodedata
 from typing import Any
 
 from course_lib.course.exercise import stamp_exercises
-from course_lib.course.questions import in_notebook, show
+from course_lib.course.questions import show
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError, counted
+from course_lib.surroundings import in_notebook
 
 MAX_LENGTH = 64
 EXTRA_CHARACTERS = "-_.@"

@@ -18,6 +18,7 @@ import psutil
 from course_lib.course.hand_out import DEFAULT_FOLDER, prepare
 from course_lib.course.progress import CONTENTS_FILE, write_contents
 from course_lib.errors import CourseError
+from course_lib.surroundings import hub_prefix
 
 FIRST_PORT = 8888
 PORTS_TO_TRY = 100
@@ -133,16 +134,28 @@ def can_open_browser() -> bool:
     return False
 
 
-def lab(folder: Path = DEFAULT_FOLDER, *, port: int | None = None, browser: bool = True) -> None:
+def lab(
+    folder: Path = DEFAULT_FOLDER, *, port: int | None = None, browser: bool = True, serves: bool = True
+) -> None:
     """Refresh the student's folder and serve it until Ctrl+C (or SIGTERM, as containers stop).
+
+    On a JupyterHub, or without `serves`, the folder is all: there a JupyterLab runs already.
 
     Raises:
         CourseError: the folder or the port can't be used, or JupyterLab did not start.
     """
     folder = folder.expanduser().resolve()
-    chosen = free_port(FIRST_PORT if port is None else port)
     report = prepare(folder).lines()
     write_contents(folder)
+    if hub_prefix() or not serves:
+        next_step = f"Open {CONTENTS_FILE} of it in JupyterLab."
+        say("\n".join([f"Your course folder: {folder}", *report, next_step]))
+    else:
+        _serve(folder, report, port, browser)
+
+
+def _serve(folder: Path, report: list[str], port: int | None, browser: bool) -> None:
+    chosen = free_port(FIRST_PORT if port is None else port)
     if port not in (None, chosen):
         report.append(f"Port {port} is taken, using {chosen}.")
     say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))

@@ -1,6 +1,5 @@
 """Questions to the student: predictions and quizzes, as a widget or as text."""
 
-import sys
 import textwrap
 import tomllib
 from collections.abc import Callable
@@ -11,15 +10,10 @@ from typing import Any
 from course_lib.course.installation import exercises_dir
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError, place_of
+from course_lib.surroundings import in_notebook
 
 SECTION = "predictions"
 WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
-
-
-def in_notebook() -> bool:
-    """Return whether this code runs in a notebook's kernel."""
-    ipython = sys.modules.get("IPython")
-    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 def show(build_widget: Callable[[], Any], text: str) -> None:

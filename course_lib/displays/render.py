@@ -2,7 +2,6 @@
 
 import asyncio
 import sys
-import webbrowser
 from collections import Counter
 from collections.abc import Mapping
 from math import inf
@@ -19,6 +18,7 @@ from course_lib.displays.panel.time_panel import Playback, TimePanel
 from course_lib.displays.session import RvizSession
 from course_lib.recording import Recording, read_bag
 from course_lib.ros import wall
+from course_lib.surroundings import announce
 from course_lib.viewer.film import Film
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import screenshot
@@ -174,10 +174,9 @@ def view(
     playback = Playback(session, recording)
     time_panel = TimePanel(session, server.link, playback) if bag else None
     server.listen()
-    sys.stdout.write(f"The viewer is at {server.url}\nCtrl+C ends it.\n")
+    announce("The viewer", server.url, browser=browser)
+    sys.stdout.write("Ctrl+C ends it.\n")
     sys.stdout.flush()
-    if browser:
-        webbrowser.open(server.url)
     try:
         asyncio.run(_serve(server, playback, time_panel))
     except KeyboardInterrupt:

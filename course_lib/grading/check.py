@@ -7,7 +7,7 @@ from typing import Any
 
 from course_lib.course.identity import current_identity
 from course_lib.course.installation import first_lesson
-from course_lib.course.questions import in_notebook, show
+from course_lib.course.questions import show
 from course_lib.course.state import keep_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice, large_messages, not_numbers, returned_none
@@ -20,6 +20,7 @@ from course_lib.grading.run.job import Run
 from course_lib.grading.run.outcome import printed
 from course_lib.grading.run.student_side import run_here
 from course_lib.grading.task import Task
+from course_lib.surroundings import in_notebook
 
 STRICT = "COURSE_STRICT"
 FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."

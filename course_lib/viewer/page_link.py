@@ -54,8 +54,8 @@ class PageLink:
 
     @property
     def ready(self) -> bool:
-        """A page shows the scene."""
-        return any(page.views for page in self._flow.pages.values())
+        """A page shows the scene, and is not hidden behind others."""
+        return any(page.views and not page.hidden for page in self._flow.pages.values())
 
     def listen(self, kind: str, callback: Callable[[Content], None]) -> None:
         """Register a callback for every message of a kind that a page sends."""
@@ -103,8 +103,19 @@ class PageLink:
         self._stream.close()
 
     def _follow(self, page: str, number: int, kind: str) -> None:
-        """Note how far a page has come, and send it the scene if it has another one."""
+        """Note how far a page has come, and send it the scene if it has another one.
+
+        While all pages are hidden, nothing is sent; each gets the scene when it is seen again.
+        """
         is_new = self._flow.heard(page, number)
+        known = self._flow.pages[page]
+        is_new |= known.hidden and kind == "ready"
+        if kind in ("hide", "ready"):
+            self._flow.hide(page, kind == "hide")
+        if known.hidden:
+            if not self.ready:
+                self._stream.disconnect()
+            return
         is_equal = not is_new or self._stream.connect(number)
         if kind == "resync" or not is_equal:
             self._stream.reset(page)

@@ -1,4 +1,4 @@
-"""A scene as a page on 127.0.0.1, for programs outside notebooks."""
+"""A scene as a page of its own, on 127.0.0.1 or behind a JupyterHub's proxy."""
 
 import asyncio
 import json
@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
+from urllib.parse import urlsplit
 
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
@@ -15,6 +16,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketHandler
 
 from course_lib.errors import CourseError
+from course_lib.surroundings import address, hub_prefix, need_way_out
 from course_lib.viewer.html import live_page
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
@@ -26,6 +28,7 @@ class Guarded(RequestHandler):
     """Base of the handlers: only requests with this host and token are answered.
 
     The token is in the path: a cookie would go to every port of this machine, whoever listens there.
+    Behind a hub's proxy the host is the hub's name; no browser of this machine can be tricked.
     """
 
     port: int
@@ -33,7 +36,8 @@ class Guarded(RequestHandler):
 
     def prepare(self) -> None:
         """Refuse a wrong host or token."""
-        here = self.request.host in {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
+        names = {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
+        here = self.request.host in names or hub_prefix() is not None
         token = self.path_args[0] if self.path_args else ""
         if not here or not secrets.compare_digest(token.encode(), self.token.encode()):
             raise HTTPError(403, reason="Open the address that was printed, with its token")
@@ -61,7 +65,7 @@ class SocketHandler(_SceneHandler, WebSocketHandler):
 
     def check_origin(self, origin: str) -> bool:
         """Refuse connections from other pages."""
-        return origin == f"http://{self.request.host}"
+        return urlsplit(origin).netloc == self.request.host  # a hub's scheme is that of its front
 
     def open(self, *_: str, **__: str) -> None:
         """Begin with the whole scene."""
@@ -138,14 +142,15 @@ class PageServer:
     @property
     def url(self) -> str:
         """The address of the page, with its secret."""
-        return f"http://127.0.0.1:{self.port}/{self.token}/"
+        return address(self.port, f"{self.token}/")
 
     def listen(self) -> None:
         """Bind the port; the address is known from now on.
 
         Raises:
-            CourseError: The port cannot be had.
+            CourseError: The port cannot be had, or no browser would reach it.
         """
+        need_way_out()
         self._listening = bound(self.port)
         self.port = self._listening[0].getsockname()[1]
 

@@ -24,6 +24,7 @@ class Page:
 
     number: int  # of the last batch that it has
     views: int = 1
+    hidden: bool = False  # behind another tab, or in a minimized window
 
 
 class Flow:
@@ -54,6 +55,11 @@ class Flow:
         self.pages.pop(name, None)
         self._settle()
 
+    def hide(self, name: str, hidden: bool) -> None:
+        """Note whether a page is hidden; nobody waits for hidden ones, which may sleep."""
+        self.pages[name].hidden = hidden
+        self._settle()
+
     def sent(self, number: int, size: int) -> bool:
         """Count a batch of a size in bytes; say whether pages shall answer it."""
         self._batches, self._bytes = self._batches + 1, self._bytes + size
@@ -78,7 +84,8 @@ class Flow:
         self._open.clear()
 
     def _settle(self) -> None:
-        slowest = min((page.number for page in tuple(self.pages.values())), default=-1)
+        seen = (page for page in tuple(self.pages.values()) if not page.hidden)
+        slowest = min((page.number for page in seen), default=-1)
         while self._open and self._open[0] <= slowest:
             self._open.popleft()
 
@@ -155,6 +162,8 @@ class Stream:
             self.connected = False
             self._stale |= bool(self._changes or self._moved)
             self._changes, self._moved = {}, {}
+            if not self._broken:
+                self._changed.clear()  # or pages that owe an answer would be taken for gone
 
     def reset(self, page: str | None = None) -> None:
         """Send the whole scene to a page, or to all."""

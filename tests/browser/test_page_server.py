@@ -90,6 +90,19 @@ def test_whoever_does_not_come_by_the_printed_address_is_refused(who: str) -> No
     server.close()
 
 
+@pytest.mark.parametrize("who", REFUSED.keys() - {"another name of this machine"})
+def test_behind_a_hub_only_the_host_may_be_another(who: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
+    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: name)
+    server = PageServer(colored(RED), token="secret")
+    server.start()
+    here = f"http://127.0.0.1:{server.port}"
+    path, headers = REFUSED[who]
+    wait_until(lambda: answer(f"{here}/secret/", {"Host": "hub.example"}) == 200)
+    assert answer(here + path, headers) == 403
+    server.close()
+
+
 def test_the_port_is_free_again_after_the_end_and_tokens_differ() -> None:
     servers = [PageServer(colored(RED)) for _ in range(2)]
     for server in servers:

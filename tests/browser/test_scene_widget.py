@@ -68,6 +68,29 @@ def test_a_change_between_state_and_first_answer_is_not_lost(host: Host) -> None
     assert count(host.pixels(), GREEN) > 1000
 
 
+def test_a_hidden_page_gets_nothing_and_shows_the_scene_when_it_is_seen_again(host: Host) -> None:
+    hide = """hidden => {
+        Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange")); }"""
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("box", box(RED))
+    widget.flush()
+    host.carry()
+    host.page.evaluate(hide, True)
+    host.carry()
+    scene.set_object("box", box(GREEN))
+    widget.flush()
+    assert host.sent == []
+    host.page.evaluate(hide, False)
+    host.carry()
+    assert count(host.pixels(), GREEN) > 1000
+    scene.set_object("box", box(BLUE))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), BLUE) > 1000
+
+
 def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)

@@ -60,6 +60,18 @@ def test_a_server_that_does_not_start_is_said_in_one_line(
         lab(tmp_path / "mine", browser=False)
 
 
+@pytest.mark.parametrize("serves", [True, False])
+def test_on_a_hub_or_without_a_server_the_folder_is_all(
+    serves: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if serves:
+        monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
+    monkeypatch.setattr(lab_module, "command", lambda *_: pytest.fail("a server was started"))
+    lab(tmp_path / "mine", serves=serves)
+    assert "Open contents.md of it in JupyterLab." in capsys.readouterr().out
+    assert (tmp_path / "mine" / "contents.md").is_file()
+
+
 OVERTAKEN = """
 import json, pathlib, os, jupyter_core.paths
 folder = pathlib.Path(jupyter_core.paths.jupyter_runtime_dir())

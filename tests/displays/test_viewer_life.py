@@ -1,5 +1,6 @@
 """The life of a viewer: it listens while a page shows it or a name holds it."""
 
+import re
 import sys
 import urllib.request
 import weakref
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from course_lib.displays.viewer import Viewer
+from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.graph import Graph
 from tests.displays.bench import marker
@@ -127,3 +129,29 @@ def test_beside_shows_the_viewer_in_the_cell_where_no_page_docks_it(
     assert viewer._cell._view is not None
     assert viewer._cell._view.beside
     viewer.close()
+
+
+def test_on_a_hub_the_viewer_opens_behind_the_hubs_proxy_and_no_browser_is_started(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: name)
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
+    viewer = Viewer()
+    url = viewer.open()
+    assert re.fullmatch(r"/user/ada/proxy/\d+/[\w-]+/", url)
+    assert capsys.readouterr().out == f"The viewer is at {url} after the name of your hub\n"
+    monkeypatch.setenv("JUPYTERHUB_PUBLIC_URL", "https://hub.example/user/ada/")
+    assert viewer.open() == f"https://hub.example{url}"
+    assert opened == []
+    viewer.close()
+
+
+def test_on_a_hub_without_a_proxy_open_is_refused_with_what_works_instead(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: None)
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
+    with pytest.raises(CourseError, match=r"no jupyter-server-proxy\. Show the viewer in a notebook"):
+        Viewer().open()

@@ -145,7 +145,7 @@ def _write_package(folder: Path) -> None:
 @pytest.fixture
 def type_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Type a command, in this process; a page that would be served is only made, a release not verified."""
-    monkeypatch.setattr("course_lib.displays.render.webbrowser.open", lambda _: True)
+    monkeypatch.setattr("webbrowser.open", lambda _: True)
     monkeypatch.setattr("course_lib.displays.render._serve", _serve_nothing)
     monkeypatch.setattr("course_lib.authoring.memory.refuse_broken", lambda course: None)  # takes minutes
 

@@ -136,6 +136,51 @@ def test_a_running_cell_that_hears_nobody_is_not_held_up(monkeypatch: pytest.Mon
 
 
 @pytest.mark.usefixtures("by_hand")
+def test_a_hidden_page_gets_nothing_and_when_it_is_seen_again_the_whole_scene(wire: Wire) -> None:
+    wire.hear("ready")
+    wire.hear("hide")
+    wire.change(100)
+    wire.hear("ack")  # for what it had got before
+    wire.change()
+    assert (wire.sent, wire.link.ready) == ([], False)
+    wire.hear("ready", number=0)
+    wire.change()
+    assert (wire.kinds(), wire.link.ready) == (["reset", "batch"], True)
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_a_hidden_page_whose_scene_stands_still_gets_nothing_when_it_is_seen_again(wire: Wire) -> None:
+    wire.hear("ready")
+    wire.change()
+    wire.hear("hide")
+    wire.hear("ready")
+    wire.change()
+    assert wire.kinds() == ["batch", "batch"]
+
+
+def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
+    counts: list[int] = []
+    wire.link.on_views = counts.append
+    wire.hear("ready", "a")
+    wire.change(100)  # more than it answers
+    wire.hear("hide", "a")
+    time.sleep(0.5)
+    assert counts == []
+
+
+@pytest.mark.usefixtures("by_hand")
+def test_nobody_waits_for_a_hidden_page(wire: Wire) -> None:
+    wire.hear("ready", "a")
+    wire.hear("hide", "a")
+    wire.hear("ready", "b")
+    for _ in range(50):
+        wire.change()
+        wire.hear("ack", "b")
+    assert wire.kinds() == ["batch"] * 50
+
+
+@pytest.mark.usefixtures("by_hand")
 def test_views_are_counted_over_all_pages(wire: Wire) -> None:
     counts: list[int] = []
     wire.link.on_views = counts.append

@@ -54,6 +54,7 @@ class Desk:
         self._waiting = False
         self._loop = running_loop()  # that of the cells, if this is a kernel
         link.listen("desk", self._take)
+        link.listen("ready", self._wake)
         session.after_frame.append(self.refresh)
 
     def close(self) -> None:
@@ -76,6 +77,11 @@ class Desk:
         if isinstance(order, UseControl) and order.event == "move":
             self.refresh()  # many of them come
         else:
+            self.post()
+
+    def _wake(self, _: Mapping[str, Any]) -> None:
+        """Post to a page that was hidden; one that has just been loaded sends an order first."""
+        if self._sent is not None:
             self.post()
 
     def refresh(self) -> None:

@@ -37,6 +37,7 @@ from course_lib.grading.records import (
 from course_lib.grading.reports.report import section_of
 from course_lib.grading.reports.scenes import shared_script
 from course_lib.grading.reports.table import fill
+from course_lib.surroundings import hub_prefix
 from course_lib.viewer.page_server import Guarded, bound
 
 PORT = 8420  # if it is free: then what a page kept of unsaved marks is found again after a restart
@@ -239,8 +240,13 @@ def serve(out: Path, *, port: int | None = None, browser: bool = True, course: C
         course: Where the tasks are; default: this checkout.
 
     Raises:
-        CourseError: There are no results, or the port cannot be had.
+        CourseError: There are no results, the port cannot be had, or this is a JupyterHub.
     """
+    if hub_prefix():  # its page would share an origin with students' code
+        raise CourseError(
+            "the page for marking is not served on a JupyterHub. Copy OUT to your own computer, and then: "
+            "course mark OUT --serve; or mark here: course mark OUT STUDENT EXERCISE TASK POINTS"
+        )
     course = course or this_course()
     need_results(out)
     catalog_of(course)  # what is wrong in it is said now

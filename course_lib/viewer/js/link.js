@@ -61,11 +61,11 @@ export class Link {
     /** @type {Player | null} of a view at rest */
     this.player = null;
     this.attempt(() => this.start());
-    this.wake = () => document.hidden || this.send({ type: "ready" }); // much may be lost while a laptop sleeps
+    this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" }); // a laptop may have slept, too
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
     model.on("comm_live_update", () => model.comm_live || this.undock());
-    this.send({ type: "ready" });
+    this.wake();
     const panels = model.get("panels"); // of a view at rest
     this.desk = new DeskState((order) => (panels ? this.refuse(order) : this.send(order)), Boolean(panels));
     if (panels) this.desk.take(JSON.parse(panels));

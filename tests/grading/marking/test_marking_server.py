@@ -25,6 +25,12 @@ def of(server: Served, student: str, task: str) -> Any:
     return item
 
 
+def test_on_a_hub_the_page_for_marking_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
+    with pytest.raises(CourseError, match="not served on a JupyterHub"):
+        serve(tmp_path)
+
+
 def test_a_mark_is_on_the_disk_when_it_is_acknowledged(server: Served, tmp_path: Path) -> None:
     item = of(server, "ada", ESSAY)
     answer = server.ask(f"api/item/{item['key']}", save(item, 5, "Ann", "clear", row="1"))

@@ -1,0 +1,119 @@
+"""A JupyterHub of its own: the real hub, its real proxy, and a user server for each name that logs in."""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser, Page
+
+from tests.browser.waiting import PATIENCE, wait_until
+
+PROXY = "configurable-http-proxy"
+NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
+TOKEN = "token-of-the-tests"
+SETTINGS = """
+c = get_config()
+c.JupyterHub.bind_url = "http://127.0.0.1:{ports[0]}/"
+c.JupyterHub.hub_port = {ports[1]}
+c.ConfigurableHTTPProxy.api_url = "http://127.0.0.1:{ports[2]}"
+c.ConfigurableHTTPProxy.command = [{proxy!r}]
+c.JupyterHub.authenticator_class = "dummy"
+c.Authenticator.allow_all = True
+c.JupyterHub.spawner_class = "simple"
+c.SimpleLocalProcessSpawner.home_dir_template = {homes!r} + "/{{username}}"
+c.Spawner.cmd = [{python!r}, "-m", "jupyterhub.singleuser"]
+c.Spawner.args = ["--allow-root", "--LabApp.expose_app_in_browser=True"]
+c.Spawner.start_timeout = c.Spawner.http_timeout = {patience}
+c.JupyterHub.services = [{{"name": "tests", "api_token": {token!r}}}]
+c.JupyterHub.load_roles = [{{"name": "tests", "services": ["tests"], "scopes": ["access:servers"]}}]
+"""
+
+
+def missing() -> list[str]:
+    """List what a hub needs and this machine lacks."""
+    found = {name: find_spec(name) for name in NEEDED} | {x: shutil.which(x) for x in (PROXY, "git")}
+    return [name for name, place in found.items() if place is None]
+
+
+@dataclass(frozen=True)
+class Hub:
+    """A running hub.
+
+    Args:
+        browser: Where its users look.
+        homes: The folder of the users' homes.
+        address: Its own, without a slash at the end.
+    """
+
+    browser: Browser
+    homes: Path
+    address: str
+
+    def logged_in(self, user: str, path: str) -> Page:
+        """Log a user in, in a browser of their own, and open a path of their server."""
+        page = self.browser.new_context(viewport={"width": 1280, "height": 900}).new_page()
+        page.set_default_timeout(PATIENCE * 1000)
+        page.goto(f"{self.address}/hub/login?next=/hub/spawn/{user}?next=/user/{user}/{path}")
+        page.fill("#username_input", user)
+        page.fill("#password_input", "any")
+        page.click("#login_submit")
+        page.wait_for_url(f"**/user/{user}/**")
+        return page
+
+    def ask(self, user: str, path: str, method: str = "GET") -> Any:
+        """Ask a user's server through the proxy, as a service of the hub."""
+        headers = {"Authorization": f"token {TOKEN}"}
+        request = urllib.request.Request(
+            f"{self.address}/user/{user}/api/{path}", None, headers, method=method
+        )
+        with urllib.request.urlopen(request, timeout=PATIENCE) as response:
+            return json.loads(response.read() or "null")
+
+
+@contextmanager
+def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
+    """Run a hub in a folder, with nothing of it elsewhere, until the end of the block."""
+    homes, ports = folder / "homes", _free_ports(3)
+    homes.mkdir()
+    settings = folder / "jupyterhub_config.py"
+    given = {"ports": ports, "proxy": shutil.which(PROXY), "homes": str(homes), "token": TOKEN}
+    settings.write_text(SETTINGS.format(**given, python=sys.executable, patience=round(PATIENCE)))
+    command = [sys.executable, "-m", "jupyterhub", "-f", str(settings)]
+    with open(folder / "hub.log", "wb") as log:
+        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True)
+    address = f"http://127.0.0.1:{ports[0]}"
+    try:
+        wait_until(lambda: _answers(f"{address}/hub/health") or process.poll() is not None)
+        assert process.poll() is None, (folder / "hub.log").read_text()
+        yield Hub(browser, homes, address)
+    finally:
+        process.send_signal(signal.SIGTERM)  # it ends its users' servers and its proxy
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(20)
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def _free_ports(count: int) -> list[int]:
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        return [one.getsockname()[1] for one in sockets]
+
+
+def _answers(url: str) -> bool:
+    with suppress(OSError), urllib.request.urlopen(url, timeout=PATIENCE) as response:
+        return bool(response.status == 200)
+    return False

@@ -1,0 +1,105 @@
+"""Lesson 1 on a real JupyterHub, through its proxy, with two users of one machine."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urlencode
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from course_lib.course.hand_out import prepare
+from tests.browser.hub import Hub, missing, running_hub
+from tests.browser.jupyterlab import Notebook, red_pixels
+from tests.browser.test_lesson_one import LIVE, SHOW, wait_for_red
+from tests.browser.waiting import wait_until
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+LESSON = "week01_first_marker.ipynb"
+LIGHT = "api/status"  # of the server: a page that costs nothing
+
+
+@pytest.fixture(scope="module")
+def hub(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Hub]:
+    if missing():
+        pytest.skip(f"a JupyterHub needs {', '.join(missing())}")
+    with running_hub(browser, tmp_path_factory.mktemp("hub")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that an instructor publishes for nbgitpuller, as docs/hub.md says."""
+    folder = tmp_path_factory.mktemp("git") / "robotics"
+    prepare(folder)
+    who = {f"GIT_{role}_{key}": "me@uni.org" for role in ("AUTHOR", "COMMITTER") for key in ("NAME", "EMAIL")}
+    for command in ("init -q -b main", "add -A", "commit -q -m lessons"):
+        subprocess.run(["git", *command.split()], cwd=folder, env=os.environ | who, check=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def ada(hub: Hub) -> Notebook:
+    """A student whose folder was made on the hub, with lesson 1 open."""
+    folder = hub.homes / "ada" / "my_course"
+    prepare(folder)
+    return Notebook(hub.logged_in("ada", LIGHT), f"{hub.address}/user/ada/lab", folder, LESSON)
+
+
+@pytest.fixture(scope="module")
+def grace(hub: Hub, repository: Path) -> Notebook:
+    """A student who has clicked on a link of nbgitpuller."""
+    link = {"repo": repository.as_uri(), "branch": "main", "urlpath": f"lab/tree/robotics/{LESSON}"}
+    page = hub.logged_in("grace", LIGHT)
+    page.goto(f"{hub.address}/user/grace/git-pull?{urlencode(link)}")
+    page.wait_for_url(f"**/lab/tree/robotics/{LESSON}", wait_until="commit")
+    return Notebook(page, f"{hub.address}/user/grace/lab", hub.homes / "grace" / "robotics", LESSON)
+
+
+def opened_tab(notebook: Notebook) -> Page:
+    """Click on the link that `viewer.open()` shows."""
+    notebook.cell(LIVE)
+    cell = notebook.run_below("viewer.open()")
+    with notebook.page.expect_popup() as popup:
+        cell.get_by_role("link").click()
+    return popup.value
+
+
+def test_two_users_of_one_machine_see_lesson_one_each_in_their_own_folder(
+    ada: Notebook, grace: Notebook
+) -> None:
+    for notebook in (ada, grace):
+        notebook.run_to(LIVE)
+    for notebook in (ada, grace):
+        wait_for_red(notebook.cell(SHOW))
+        assert notebook.errors() == []
+        where = "from course_lib.course.state import find_student_folder as find; print(find())"
+        assert notebook.kernel(where).strip() == str(notebook.folder)
+
+
+def test_the_viewer_opens_in_a_tab_through_the_hubs_proxy(ada: Notebook) -> None:
+    tab = opened_tab(ada)
+    assert "/user/ada/proxy/" in tab.url
+    view = tab.locator("canvas").first
+    expect(view).to_be_visible()
+    wait_until(lambda: red_pixels(view) > 800, tab)
+    tab.close()
+
+
+def test_the_view_is_drawn_again_after_a_reload_and_after_a_restart_of_the_kernel(ada: Notebook) -> None:
+    ada.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    ada.open()
+    wait_for_red(ada.cell(SHOW))
+    ada.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+    ada.wait_idle()
+    ada.run_to(LIVE)
+    wait_for_red(ada.cell(SHOW))
+
+
+def test_on_a_hub_course_lab_refreshes_the_folder_and_starts_no_second_jupyterlab(ada: Notebook) -> None:
+    ada.cell(LIVE)
+    said = ada.run_below(f"!{sys.executable} -m course_lib lab").inner_text()
+    assert "Open contents.md of it in JupyterLab." in said
+    assert "http" not in said
