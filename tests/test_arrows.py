@@ -33,7 +33,7 @@ ARROWS = {
     "recording": {"ros"},
     "rosbag2_py": {"ros", "recording"},  # of the stand-in, but made of the room of bags
     "displays": {"ros", "viewer", "recording", "robots"},
-    "robots": {"ros"},
+    "robots": {"ros", "viewer"},  # viewer: its reader of meshes
     "sensors": {"ros"},
     "tools": {"ros", "recording", "displays", "robots"},  # robots: what launch files start
     "export": {"ros", "course"},

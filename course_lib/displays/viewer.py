@@ -1,15 +1,12 @@
 """RViz in a cell: what lessons import."""
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-import numpy.typing as npt
-
 from course_lib.displays.backlog import Backlog
-from course_lib.displays.display import Display
+from course_lib.displays.display import Display, node_name
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import Options, read_layout
 from course_lib.displays.node import RvizNode
@@ -198,19 +195,16 @@ class Viewer:
         self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
         return StatusTable(self.session.rows())
 
-    def show_robot(self, robot: "Robot", configuration: npt.ArrayLike | None = None) -> None:
+    def show_robot(self, robot: "Robot", positions: Mapping[str, float] | None = None) -> None:
         """Draw a robot's links in the fixed frame, without any messages.
 
         Args:
             robot: What `load_robot` returns.
-            configuration: Joint positions, shape (nq,); None takes the rest posture.
+            positions: Joint positions by name, as `link_poses` takes them; None takes the rest posture.
         """
-        from pinocchio.visualize import MeshcatVisualizer  # here: heavy
+        from course_lib.displays.robot_model.still import draw_still  # here: heavy
 
-        visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
-        visualizer.initViewer(viewer=self.meshcat)
-        visualizer.loadViewerModel(rootNodeName=f"robots/{robot.model.name}")
-        visualizer.display(robot.q0 if configuration is None else np.asarray(configuration, dtype=float))
+        draw_still(self.scene, f"robots/{node_name(robot.name)}", robot, positions)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:
         """Write the scene as one page that opens without a network.

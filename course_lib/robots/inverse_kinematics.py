@@ -1,21 +1,20 @@
 """Inverse kinematics: joints for a pose of a link, and along a straight line."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 import numpy.typing as npt
 from rclpy.duration import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from course_lib.arrays import Floats
+from course_lib.arrays import Floats, Matrix
 from course_lib.errors import CourseError
-from course_lib.robots.kinematics import configuration, link_poses
+from course_lib.robots.kinematics import Motions, configuration, link_poses, motions_of
+from course_lib.robots.rigid_motions import crossed, inverse, twist_jacobian, twist_of
 from course_lib.robots.robot import Robot
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
+from course_lib.robots.urdf import MOVING, Joint
 
 ACCURACY = 1e-10  # [m], [rad]
 STEPS, LONGEST_STEP = 200, 0.5  # [rad]
@@ -32,7 +31,7 @@ def joints_for(
     `start`; if none is found from there, one from elsewhere.
 
     Args:
-        robot: What `load_robot` returns; all of its joints have one number.
+        robot: What `load_robot` returns; joints that one number does not place stand still.
         link: The link's name.
         transform_link_to_root: Where it is to be, shape (4, 4), translation in [m].
         start: Positions by name, as `link_poses` takes them.
@@ -41,23 +40,21 @@ def joints_for(
         CourseError: If the link does not exist, the pose is not rigid, or no solution was found; the message
             holds the distance of the best one.
     """
-    import pinocchio as pin
-
-    model, tries = robot.model, []
-    if not model.existBodyName(link) or model.nq != len(model.names) - 1:
-        raise CourseError(f"{robot.name!r} has no link {link!r}, or a joint that has more than one number.")
-    goal, frame = pin.SE3(_checked(transform_link_to_root)), model.getFrameId(link)
-    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
+    arm = arm_of(robot, link)
+    goal, tries = _checked(transform_link_to_root), []
     random, positions = np.random.default_rng(0), configuration(robot, start or {})
+    lower, upper = np.maximum(arm.lower, -np.pi)[arm.chain], np.minimum(arm.upper, np.pi)[arm.chain]
     for _ in range(STARTS):
-        positions, gap = _descend(model, frame, goal, positions)
+        positions, gap = _descend(arm, goal, positions)
         if np.abs(gap).max() < ACCURACY:
-            return dict(zip(model.names[1:], map(float, positions), strict=True))
+            found = zip(arm.motions.joints, map(float, positions), strict=True)
+            return {joint.name: position for joint, position in found if joint.kind in MOVING}
         tries.append(gap)
-        positions = random.uniform(np.maximum(lower, -np.pi), np.minimum(upper, np.pi))
+        positions = positions.copy()
+        positions[arm.chain] = random.uniform(lower, upper)
     near = min(tries, key=lambda gap: float(np.linalg.norm(gap)))
     meters, degrees = np.linalg.norm(near[:3]), np.degrees(np.linalg.norm(near[3:]))
-    place = ", ".join(f"{value:.2f}" for value in goal.translation)
+    place = ", ".join(f"{value:.2f}" for value in goal[:3, 3])
     raise CourseError(
         f"{link} cannot be brought to ({place}) m in {robot.tree.root}, turned as asked: the best that was "
         f"found is {meters:.2f} m and {degrees:.0f}° away. Ask for a place nearer to the arm, or drive."
@@ -71,22 +68,71 @@ def _checked(transform: npt.ArrayLike) -> Floats:
     return pose
 
 
-def _descend(model: "pin.Model", frame: int, goal: "pin.SE3", positions: Floats) -> tuple[Floats, Floats]:
-    """Step towards a goal; return the last positions and the remaining motion, shape (6,)."""
-    import pinocchio as pin
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """The joints between the root and a link.
 
-    data = model.createData()
+    Args:
+        motions: Of the robot's n joints.
+        chain: The numbers of the joints that carry the link, the last one at the link.
+        lower, upper: Limits of all positions, shape (n,), [rad] or [m].
+    """
+
+    motions: Motions
+    chain: list[int]
+    lower: Floats
+    upper: Floats
+
+    def poses(self, positions: Floats) -> Matrix:
+        """Return the poses of the root and the chain's children in the root, shape (1 + its length, 4, 4)."""
+        steps = self.motions.steps(positions)[self.chain]
+        return np.array(list(accumulate(steps, np.matmul, initial=np.eye(4))))
+
+    def jacobian(self, poses: Matrix) -> Matrix:
+        """Return the link's twist, in the link, by the joints' speeds; shape (6, n)."""
+        found, turns = np.zeros((6, len(self.motions.joints))), self.motions.turns[self.chain, None]
+        axes = (poses[1:, :3, :3] @ self.motions.axes[self.chain, :, None])[:, :, 0]
+        arms = poses[-1, :3, 3] - poses[1:, :3, 3]
+        ways = np.where(turns, (crossed(axes) @ arms[:, :, None])[:, :, 0], axes)
+        found[:3, self.chain] = (ways @ poses[-1, :3, :3]).T
+        found[3:, self.chain] = (np.where(turns, axes, 0.0) @ poses[-1, :3, :3]).T
+        return found
+
+
+def arm_of(robot: Robot, link: str) -> Arm:
+    """Return what carries a link; raises a CourseError if there is no such link."""
+    motions = motions_of(robot.tree)
+    ends = {joint.child: index for index, joint in enumerate(motions.joints)}
+    if link not in ends and link != robot.tree.root:
+        raise CourseError(
+            f"{robot.name!r} has no link {link!r}; there is {', '.join([robot.tree.root, *ends])}."
+        )
+    chain, at = list[int](), ends.get(link, -1)
+    while at >= 0:
+        chain.insert(0, at)
+        at = motions.above[at]
+    limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
+    return Arm(motions, chain, limits[:, 0], limits[:, 1])
+
+
+def _limits(joint: Joint) -> tuple[float, float]:
+    if joint.kind == "continuous":
+        return -np.inf, np.inf
+    return joint.limits.get("lower", 0.0), joint.limits.get("upper", 0.0)
+
+
+def _descend(arm: Arm, goal: Matrix, positions: Floats) -> tuple[Floats, Floats]:
+    """Step towards a goal; return the last positions and the remaining twist, shape (6,)."""
     for _ in range(STEPS):
-        pin.framesForwardKinematics(model, data, positions)
-        missing = data.oMf[frame].actInv(goal)
-        gap = pin.log6(missing).vector
+        poses = arm.poses(positions)
+        gap = twist_of(inverse(poses[-1]) @ goal)
         if np.abs(gap).max() < ACCURACY:
             break
-        jacobian = pin.Jlog6(missing.inverse()) @ pin.computeFrameJacobian(model, data, positions, frame)
+        jacobian = twist_jacobian(gap) @ arm.jacobian(poses)
         damping = (0.01 * gap @ gap + 1e-12) * np.eye(6)
         step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + damping, gap)
-        step *= min(1.0, LONGEST_STEP / np.abs(step).max())
-        positions = np.clip(positions + step, model.lowerPositionLimit, model.upperPositionLimit)
+        step *= LONGEST_STEP / np.abs(step).max(initial=LONGEST_STEP)
+        positions = np.clip(positions + step, arm.lower, arm.upper)
     return positions, gap
 
 
@@ -98,7 +144,7 @@ def straight_line(
     It speeds up for the first half and slows down for the second one, as a cubic.
 
     Args:
-        robot: What `load_robot` returns; all of its joints have one number.
+        robot: What `load_robot` returns; joints that one number does not place stand still.
         link: The link's name.
         start: Where the joints are, by name, [rad].
         goal: Where the link is to go, a point in the root link, shape (3,), [m].
@@ -119,15 +165,16 @@ def straight_line(
     for portion in times[1:] / seconds:
         pose[:3, 3] = begin + way * portion**2 * (3 - 2 * portion)
         joints.append(joints_for(robot, link, pose, joints[-1]))
-    return _trajectory(joints, times, robot.model.velocityLimit)
+    return _trajectory(robot, joints, times)
 
 
-def _trajectory(joints: Sequence[Mapping[str, float]], times: Floats, limits: Floats) -> JointTrajectory:
+def _trajectory(robot: Robot, joints: Sequence[Mapping[str, float]], times: Floats) -> JointTrajectory:
     """Return joint positions at times [s] as a trajectory that starts and ends at rest."""
     names = list(joints[-1])
     positions = np.array([[one.get(name, 0.0) for name in names] for one in joints])
     velocities = np.gradient(positions, times, axis=0)
     velocities[[0, -1]] = 0.0
+    limits = [robot.tree.joints[name].velocity for name in names]
     _check_speed(names, velocities, limits)
     points = [
         JointTrajectoryPoint(
@@ -138,7 +185,7 @@ def _trajectory(joints: Sequence[Mapping[str, float]], times: Floats, limits: Fl
     return JointTrajectory(joint_names=names, points=points)
 
 
-def _check_speed(names: list[str], velocities: Floats, limits: Floats) -> None:
+def _check_speed(names: list[str], velocities: Floats, limits: Sequence[float]) -> None:
     fastest = np.abs(velocities).max(axis=0)
     for name, speed, limit in zip(names, fastest, limits, strict=True):
         if speed > limit:

@@ -42,8 +42,7 @@ class SimulatedJoints:
         self.names = [joint.name for joint in joints]
         self.lower = np.array([joint.limits.get("lower", -np.inf) for joint in joints])
         self.upper = np.array([joint.limits.get("upper", np.inf) for joint in joints])
-        in_model = [tree.model.joints[tree.model.getJointId(name)] for name in self.names]
-        self.speed = np.array([tree.model.velocityLimit[joint.idx_v] for joint in in_model])
+        self.speed = np.array([joint.velocity for joint in joints])
         for name, position in start.items():
             if name not in self.names:
                 raise CourseError(f"There is no joint {name!r} to start; there are {', '.join(self.names)}.")

@@ -3,7 +3,7 @@
 import math
 import xml.etree.ElementTree as ET
 from functools import lru_cache
-from typing import TYPE_CHECKING, Unpack
+from typing import Unpack
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
@@ -11,14 +11,12 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node, NodeOptions
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from course_lib.arrays import Floats
+from course_lib.arrays import Floats, Matrix
+from course_lib.robots.kinematics import as_of_matrices
 from course_lib.robots.period import period_of
 from course_lib.robots.resources import resolve
+from course_lib.robots.rigid_motions import inverse, motion_of, twist_of
 from course_lib.robots.robot import Robot, from_text
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
 
 MAX_SPEED = np.array([0.5, 0.5, 0.8])  # ahead and to the left [m/s], turning to the left [rad/s]
 BRAKES = np.array([0.5, 0.5, 0.8])  # how it slows down before a goal, [m/s²], [rad/s²]
@@ -57,12 +55,10 @@ class OmniBase(Node):
     """
 
     def __init__(self, *, rate: float = 20.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
-        import pinocchio as pin
-
         self._period, self._timeout = period_of(rate), timeout  # [s]
         super().__init__("omni_base", **options)
-        self._pose = pin.SE3.Identity()  # transform_base_to_odom
-        self._goal: pin.SE3 | None = None  # transform_goal_to_odom
+        self._pose = np.eye(4)  # transform_base_to_odom
+        self._goal: Matrix | None = None  # transform_goal_to_odom
         self._speed, self._hold = np.zeros(3), 0.0  # as MAX_SPEED, and for how long [s]
         self._odometry = self.create_publisher(Odometry, "odom", 10)
         self._broadcaster = TransformBroadcaster(self)
@@ -81,8 +77,6 @@ class OmniBase(Node):
             self.get_logger().error(f"A command with numbers that are not finite is left out: {asked}.")
 
     def _on_goal(self, goal: PoseStamped) -> None:
-        import pinocchio as pin
-
         frame, place, turn = goal.header.frame_id, goal.pose.position, goal.pose.orientation
         yaw = 2 * math.atan2(turn.z, turn.w)
         if frame not in ("map", "odom"):
@@ -90,25 +84,23 @@ class OmniBase(Node):
         elif not np.isfinite([place.x, place.y, yaw]).all():
             self.get_logger().error("A goal with numbers that are not finite is left out.")
         else:
-            self._goal = pin.SE3(pin.utils.rotate("z", yaw), np.array([place.x, place.y, 0.0]))
+            self._goal = motion_of(np.array([0.0, 0.0, 0.0, 0.0, 0.0, yaw]))
+            self._goal[:2, 3] = place.x, place.y
 
     def _update(self) -> None:
-        import pinocchio as pin
-
-        if self._goal:
-            self._speed = _towards(self._pose.actInv(self._goal), self._period)
+        if self._goal is not None:
+            self._speed = _towards(inverse(self._pose) @ self._goal, self._period)
         elif self._hold <= 0:
             self._speed = np.zeros(3)
         self._hold -= self._period
         self._publish()
         motion = np.zeros(6)
         motion[_PLANE] = self._speed * self._period
-        self._pose = self._pose * pin.exp6(motion)
+        self._pose = self._pose @ motion_of(motion)
 
     def _publish(self) -> None:
-        import pinocchio as pin
-
-        x, y, _, _, _, z, w = map(float, pin.SE3ToXYZQUAT(self._pose))
+        (x, y), yaw = self._pose[:2, 3].tolist(), math.atan2(self._pose[1, 0], self._pose[0, 0])
+        z, w = as_of_matrices(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[0, 2:].tolist()
         moved = TransformStamped(child_frame_id="base_link")
         moved.header.frame_id, moved.header.stamp = "odom", self.get_clock().now().to_msg()
         moved.transform.translation.x, moved.transform.translation.y = x, y
@@ -121,11 +113,9 @@ class OmniBase(Node):
         self._odometry.publish(odometry)
 
 
-def _towards(gap: "pin.SE3", period: float) -> Floats:
+def _towards(gap: Matrix, period: float) -> Floats:
     """Return the speed to a goal in base_link, within all limits, that reaches it in a period [s] at most."""
-    import pinocchio as pin
-
-    way = pin.log6(gap).vector[_PLANE]
+    way = twist_of(gap)[_PLANE]
     far = np.maximum(np.abs(way), 1e-12)
     fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * far)) / far  # [1/s] of the way
     speed: Floats = way * min(*fastest, 1 / period)

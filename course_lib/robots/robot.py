@@ -1,17 +1,20 @@
-"""Robots: a URDF with its Pinocchio model, and loading one by name, file or text."""
+"""Robots: a URDF, the posture to rest in, and Pinocchio's model; loading one by name, file or text."""
 
-import xml.etree.ElementTree as ET
+import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from course_lib.arrays import Floats
-from course_lib.errors import CourseError, did_you_mean
-from course_lib.robots.resources import package_roots, resolve
-from course_lib.robots.urdf import Urdf, needed, parse_urdf
+from course_lib.errors import CourseError
+from course_lib.robots.models import Posture, data_file, model_of, rest_of
+from course_lib.robots.resources import is_installed, package_roots, resolve
+from course_lib.robots.urdf import Urdf, links_of, parse_urdf
 from course_lib.ros.xacro_program import expanded
+from course_lib.viewer.mesh_files import MeshFileError, load_mesh
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -22,13 +25,17 @@ Shapes: TypeAlias = "tuple[pin.GeometryModel, pin.GeometryModel]"  # for collisi
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot; what Pinocchio makes of it is built when it is first read: meshes take half a second.
+    """A robot.
+
+    The kit itself needs no Pinocchio. Its model, for dynamics and collisions, is built when it is first read,
+    and raises a CourseError on machines without Pinocchio, like native Windows.
 
     Args:
         name: What it was loaded as, or its name in the URDF.
         urdf: The text of its description, what /robot_description carries; path is the file that it is from.
         kinematics: Builds Pinocchio's model and its rest posture.
         shapes: Builds the shapes that go with the model.
+        rest: The posture that it rests in.
     """
 
     name: str
@@ -36,6 +43,7 @@ class Robot:
     path: Path | None
     kinematics: "Callable[[], tuple[pin.Model, Floats]]"
     shapes: "Callable[[pin.Model], Shapes]"
+    rest: Posture = field(default_factory=Posture)
 
     @property
     def model(self) -> "pin.Model":
@@ -82,8 +90,7 @@ def load_robot(name: str | Path) -> Robot:
         name: A model of example-robot-data like "ur10", a URDF or xacro file, or the text of a URDF.
 
     Raises:
-        CourseError: If there is no such robot or file, the URDF is not valid, a mesh is missing, or robots
-            cannot be loaded on this machine.
+        CourseError: If there is no such robot or file, the URDF is not valid, or a mesh is missing or broken.
     """
     if isinstance(name, str) and "<" in name:
         return _checked(from_text(name))
@@ -94,42 +101,34 @@ def load_robot(name: str | Path) -> Robot:
 
 
 def _from_example_robot_data(name: str) -> Robot:
-    example_robot_data = needed("example_robot_data")
-    known = sorted(example_robot_data.ROBOTS)
-    if name not in known:
-        meant = did_you_mean(name, known, 3) or f", like {known[0]}."
-        raise CourseError(
-            f"There is no robot {name!r} among the {len(known)} models{meant} "
-            'A file ends in .urdf, like load_robot("my_robot.urdf").'
-        )
-    loader = example_robot_data.ROBOTS[name]
-    if not loader.urdf_filename:  # cassie
-        raise CourseError(f"{name!r} is described by SDF, not URDF, and cannot be loaded here.")
-    file = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
-    path = Path(example_robot_data.getModelPath(file), file).resolve()
+    model = model_of(name)
+    path = data_file(model.urdf).resolve()
+    text = _read(path)
 
     @cache
     def whole() -> Any:
-        return example_robot_data.load_full(name)[0]
+        return pinocchios("example_robot_data").load_full(name)[0]
 
     def shapes(_: "pin.Model") -> Shapes:
         return whole().collision_model, whole().visual_model
 
-    return Robot(name, _read(path), path, lambda: (whole().model, whole().q0), shapes)
+    rest = rest_of(model, parse_urdf(text).joints)
+    return Robot(name, text, path, lambda: (whole().model, whole().q0), shapes, rest)
 
 
 def from_text(text: str, path: Path | None = None) -> Robot:
     """Return the robot of a URDF's text, whose shapes are not read yet; see `load_robot`."""
-    tree, pinocchio = parse_urdf(text), needed("pinocchio")
-    for mesh in ET.fromstring(text).iter("mesh"):
-        resolve(mesh.get("filename", ""), path)
+    tree = parse_urdf(text)
+    for uri in _meshes(text):
+        resolve(uri, path)
 
     def kinematics() -> "tuple[pin.Model, Floats]":
-        model = tree.model.copy()  # the tree's own serves every robot with this text
+        pinocchio = pinocchios("pinocchio")
+        model = pinocchio.buildModelFromXML(text)
         return model, pinocchio.neutral(model)
 
     def shapes(model: "pin.Model") -> Shapes:
-        roots = list(map(str, package_roots(path)))
+        pinocchio, roots = pinocchios("pinocchio"), list(map(str, package_roots(path)))
         kinds = (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL)
         try:
             one, other = (pinocchio.buildGeomFromUrdfString(model, text, kind, None, roots) for kind in kinds)
@@ -140,10 +139,31 @@ def from_text(text: str, path: Path | None = None) -> Robot:
     return Robot(tree.name, text, path, kinematics, shapes)
 
 
+def _meshes(text: str) -> set[str]:
+    return {shape.uri for link in links_of(text) for shape in (*link.visuals, *link.collisions) if shape.uri}
+
+
 def _checked(robot: Robot) -> Robot:
-    """Read the shapes now: those of a person's own file may be broken."""
-    assert robot.visual_model is not None
+    """Read the meshes now: those of a person's own file may be broken."""
+    for file in map(robot.resolve, _meshes(robot.urdf)):
+        try:
+            if not is_installed(file):
+                load_mesh(file)
+        except MeshFileError as error:
+            raise CourseError(f"The shapes of {robot.name!r} cannot be loaded: {error}") from error
     return robot
+
+
+def pinocchios(package: str) -> Any:
+    """Import Pinocchio, or a package that needs it; raises a CourseError with advice where it is missing."""
+    try:
+        return import_module(package)
+    except ImportError as error:
+        raise CourseError(
+            f"Pinocchio's models, for dynamics and collisions, need the package pin, and {error.name} is "
+            f"missing on this machine ({sys.platform}). On Windows it comes with WSL2 or conda-forge "
+            "(pinocchio); elsewhere run pip install -e . again. All else of a robot works without."
+        ) from error
 
 
 def _read(path: Path) -> str:

@@ -1,24 +1,18 @@
 """Robot descriptions: links and joints of a URDF."""
 
-import os
-import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 from transforms3d.euler import euler2mat
+from transforms3d.quaternions import quat2mat
 
 from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
+from course_lib.robots.urdf_rules import NOT_A_TREE, UNMOVED, broken_rules, ends_of
 
 _INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
 MOVING = ("revolute", "continuous", "prismatic")  # the kinds of joints that one number places
@@ -64,7 +58,7 @@ class Link:
 
 def links_of(text: str) -> list[Link]:
     """Return the links of a URDF that `parse_urdf` takes, in the order of the file."""
-    robot = ET.fromstring(text)
+    robot = _root(text)
     named: dict[str, Material] = {}  # as in urdfdom, the first material of a name is all of that name
     for element in (*robot.findall("material"), *robot.findall("link/visual/material")):
         material = _material(element)
@@ -84,20 +78,27 @@ def _link(link: ET.Element, named: dict[str, Material]) -> Link:
 
 
 def _geometries(link: ET.Element, kind: str) -> Iterator[Geometry]:
+    """Yield the shapes that can be read; urdfdom, too, goes on without the others."""
     for element in link.findall(kind):
-        placed = _origin(element)
         for shape in element.findall("geometry/*"):
-            given = shape.attrib
-            if shape.tag == "box":
-                yield Geometry("box", placed, _numbers(given["size"]))
-            elif shape.tag == "sphere":
-                yield Geometry("sphere", placed, (2 * float(given["radius"]),) * 3)
-            elif shape.tag == "cylinder":
-                diameter = 2 * float(given["radius"])
-                yield Geometry("cylinder", placed, (diameter, diameter, float(given["length"])))
-            elif shape.tag == "mesh":
-                scale = _numbers(given.get("scale", "1 1 1"))
-                yield Geometry("mesh", placed, scale, given["filename"])
+            try:
+                yield _geometry(shape.tag, shape.attrib, _origin(element))
+            except (KeyError, ValueError):  # a size that is missing, or no number
+                continue
+
+
+def _geometry(kind: str, given: Mapping[str, str], placed: Matrix) -> Geometry:
+    match kind:
+        case "box":
+            return Geometry("box", placed, _vector(given["size"]))
+        case "sphere":
+            return Geometry("sphere", placed, (2 * float(given["radius"]),) * 3)
+        case "cylinder":
+            diameter = 2 * float(given["radius"])
+            return Geometry("cylinder", placed, (diameter, diameter, float(given["length"])))
+        case "mesh":
+            return Geometry("mesh", placed, _vector(given.get("scale", "1 1 1")), given["filename"])
+    raise KeyError(kind)
 
 
 def _material(element: ET.Element) -> Material | None:
@@ -111,9 +112,12 @@ def _inertial(element: ET.Element) -> Inertial | None:
     mass, inertia = element.find("mass"), element.find("inertia")
     if mass is None or inertia is None:
         return None
-    xx, xy, xz, yy, yz, zz = (float(inertia.get(f"i{axes}", 0)) for axes in _INERTIA)
-    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Inertial(float(mass.get("value", 0)), matrix, _origin(element))
+    try:
+        xx, xy, xz, yy, yz, zz = (float(inertia.get(f"i{axes}", 0)) for axes in _INERTIA)
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return Inertial(float(mass.get("value", 0)), matrix, _origin(element))
+    except ValueError:
+        return None
 
 
 def _origin(element: ET.Element) -> Matrix:
@@ -121,9 +125,17 @@ def _origin(element: ET.Element) -> Matrix:
     origin = element.find("origin")
     given = {} if origin is None else origin.attrib
     transform = np.eye(4)
-    transform[:3, :3] = euler2mat(*_numbers(given.get("rpy", "0 0 0")))
-    transform[:3, 3] = _numbers(given.get("xyz", "0 0 0"))
+    transform[:3, :3] = euler2mat(*_vector(given.get("rpy", "0 0 0")))
+    transform[:3, 3] = _vector(given.get("xyz", "0 0 0"))
+    if "quat_xyzw" in given:
+        x, y, z, w = _numbers(given["quat_xyzw"])
+        transform[:3, :3] = quat2mat((w, x, y, z))
     return transform
+
+
+def _vector(text: str) -> tuple[float, ...]:
+    x, y, z = _numbers(text)
+    return x, y, z
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -139,7 +151,7 @@ class Follow:
     offset: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Joint:
     """A joint between two links.
 
@@ -147,6 +159,8 @@ class Joint:
         limits: Holds lower, soft_lower_limit … where given, [rad] or [m].
         axis: Of the motion, in the child's frame.
         effort: The limit, [N m] or [N]; None without a <limit> tag.
+        velocity: The limit, [rad/s] or [m/s]; infinite without a <limit> tag.
+        transform_joint_to_parent: Where the child is when the position is 0, shape (4, 4).
     """
 
     name: str
@@ -157,6 +171,8 @@ class Joint:
     mimic: Follow | None
     axis: tuple[float, ...]
     effort: float | None
+    velocity: float
+    transform_joint_to_parent: Matrix = field(repr=False)
 
     @property
     def unit(self) -> str:
@@ -166,12 +182,11 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Urdf:
-    """A robot's name, root link, joints in the order of the file, and Pinocchio's model."""
+    """A robot's name, root link, and joints in the order of the file."""
 
     name: str
     root: str
     joints: Mapping[str, Joint]
-    model: "pin.Model"
 
     def followed(self, joint: Joint) -> Follow:
         """Return the position of a joint by the joint at the end of its mimic chain, perhaps itself.
@@ -187,34 +202,48 @@ class Urdf:
             factor, offset = factor * mimic.factor, offset + factor * mimic.offset
         return Follow(chain[-1], factor, offset)
 
+    def downward(self) -> list[Joint]:
+        """Return the joints that hang on the root, each after those above it."""
+        below: dict[str, list[Joint]] = {}
+        for joint in sorted(self.joints.values(), key=lambda joint: joint.name, reverse=True):
+            below.setdefault(joint.parent, []).append(joint)
+        found, waiting = list[Joint](), below.get(self.root, []).copy()
+        while waiting:
+            found.append(waiting.pop())
+            waiting += below.pop(found[-1].child, [])
+        return found
+
 
 @lru_cache(maxsize=32)
 def parse_urdf(text: str) -> Urdf:
     """Read a URDF.
 
     Raises:
-        CourseError: If it is none, with urdfdom's reasons; or Pinocchio is missing on this machine.
+        CourseError: If it is none, with urdfdom's reason.
     """
-    pin = needed("pinocchio")
+    robot = _root(text)
+    reason = next(broken_rules(robot), None)
+    if reason:
+        raise CourseError(f"The URDF is not valid: {reason}")
+    joints = {joint.name: joint for joint in map(_joint, robot.findall("joint"))}
+    children = {joint.child for joint in joints.values()}
+    links = [link.get("name", "") for link in robot.findall("link")]
+    tree = Urdf(robot.get("name", ""), next(link for link in links if link not in children), joints)
+    if len(children) != len(joints) or len(tree.downward()) != len(joints):
+        raise CourseError(NOT_A_TREE)
+    return tree
+
+
+def _root(text: str) -> ET.Element:
+    """Return the element of the robot."""
     try:
         robot = ET.fromstring(text)
     except ET.ParseError as error:
         raise CourseError(f"The URDF is not XML: {error}. It begins with {text[:40]!r}.") from None
-    with _native_errors() as reasons:
-        try:
-            model = pin.buildModelFromXML(text)
-        except (ValueError, RuntimeError) as error:
-            reasons.append(str(error))
-            model = None
-    if model is None:
-        raise CourseError(f"The URDF is not valid: {'; '.join(reasons)}")
-    joints = {joint.name: joint for joint in map(_joint, robot.findall("joint"))}
-    children = {joint.child for joint in joints.values()}
-    links = [link.get("name", "") for link in robot.findall("link")]
-    bodies = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
-    if sorted(bodies) != sorted(links) or len(children) != len(joints):
-        raise CourseError("The URDF is not a tree: each link but one must be the child of exactly one joint.")
-    return Urdf(robot.get("name", ""), next(link for link in links if link not in children), joints, model)
+    if robot.get("version", "1.0") == "1.0":  # which has no quaternions
+        for origin in robot.iter("origin"):
+            origin.attrib.pop("quat_xyzw", None)
+    return robot
 
 
 def _joint(element: ET.Element) -> Joint:
@@ -232,36 +261,8 @@ def _joint(element: ET.Element) -> Joint:
         else None
     )
     name, kind = element.attrib["name"], element.attrib["type"]
-    effort = float(of("limit").get("effort", 0)) if of("limit") else None
-    axis = _numbers(of("axis").get("xyz", "1 0 0"))
-    return Joint(name, kind, of("parent")["link"], of("child")["link"], limits, follow, axis, effort)
-
-
-def needed(package: str) -> Any:
-    """Import an optional package; raises a CourseError with advice where it is missing."""
-    try:
-        return import_module(package)
-    except ImportError as error:
-        raise CourseError(
-            f"Robot models need the packages pin and example-robot-data, and {error.name} is missing on this "
-            f"machine ({sys.platform}). On Windows run the course in WSL2 or on a JupyterHub; elsewhere run "
-            "pip install -e . again."
-        ) from error
-
-
-@contextmanager
-def _native_errors() -> Iterator[list[str]]:
-    """Collect the errors that C++ prints to stderr within a `with` block."""
-    reasons: list[str] = []
-    terminal, (reader, writer) = os.dup(2), os.pipe()
-    os.set_blocking(writer, False)  # a pipe that is full drops what is too much
-    os.dup2(writer, 2)
-    try:
-        yield reasons
-    finally:
-        os.dup2(terminal, 2)
-        os.close(terminal)
-        os.close(writer)
-        lines = os.read(reader, 2**16).decode(errors="replace").splitlines()
-        os.close(reader)
-        reasons[:0] = [line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")]
+    effort = float(of("limit")["effort"]) if of("limit") else None
+    velocity = float(of("limit").get("velocity", "inf"))
+    axis = _vector(of("axis").get("xyz", "1 0 0") if kind not in UNMOVED else "1 0 0")
+    parent, child = ends_of(element)
+    return Joint(name, kind, parent, child, limits, follow, axis, effort, velocity, _origin(element))

@@ -95,7 +95,7 @@ SWEEP_NODE = Task(
     kind="node",
     name="SweepNode",
     hints=(
-        "Read the controller's log: which names does it expect? Print robot.model.names and compare.",
+        "Read the controller's log: which names does it expect? Print list(robot.tree.joints) and compare.",
         "Position number 2 belongs to name number 2. And how long are 3 nanoseconds?",
         "The prefix ur10, shoulder_lift before elbow, time_from_start.sec = 3, and 5 instead of 4.",
     ),

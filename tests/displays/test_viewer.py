@@ -13,6 +13,8 @@ from course_lib.displays.statuses import StatusTable
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
 from course_lib.errors import CourseError
+from course_lib.robots.kinematics import link_poses
+from course_lib.robots.robot import load_robot
 from course_lib.ros.graph import Graph
 from tests.displays.bench import marker
 from tests.displays.stage import LATCHED, publish, shown
@@ -138,13 +140,25 @@ def test_a_page_and_a_picture_can_be_saved(graph: Graph, tmp_path: Path) -> None
 
 
 def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
-    pytest.importorskip("pinocchio")
-    from course_lib.robots.robot import load_robot
-
-    viewer = Viewer()
-    viewer.show_robot(load_robot("ur10"))
-    links = [path for path in viewer.scene.objects() if "visuals" in path and viewer.scene.visible(path)]
+    viewer, robot = Viewer(), load_robot("ur10")
+    viewer.show_robot(robot)
+    links = [path for path in viewer.scene.objects() if "visual" in path and viewer.scene.visible(path)]
     assert len(links) == 7
+    positions = {"elbow_joint": 1.0}  # [rad]
+    viewer.show_robot(robot, positions)
+    tip = viewer.scene.world_transform("robots/ur10/wrist_3_link/visual")
+    np.testing.assert_allclose(tip, link_poses(robot, positions)["wrist_3_link"])
+    with pytest.raises(CourseError, match="'ur10' has no joint 'elbow' that moves"):
+        viewer.show_robot(robot, {"elbow": 1.0})
+
+
+def test_a_robot_at_rest_stands_on_its_feet(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.show_robot(load_robot("talos"))
+    feet = [
+        viewer.scene.world_transform(f"robots/talos/leg_{side}_6_link/visual") for side in ("left", "right")
+    ]
+    assert [round(float(foot[2, 3]), 2) for foot in feet] == [0.11, 0.11]  # [m] the ankle's height
 
 
 def test_statuses_are_a_table(graph: Graph) -> None:

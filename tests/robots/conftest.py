@@ -14,8 +14,6 @@ from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize, message_class
 
-pytest.importorskip("pinocchio")
-
 Published = list[tuple[str, Any]]
 
 

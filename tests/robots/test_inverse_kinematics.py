@@ -3,29 +3,49 @@ import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.inverse_kinematics import joints_for
-from course_lib.robots.kinematics import configuration, link_poses
+from course_lib.robots.inverse_kinematics import arm_of, joints_for
+from course_lib.robots.kinematics import configuration, link_poses, motions_of
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
 from course_lib.robots.robot import load_robot
+from course_lib.robots.urdf import MOVING
+from tests.robots import by_pinocchio
+from tests.robots.urdfs import ALL_KINDS
 
 WRIST = "ur10wrist_3_link"
 
 
 @pytest.mark.parametrize(("name", "link"), [("ur10", "tool0"), ("panda", "panda_link8"), ("ur5", "ee_link")])
 def test_the_joints_found_bring_the_link_there_by_pinocchio_to_1e_9(name: str, link: str) -> None:
-    import pinocchio as pin
-
     robot, random = load_robot(name), np.random.default_rng(0)
-    model, data = robot.model, robot.model.createData()
+    model = robot.model
+    lower, upper = np.maximum(model.lowerPositionLimit, -3), np.minimum(model.upperPositionLimit, 3)
     for _ in range(20):
-        lower, upper = np.maximum(model.lowerPositionLimit, -3), np.minimum(model.upperPositionLimit, 3)
-        pin.framesForwardKinematics(model, data, random.uniform(lower, upper))
-        goal = data.oMf[model.getFrameId(link)].homogeneous
-        found = configuration(robot, joints_for(robot, link, goal))
-        assert (found >= model.lowerPositionLimit).all()
-        assert (found <= model.upperPositionLimit).all()
-        pin.framesForwardKinematics(model, data, found)
-        np.testing.assert_allclose(data.oMf[model.getFrameId(link)].homogeneous, goal, atol=1e-9)
+        chosen = dict(zip(model.names[1:], random.uniform(lower, upper).tolist(), strict=True))
+        goal = by_pinocchio.link_poses(model, chosen)[link].homogeneous
+        found = joints_for(robot, link, goal)
+        positions = by_pinocchio.configuration(model, found)
+        assert (positions >= model.lowerPositionLimit).all()
+        assert (positions <= model.upperPositionLimit).all()
+        reached = by_pinocchio.link_poses(model, found)[link].homogeneous
+        np.testing.assert_allclose(reached, goal, atol=1e-9)
+
+
+def test_jacobians_agree_with_pinocchio_for_every_link_of_each_kind_of_robot() -> None:
+    pin, random = by_pinocchio.pin, np.random.default_rng(0)
+    for name in ("ur10", "tiago", "solo12", "pr2"):
+        robot = load_robot(name)
+        model, joints = by_pinocchio.model_of(robot.urdf), motions_of(robot.tree).joints
+        positions = {j.name: float(random.uniform(-3, 3)) for j in joints if j.kind in MOVING}
+        data, values = model.createData(), by_pinocchio.configuration(model, positions)
+        columns = {j.name: model.joints[model.getJointId(j.name)].idx_v for j in joints if j.kind in MOVING}
+        for link in link_poses(robot):
+            arm = arm_of(robot, link)
+            jacobian = arm.jacobian(arm.poses(configuration(robot, positions)))
+            frame = model.getFrameId(link, pin.FrameType.BODY)
+            expected = pin.computeFrameJacobian(model, data, values, frame, pin.LOCAL)
+            for index, joint in enumerate(joints):
+                column = expected[:, columns[joint.name]] if joint.name in columns else np.zeros(6)
+                np.testing.assert_allclose(jacobian[:, index], column, rtol=0, atol=1e-9)
 
 
 def test_of_several_solutions_it_takes_one_near_the_start() -> None:
@@ -53,3 +73,17 @@ def test_a_pose_that_is_none_is_refused(pose: npt.NDArray[np.float64]) -> None:
 def test_a_link_that_is_not_there_is_named() -> None:
     with pytest.raises(CourseError, match="'mobile_manipulator' has no link 'hand'"):
         joints_for(mobile_manipulator(), "hand", np.eye(4))
+
+
+def test_a_robot_with_wheels_and_joints_of_no_number_has_an_arm_too() -> None:
+    robot = load_robot(ALL_KINDS)
+    wanted = {"lift": 0.3, "finger": 0.4}  # [m], [rad]
+    found = joints_for(robot, "finger", link_poses(robot, wanted)["finger"])
+    assert {name: found[name] for name in wanted} == pytest.approx(wanted)
+    assert found.keys() == {"drive", "lift", "finger", "thumb"}
+
+
+def test_the_root_is_where_it_is() -> None:
+    assert joints_for(load_robot("ur10"), "world", np.eye(4), {"elbow_joint": 0.5})["elbow_joint"] == 0.5
+    with pytest.raises(CourseError, match="world cannot be brought"):
+        joints_for(load_robot("ur10"), "world", np.diag([-1.0, -1.0, 1.0, 1.0]))

@@ -6,8 +6,11 @@ import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.kinematics import configuration, joint_poses, link_poses
-from course_lib.robots.robot import load_robot
+from course_lib.robots.kinematics import as_of_matrices, joint_poses, link_poses
+from course_lib.robots.models import MODELS
+from course_lib.robots.robot import from_text, load_robot
+from course_lib.robots.urdf import MOVING, Urdf, parse_urdf
+from tests.robots import by_pinocchio
 from tests.robots.urdfs import ALL_KINDS, ARM_2R
 
 
@@ -38,22 +41,59 @@ def test_joints_without_a_position_stand_at_0() -> None:
     np.testing.assert_allclose(tip[:3, 3], [1.5, 0, 0], atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ur10", "panda", "solo12", "tiago", "human", "talos_legs"])
-def test_link_poses_agree_with_pinocchio_at_random_configurations(name: str) -> None:
-    import pinocchio as pin
+def every_description() -> list[str]:
+    """Return the different descriptions of the robots that come with the kit."""
+    return list(dict.fromkeys(load_robot(name).urdf for name in MODELS))
 
+
+def random_positions(tree: Urdf, random: np.random.Generator) -> dict[str, float]:
+    return {j.name: float(random.uniform(-pi, pi)) for j in tree.joints.values() if j.kind in MOVING}
+
+
+def test_link_poses_of_every_robot_agree_with_pinocchio_at_random_configurations() -> None:
+    random, compared = np.random.default_rng(0), 0
+    for text in every_description():
+        robot = from_text(text)
+        for _ in range(3):
+            positions = random_positions(robot.tree, random)
+            poses = link_poses(robot, positions)
+            expected = by_pinocchio.link_poses(by_pinocchio.model_of(text), positions)
+            assert poses.keys() == expected.keys()
+            for link, pose in expected.items():
+                np.testing.assert_allclose(poses[link], pose.homogeneous, rtol=0, atol=1e-9, err_msg=link)
+            compared += len(poses)
+    assert compared > 6000
+
+
+def test_joint_poses_of_every_robot_agree_with_pinocchio_at_random_configurations() -> None:
+    random = np.random.default_rng(1)
+    for text in every_description():
+        tree = parse_urdf(text)
+        positions = random_positions(tree, random)
+        at = by_pinocchio.link_poses(by_pinocchio.model_of(text), positions)
+        for name, pose in joint_poses(tree, positions).items():
+            expected = at[tree.joints[name].parent].actInv(at[tree.joints[name].child]).homogeneous
+            np.testing.assert_allclose(matrix(pose), expected, rtol=0, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("name", ["ur10", "panda", "solo12", "tiago", "human", "talos_legs"])
+def test_link_poses_agree_with_the_model_that_pinocchios_loader_makes(name: str) -> None:
     robot, random = load_robot(name), np.random.default_rng(0)
-    data = robot.model.createData()
-    for _ in range(10):
-        joints = [j for j in robot.tree.joints.values() if j.kind != "fixed" and j.name in robot.model.names]
-        positions = {j.name: float(random.uniform(-pi, pi)) for j in joints}
-        pin.framesForwardKinematics(robot.model, data, configuration(robot, positions))
-        root = data.oMf[robot.model.getFrameId(robot.tree.root, pin.FrameType.BODY)]
-        poses = link_poses(robot, positions)
-        for frame, transform_link_to_model in zip(robot.model.frames, data.oMf, strict=True):
-            if frame.type == pin.FrameType.BODY:
-                expected = root.actInv(transform_link_to_model).homogeneous
-                np.testing.assert_allclose(poses[frame.name], expected, atol=1e-9)
+    known = {
+        joint: p for joint, p in random_positions(robot.tree, random).items() if joint in robot.model.names
+    }
+    expected = by_pinocchio.link_poses(robot.model, known)
+    poses, root = link_poses(robot, known), expected[robot.tree.root]
+    for link, pose in expected.items():
+        np.testing.assert_allclose(poses[link], root.actInv(pose).homogeneous, atol=1e-9)
+
+
+def test_quaternions_have_the_sign_of_those_of_matrices() -> None:
+    random = np.random.default_rng(0)
+    for quaternion in random.normal(size=(500, 4)):
+        unit = quaternion / np.linalg.norm(quaternion)
+        expected = by_pinocchio.pin.Quaternion(by_pinocchio.pin.Quaternion(unit).matrix()).coeffs()
+        np.testing.assert_allclose(as_of_matrices(unit[None])[0], expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("text", [load_robot(name).urdf for name in ("ur10", "panda", "tiago")] + [ALL_KINDS])

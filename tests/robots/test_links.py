@@ -7,6 +7,7 @@ import pytest
 
 from course_lib.robots.robot import load_robot
 from course_lib.robots.urdf import Material, links_of
+from tests.robots.by_pinocchio import model_of
 
 PAINTED = """<robot name="r">
   <material name="blue"><color rgba="0 0 1 1"/></material>
@@ -24,12 +25,13 @@ def test_shapes_are_where_pinocchio_has_them(name: str) -> None:
     robot = load_robot(name)
     ours = [(link.name, shape) for link in links_of(robot.urdf) for shape in link.visuals]
     theirs = {g.name: g for g in robot.visual_model.geometryObjects}
+    model = model_of(robot.urdf)
     assert len(ours) == len(theirs)
     count: dict[str, int] = {}
     for link, shape in ours:
         index = count[link] = count.get(link, -1) + 1
         other = theirs[f"{link}_{index}"]
-        body = robot.tree.model.frames[robot.tree.model.getFrameId(link)]
+        body = model.frames[model.getFrameId(link)]
         expected = body.placement.homogeneous @ shape.transform_shape_to_link
         np.testing.assert_allclose(expected, other.placement.homogeneous, atol=1e-9)
         if shape.kind == "mesh":
@@ -41,7 +43,7 @@ def test_shapes_are_where_pinocchio_has_them(name: str) -> None:
 def test_masses_are_those_of_pinocchio(name: str) -> None:
     robot = load_robot(name)
     total = sum(link.inertial.mass for link in links_of(robot.urdf) if link.inertial)
-    model = robot.tree.model
+    model = model_of(robot.urdf)
     assert total == pytest.approx(sum(inertia.mass for inertia in model.inertias))
 
 
@@ -66,3 +68,27 @@ def test_a_texture_is_an_address() -> None:
     assert links_of(PAINTED.format(a=painted, b=""))[0].material == Material(
         (1, 1, 1, 1), "package://p/t.png"
     )
+
+
+BROKEN = (
+    "<box/>",
+    '<box size="1 2"/>',
+    '<sphere radius="x"/>',
+    '<cylinder radius="1"/>',
+    "<mesh/>",
+    "<cone/>",
+)
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+def test_a_shape_that_cannot_be_read_leaves_the_others(broken: str) -> None:
+    sound = "<visual><geometry><sphere radius='1'/></geometry></visual>"
+    shapes = f"<visual><geometry>{broken}</geometry></visual>{sound}"
+    (link,) = links_of(f'<robot name="r"><link name="a">{shapes}</link></robot>')
+    assert [shape.kind for shape in link.visuals] == ["sphere"]
+
+
+def test_an_inertia_that_cannot_be_read_is_none() -> None:
+    inertia = '<inertial><mass value="x"/><inertia ixx="1"/></inertial>'
+    (link,) = links_of(f'<robot name="r"><link name="a">{inertia}</link></robot>')
+    assert link.inertial is None

@@ -1,7 +1,7 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.urdf import Follow, needed, parse_urdf
+from course_lib.robots.urdf import Follow, parse_urdf
 from tests.robots.urdfs import ALL_KINDS, LIMIT, joint, links, robot
 
 
@@ -74,8 +74,3 @@ def test_what_is_no_urdf_is_refused_with_urdfdoms_reason(
     with pytest.raises(CourseError, match=reason):
         parse_urdf(text)
     assert capfd.readouterr().err == ""
-
-
-def test_a_missing_package_is_named_with_what_to_do() -> None:
-    with pytest.raises(CourseError, match="no_such_package is missing on this machine"):
-        needed("no_such_package")

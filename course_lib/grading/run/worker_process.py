@@ -15,8 +15,6 @@ HEAVY = {  # what takes long to import, by the word that tells who needs it
     "matplotlib": "matplotlib.pyplot",
     "%matplotlib": "matplotlib_inline.backend_inline",
     "pinocchio": "pinocchio",
-    "load_robot": "example_robot_data",
-    "mobile_manipulator": "pinocchio",
 }
 
 
