@@ -5,10 +5,12 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
+from PIL import Image
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
@@ -48,7 +50,8 @@ def displays(sources: Path) -> str:
     folder.mkdir(parents=True, exist_ok=True)
     figures = []
     for name, words, png in import_module("gallery").pictures():
-        (folder / f"{name}.png").write_bytes(png)
+        picture = Image.open(BytesIO(png)).quantize(64)  # half as large
+        picture.save(folder / f"{name}.png", optimize=True)
         figures.append(_figure(f"images/displays/{name}.png", words, name))
     return _side_by_side(figures)
 
