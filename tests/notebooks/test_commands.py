@@ -40,7 +40,6 @@ NOT_RUN = {  # command -> why
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
     "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
-    'course new week09 "Occupancy maps"': "writes into this checkout: tests/authoring/test_guide.py",
     "course book OUT": "runs every lesson: tests/browser/test_book.py",
     "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     'course new week09 "Occupancy maps"': "writes a week into the course of this checkout: tests/authoring",
