@@ -10,7 +10,6 @@ import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
 const LOOKS = ["OpenPanels", "LookAgain", "TurnView", "HomeView", "SelectObject"]; // orders that change no display
-const ENDED = "The kernel has ended: the picture stands still. Run the notebook's cells again.";
 const SAVE_AFTER = 3000; // [ms] after a change; others may come meanwhile
 
 /**
@@ -62,7 +61,7 @@ export class Link {
     this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" }); // a laptop may have slept, too
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
-    model.on("comm_live_update", () => model.comm_live || this.ended());
+    model.on("comm_live_update", () => model.comm_live || this.undock());
     this.wake();
     const panels = model.get("panels"); // of a view at rest
     this.desk = new DeskState((order) => (panels ? this.refuse(order) : this.send(order)), Boolean(panels));
@@ -137,9 +136,8 @@ export class Link {
     };
   }
 
-  /** Say that the kernel has gone, and close its panel: its pictures stand still in their cells again. */
-  async ended() {
-    for (const view of this.mirror.views) view.say(ENDED, Infinity);
+  /** Close the panel of a kernel that has gone: its pictures stand still in their cells again. */
+  async undock() {
     const name = this.model.get("panel");
     if (name) (await this.model.widget_manager.get_model(name)).close(true);
   }
