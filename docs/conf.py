@@ -6,7 +6,7 @@ from pathlib import Path
 from course_lib.book import settings
 from course_lib.book.settings import *  # noqa: F403
 
-sys.path.insert(0, str(Path(__file__).parent))  # for generated.py
+sys.path.insert(0, str(Path(__file__).parent))  # for generated.py and gallery.py
 extensions = [*settings.extensions, "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generated"]
 html_static_path = [*settings.html_static_path, "_static"]
 html_css_files = [*settings.html_css_files, "kit.css"]

@@ -3,13 +3,20 @@
 import re
 import subprocess
 import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib import import_module
+from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
+from PIL import Image
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
-COMMANDS = "% the help of all commands, written when the book is built\n"
+from course_lib.course.installation import material_root
+
+WEEK = re.compile(r"^\| (.+?) \| (.+?) \|.*<img src=\"docs/(.+?)\".* alt=\"(.+?)\"", re.MULTILINE)
 ARRAY = re.compile(
     r"~?(numpy\.)?ndarray\[~?tuple\[~?(typing\.)?Any, \.\.\.\], ~?(numpy\.)?dtype\[~?[\w.]+\]\]"
 )
@@ -24,16 +31,70 @@ def setup(app: Sphinx) -> dict[str, bool]:
 
 
 def fill_page(app: Sphinx, page: str, source: list[str]) -> None:
-    """Put what is generated into a page."""
-    if COMMANDS in source[0]:
-        source[0] = source[0].replace(COMMANDS, command_line())
+    """Replace the comments of a page that ask for something generated."""
+    for comment, made in GENERATED.items():
+        if comment in source[0]:
+            source[0] = source[0].replace(comment, made(Path(app.srcdir)))
 
 
-def command_line() -> str:
+def command_line(sources: Path) -> str:
     """Return the help of each command as Markdown, by typer's own tool."""
     command = [sys.executable, "-m", "typer", "course_lib.cli", "utils", "docs", "--name", "course"]
     done = subprocess.run(command, check=True, capture_output=True, encoding="utf-8")
-    return done.stdout.partition("## `course")[1] + done.stdout.partition("## `course")[2]
+    return "".join(done.stdout.partition("## `course")[1:])
+
+
+def displays(sources: Path) -> str:
+    """Draw each display, and return the pictures side by side."""
+    folder = sources / "images" / "displays"
+    folder.mkdir(parents=True, exist_ok=True)
+    figures = []
+    for name, words, png in import_module("gallery").pictures():
+        picture = Image.open(BytesIO(png)).quantize(64)  # half as large
+        picture.save(folder / f"{name}.png", optimize=True)
+        figures.append(_figure(f"images/displays/{name}.png", words, name))
+    return _side_by_side(figures)
+
+
+def weeks(sources: Path) -> str:
+    """Return the weeks of the README's table, with their pictures side by side."""
+    text = (material_root() / "README.md").read_text("utf-8")
+    return _side_by_side([_figure(*row) for row in _rows(text)])
+
+
+def _rows(text: str) -> Iterator[tuple[str, str, str]]:
+    """Yield picture, words for it and caption of each week."""
+    for week, learned, picture, alt in WEEK.findall(text):
+        yield picture, alt, f"**{week}**: {learned}"
+
+
+def _figure(picture: str, alt: str, caption: str) -> str:
+    return f":::{{figure}} {picture}\n:alt: {alt}\n\n{caption}\n:::\n"
+
+
+def _side_by_side(figures: Sequence[str]) -> str:
+    return "\n".join([":::::{container} gallery", *figures, ":::::"])
+
+
+def contributing(sources: Path) -> str:
+    """Return the page for contributors; the code that it links to is not in the book."""
+    text = (material_root() / "CONTRIBUTING.md").read_text("utf-8")
+    return re.sub(r"\[([^\]]+)\]\(course_lib/[^)]*\)", r"\1", text).replace("](docs/", "](")
+
+
+def other_pages(sources: Path) -> str:
+    """Return the pages that the index does not name."""
+    index = (sources / "index.md").read_text("utf-8").splitlines()
+    return "\n".join(sorted({page.stem for page in sources.glob("*.md")} - {*index, "index"}))
+
+
+GENERATED: Mapping[str, Callable[[Path], str]] = {
+    "% the help of all commands": command_line,
+    "% a picture of each display": displays,
+    "% the table of weeks in README.md": weeks,
+    "% CONTRIBUTING.md": contributing,
+    "% other pages": other_pages,
+}
 
 
 def shorten(

@@ -8,8 +8,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 
 from tests.checkout import ROOT, tracked
+from tests.public_api import version
 
 pytestmark = pytest.mark.slow
 LARGEST_WHEEL = 2 * 2**20  # [B]
@@ -49,6 +51,12 @@ def test_sdist_and_wheel_are_what_an_index_accepts(built: Path) -> None:
 def test_the_wheel_of_the_sdist_and_of_the_checkout_are_equal(built: Path, tmp_path: Path) -> None:
     build(tmp_path / "again", "--wheel")
     assert wheel(built).read_bytes() == wheel(tmp_path / "again").read_bytes()
+
+
+def test_the_version_stands_in_one_place_and_the_citation_agrees(built: Path) -> None:
+    cited = YAML(typ="safe").load(ROOT / "docs/CITATION.cff")
+    assert wheel(built).name.startswith(f"course_lib-{version()}-")
+    assert (cited["version"], cited["license"]) == (version(), "BSD-3-Clause")
 
 
 def test_the_wheel_is_small_and_holds_no_answers(built: Path) -> None:

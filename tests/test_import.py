@@ -34,6 +34,39 @@ def test_importing_the_kit_loads_nothing_heavy() -> None:
     assert not [name for name in HEAVY if name in loaded]
 
 
+DASHBOARD = """
+import sys
+from tests.benchmarks.bench_dashboard import NODES, lesson
+import rclpy
+from course_lib import Viewer, spin_for
+nodes = lesson()
+rclpy.init()
+viewer = Viewer(fixed_frame="world")
+for display, topic in (("TF", None), ("Image", "/perception/image"), ("MarkerArray", "/perception/markers")):
+    viewer.add(display, topic)
+spin_for(0.5, *(nodes[name]() for name in NODES))
+viewer._repr_mimebundle_()
+print(*sorted(sys.modules))
+"""
+NOT_DRAWN_WITH = (
+    "matplotlib", "trimesh", "collada", "scipy", "pinocchio", "coal", "meshcat", "example_robot_data",
+    "xacro", "jedi", "nbformat", "jinja2", "jupyterlab", "rich", "typer", "dateparser", "ruamel", "zenoh",
+    "lz4", "tornado", "psutil",
+)  # fmt: skip
+
+
+def test_a_kernel_with_the_dashboard_of_week_seven_loads_only_what_it_needs() -> None:
+    ran = subprocess.run(
+        [sys.executable, "-c", DASHBOARD],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=COURSE_LIB.parent,
+    )
+    assert "course_lib.viewer.widget" in ran.stdout.split()
+    assert not [name for name in NOT_DRAWN_WITH if name in ran.stdout.split()]
+
+
 def test_every_imported_distribution_is_declared() -> None:
     declared = {_name(line) for line in requires("course-lib") or []}
     provided = {

@@ -56,7 +56,8 @@ def build(out: Path, tell: Callable[[str], object] = print) -> Book:
         if out.exists():
             out.replace(draft / "former")
         (draft / "book").replace(out)
-    return Book(out / "index.html", len(list(out.rglob("*.html"))), warnings)
+    pages = [path for path in out.rglob("*.html") if "_static" not in path.parts]
+    return Book(out / "index.html", len(pages), warnings)
 
 
 def _refuse_without_sphinx() -> None:
@@ -68,8 +69,8 @@ def _free_place(out: Path) -> Path:
     out = out.expanduser().resolve()
     if out.exists() and not (out.is_dir() and ((out / MARK).is_file() or not any(out.iterdir()))):
         raise CourseError(f"{out} is neither empty nor a book. Name a new folder, or remove it first.")
-    if material_root().is_relative_to(out):
-        raise CourseError(f"{out} holds the course itself. Name a folder elsewhere.")
+    if material_root().is_relative_to(out) or out.is_relative_to(material_root() / "docs"):
+        raise CourseError(f"{out} is part of the course itself. Name a folder elsewhere.")
     return out
 
 
@@ -77,28 +78,37 @@ def _write_sources(sources: Path, students: Path, tell: Callable[[str], object])
     """Write the pages that Sphinx reads: the course's docs/, and its lessons with their outputs."""
     from course_lib.book.guides import write_guides
     from course_lib.book.lessons import make_page
-    from course_lib.viewer.html import bundle_code
 
     write_guides(sources)
     for lesson in sorted([*lessons_dir().glob("week*.ipynb"), *extras()]):
         tell(f"Running {lesson.name}")
         make_page(lesson, sources, students / lesson.stem)
-    scenes = (Path(__file__).parent / "static" / "scenes.js").read_text("utf-8")
-    write_whole(sources / "_extra" / VIEWER, bundle_code(scenes).encode())
+    write_whole(sources / "_extra" / VIEWER, viewer_script().encode())
+
+
+def viewer_script() -> str:
+    """Return the script that all pages share: the viewer, and what loads the scenes of a page."""
+    from course_lib.viewer.html import bundle_code
+
+    return bundle_code((Path(__file__).parent / "static" / "scenes.js").read_text("utf-8"))
 
 
 def _run_sphinx(sources: Path, out: Path, doctrees: Path) -> tuple[str, ...]:
     """Build the pages; returns the warnings."""
     from sphinx.application import Sphinx
+    from sphinx.errors import SphinxError
     from sphinx.util.console import nocolor
     from sphinx.util.docutils import docutils_namespace, patch_docutils
 
     nocolor()
     said = StringIO()
-    with patch_docutils(str(sources)), docutils_namespace():
-        app = Sphinx(sources, sources, out, doctrees, "html", status=None, warning=said)
-        app.connect("html-page-context", _add_viewer)
-        app.build()
+    try:
+        with patch_docutils(str(sources)), docutils_namespace():
+            app = Sphinx(sources, sources, out, doctrees, "html", status=None, warning=said)
+            app.connect("html-page-context", _add_viewer)
+            app.build()
+    except SphinxError as error:
+        raise CourseError(f"Sphinx can't build the book: {error}. Correct docs/, then try again.") from error
     with suppress(OSError):
         shutil.rmtree(out / "_sources")
     lines = [line.replace(f"{sources}/", "") for line in said.getvalue().splitlines() if line.strip()]

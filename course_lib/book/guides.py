@@ -6,8 +6,9 @@ import shutil
 from pathlib import Path
 
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.installation import lessons_dir, material_root
+from course_lib.course.installation import extras, lessons_dir, material_root
 from course_lib.course.state import write_whole
+from course_lib.errors import CourseError
 
 LESSONS = "lessons"  # of the book
 LINK = re.compile(r'(?P<before>!?\[[^\]\n]*\]\(|<img src=")(?P<path>[\w./-]+)(?P<after>(?:#[\w-]+)?[)"])')
@@ -28,9 +29,9 @@ def write_guides(sources: Path) -> None:
     Links to lessons lead to their pages in the book; those to other files of the project become plain text.
     """
     root = material_root()
+    sources.mkdir(parents=True)
     if (root / "docs").is_dir():
-        shutil.copytree(root / "docs", sources, ignore=shutil.ignore_patterns(".*", "__pycache__"))
-    sources.mkdir(exist_ok=True)
+        _copy(root / "docs", sources)
     for page in sources.rglob("*.md"):
         place = page.relative_to(sources)
         text = _relinked(page.read_text("utf-8"), root / "docs" / place.parent, place.parent)
@@ -41,12 +42,21 @@ def write_guides(sources: Path) -> None:
         write_whole(sources / "index.md", _index(sources).encode())
 
 
+def _copy(docs: Path, sources: Path) -> None:
+    hidden = shutil.ignore_patterns(".*", "__pycache__")
+    try:
+        shutil.copytree(docs, sources, ignore=hidden, dirs_exist_ok=True)
+    except shutil.Error as error:  # which hides the reasons in a list
+        raise CourseError(f"{docs} can't be copied: {error.args[0][0][2]}") from error
+
+
 def _index(sources: Path) -> str:
     """Return a first page: the README, and the contents."""
     readme = material_root() / "README.md"
     title = f"# {shipped_course_file().title}\n"
     text = _relinked(readme.read_text("utf-8"), readme.parent, Path()) if readme.is_file() else title
-    text += CONTENTS.format(caption="Lessons", pages=f"{LESSONS}/*")
+    patterns = [f"{LESSONS}/week*", *([f"{LESSONS}/*"] if extras() else [])]
+    text += CONTENTS.format(caption="Lessons", pages="\n".join(patterns))
     return text + (CONTENTS.format(caption="Guides", pages="*") if any(sources.glob("*.md")) else "")
 
 

@@ -20,11 +20,11 @@ from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 
 HEIGHT = 320  # [px] of a scene in the page
-POSTER = (640, 272)  # [px] of the picture that stands there before
-TONES = 64  # colours of that picture
+POSTER = (560, 238)  # [px] of the picture that stands there before
+TONES = 32  # colours of that picture
 SECONDS = 20.0  # [s] of robot time that a scene plays at most
 BEFORE = 10.0  # [s] of it that were before its cell was run
-ROOM = 90_000  # bytes of a scene's script
+ROOM = 60_000  # bytes of a scene's script
 INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \

@@ -59,22 +59,21 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
     begin = f"{KERNEL}.begin({lesson.stem!r}, {str(scenes)!r}, '../{SCENES}')"
     plain["cells"] = [_cell("book-begin", begin), *plain["cells"], _cell("book-end", f"{KERNEL}.end()")]
     notebook: Any = nbformat.reads(notebook_text(plain), as_version=4)  # type: ignore[no-untyped-call]  # has no types
-    place = ["before its first cell"]
+    place = [""]
 
     def note(cell: Any, cell_index: int) -> None:
-        place[0] = f"cell {cell_index}, {source(cell).partition(chr(10))[0]!r}"
+        is_last = cell_index == len(notebook["cells"]) - 1
+        code = source(cell).partition("\n")[0]
+        place[0] = "after its last cell" if is_last else f"cell {cell_index}, {code!r}"
 
+    work_dir = {"metadata": {"path": str(work)}}
     client = nbclient.NotebookClient(
-        notebook,
-        timeout=SECONDS,
-        store_widget_state=False,
-        resources={"metadata": {"path": str(work)}},
-        on_cell_start=note,
+        notebook, timeout=SECONDS, store_widget_state=False, resources=work_dir, on_cell_start=note
     )
     try:
         client.execute(env=_environment(), stderr=DEVNULL)
     except (CellExecutionError, CellTimeoutError, DeadKernelError) as error:
-        raise CourseError(f"{lesson.name}, {place[0]}: {_reason(error)}") from error
+        raise CourseError(f"{lesson.name}, {place[0]}: {_reason(error)}.") from error
     notebook["cells"] = notebook["cells"][1:-1]
     return notebook
 

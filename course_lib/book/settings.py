@@ -6,7 +6,7 @@ from course_lib.course.course_file import shipped_course_file
 
 project = shipped_course_file().title
 html_title = project
-extensions = ["myst_nb"]
+extensions = ["myst_nb", "sphinx.ext.githubpages"]
 source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
 exclude_patterns = ["conf.py"]
 
@@ -19,6 +19,7 @@ nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they come from a network
 
 html_theme = "sphinx_book_theme"
 html_theme_options = {
+    "footer_content_items": [],
     "navbar_persistent": [],  # the search is in the side bar
     "show_toc_level": 2,
     "use_download_button": False,

@@ -1,6 +1,10 @@
 """The time of a view: robot time paces its frames, and its displays live in ROS time."""
 
+from collections.abc import Callable
+
 from course_lib.displays.frames import NS
+
+_HIDDEN_RATE = 10  # [Hz]: films have no gaps, and queues of messages do not overflow
 
 
 class ViewTime:
@@ -14,6 +18,7 @@ class ViewTime:
     def __init__(self, start_ns: int, use_sim_time: bool) -> None:
         self.use_sim_time = use_sim_time
         self.frame_rate = 30  # [Hz] of robot time
+        self.is_hidden: Callable[[], bool] = lambda: False  # whether all pages are behind others
         self.robot_ns = start_ns
         self._sim_ns = 0  # 0 until /clock was heard
         self._heard_ns = start_ns  # of the last message
@@ -66,4 +71,4 @@ class ViewTime:
 
     @property
     def _interval_ns(self) -> int:
-        return NS // self.frame_rate
+        return NS // (min(self.frame_rate, _HIDDEN_RATE) if self.is_hidden() else self.frame_rate)

@@ -20,7 +20,7 @@ _MODULES = (
 _FOLDER = Path(__file__).parent / "js"
 
 # meshcat's bundle finds `module` here, and no RequireJS whatever else the page has loaded.
-_SCRIPT = """\
+_SCRIPT = b"""\
 globalThis["%(key)s"] ??= (() => {
 const MeshCat = ((module, exports, define) => { %(meshcat)s
 return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
@@ -52,10 +52,10 @@ def _zipped() -> tuple[str, bytes]:
     """Return the name and the compressed script: as text it would hold 2 MB of each kernel."""
     style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
     scripts = [f"const DESK_STYLE = {style};", *(_joinable(name) for name in _MODULES)]
-    meshcat, ours = _meshcat(), "\n".join(scripts)
-    key = "__courseViewer_" + hashlib.sha256((meshcat + ours).encode()).hexdigest()[:12]
-    script = _SCRIPT % {"key": key, "meshcat": meshcat, "ours": ours}
-    return key, gzip.compress(script.encode(), 9, mtime=0)
+    meshcat, ours = _meshcat(), "\n".join(scripts).encode()
+    key = "__courseViewer_" + hashlib.sha256(meshcat + ours).hexdigest()[:12]
+    script = _SCRIPT % {b"key": key.encode(), b"meshcat": meshcat, b"ours": ours}
+    return key, gzip.compress(script, 9, mtime=0)
 
 
 @cache
@@ -64,12 +64,12 @@ def widget_module() -> str:
     return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle_name())
 
 
-def _meshcat() -> str:
+def _meshcat() -> bytes:
     package = find_spec("meshcat")  # without importing it, which takes a second
     if package is None or package.origin is None:
         raise CourseError("The package meshcat is missing: pip install meshcat==0.3.2")
     path = Path(package.origin).parent / "viewer" / "dist" / "main.min.js"
-    return path.read_text("utf-8")
+    return path.read_bytes()  # as text it takes twice the memory
 
 
 def _joinable(name: str) -> str:

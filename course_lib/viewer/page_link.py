@@ -55,7 +55,12 @@ class PageLink:
     @property
     def ready(self) -> bool:
         """A page shows the scene, and is not hidden behind others."""
-        return any(page.views and not page.hidden for page in self._flow.pages.values())
+        return any(page.views and not page.hidden for page in tuple(self._flow.pages.values()))
+
+    @property
+    def hidden(self) -> bool:
+        """A page shows the scene, but is hidden behind others."""
+        return any(page.views and page.hidden for page in tuple(self._flow.pages.values()))
 
     def listen(self, kind: str, callback: Callable[[Content], None]) -> None:
         """Register a callback for every message of a kind that a page sends."""

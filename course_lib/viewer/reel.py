@@ -17,7 +17,7 @@ else:
     from backports import zstd
 
 _CHANGE = 500  # bytes that Python keeps for a small change, about
-_FRAMES, _BYTES = 64, 4_000_000  # that a roll is packed with
+_FRAMES, _BYTES = 32, 2_000_000  # that a roll is packed with
 _LARGE = 1_000_000  # [bytes] a frame; larger ones are points without pattern, which take long to pack
 _LEVEL = 1  # of zstd: 3 takes a third longer for a tenth less
 

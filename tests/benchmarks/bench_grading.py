@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import psutil
@@ -26,6 +26,7 @@ import psutil
 from course_lib.grading.grade import grade
 from course_lib.grading.records import Course
 from tests.benchmarks.graded_weeks import nbgrader_cost, rows
+from tests.benchmarks.table import Row, markdown
 from tests.grading.conftest import CHECKS, COURSE, HIDDEN
 from tests.grading.graders import fingerprint, start_grader, write_class
 from tests.notebooks.graded import cells_of, solution
@@ -178,6 +179,17 @@ def weeks(top: Path, most: int, python: str | None) -> None:
             print(f"    nbgrader: {theirs:.2f} s for the solution, {theirs / ours:.0f} times ours")
 
 
+def peer_rows(top: Path, python: str | None, count: int = 20) -> Iterator[Row]:
+    """Yield the time of a submission of four equal questions, ours in its jail."""
+    own = 1e3 * ours(top / "ours", count)
+    peers = (
+        {one.__name__: 1e3 * one(top / one.__name__, python, count) for one in (nbgrader, otter)}
+        if python
+        else {}
+    )
+    yield Row("grading a submission of four functions", "ms", own, peers)
+
+
 def class_size(top: Path, course: Course, count: int, jobs: int, *, dask: str | None = None) -> Path:
     """Grade the class and print rate and the memory that the grader came to hold."""
     out, me = top / f"out{jobs}{'dask' * bool(dask)}", psutil.Process()
@@ -218,11 +230,7 @@ def main() -> None:
         weeks(top / "weeks", options.mutants, options.peers)
         if options.weeks_only:
             return
-        one = ours(top / "ours", options.equal)
-        print(f"ours, jailed: {one * 1000:.0f} ms a submission")
-        for peer in (nbgrader, otter) if options.peers else ():
-            each = peer(top / peer.__name__, options.peers, options.equal)
-            print(f"{peer.__name__}: {each * 1000:.0f} ms a submission, {each / one:.0f} times ours")
+        print(markdown(peer_rows(top, options.peers, options.equal)))
         course = make_course(top, COURSE, CHECKS, HIDDEN)
         write_class(top, options.count)
         two = fingerprint(class_size(top, course, options.count, 2))

@@ -1,9 +1,12 @@
-"""Time of the kit's import: `python tests/benchmarks/bench_start.py`, ratios against numpy."""
+"""Time of the kit's import: `python -m tests.benchmarks.bench_start`, beside numpy's."""
 
 import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+
+from tests.benchmarks.table import Row, markdown
 
 RUNS = 7
 PROGRAMS = {
@@ -24,17 +27,17 @@ def seconds(code: str) -> float:
     return time.perf_counter() - start
 
 
-def main() -> None:
-    """Print one line per program: median, and how much more than numpy alone."""
+def rows() -> Iterator[Row]:
+    """Yield the median of each program, beside numpy's import alone."""
     times = {name: list[float]() for name in PROGRAMS}
     for _ in range(RUNS):
         for name, code in PROGRAMS.items():
             times[name].append(seconds(code))
-    peer = statistics.median(times["import numpy"])
-    for name, measured in times.items():
-        median = statistics.median(measured)
-        print(f"{name:28} {median:.3f} s   {median - peer:+.3f} s   {median / peer:.2f} x numpy")
+    medians = {name: statistics.median(values) for name, values in times.items()}
+    peer = medians.pop("import numpy")
+    for name, median in medians.items():
+        yield Row(f"{name}, a fresh Python", "s", median, {"import numpy": peer})
 
 
 if __name__ == "__main__":
-    main()
+    print(markdown(rows()))

@@ -1,17 +1,18 @@
-"""TF lookups per second beside pytransform3d: `python tests/benchmarks/bench_tf2.py`, with the extra bench.
+"""TF lookups per second beside pytransform3d: `python -m tests.benchmarks.bench_tf2`, with the extra bench.
 
 A chain of moving frames is remembered for ten seconds at 100 Hz; each lookup asks for the transform from one
 end to the other at another time between two samples.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from pytransform3d.trajectories import pqs_from_transforms
 from pytransform3d.transform_manager import NumpyTimeseriesTransform, TemporalTransformManager
 
+from course_lib.errors import counted
 from course_lib.ros.standin_path import install
 
 install()
@@ -21,6 +22,7 @@ from tf2_ros import Buffer  # noqa: E402  # as above
 
 from course_lib.ros.tf2_core import BufferCore  # noqa: E402  # as above
 from course_lib.ros.tf2_transform import Transform  # noqa: E402  # as above
+from tests.benchmarks.table import Row, markdown  # noqa: E402  # as above
 
 START, RATE, SECONDS = 1_000, 100, 10  # [s], [Hz], [s]
 LENGTHS = (1, 3, 10)  # frames between the ends
@@ -58,18 +60,16 @@ def per_second(lookup: Callable[[float], object], times: list[float]) -> float:
     return max(rounds)
 
 
-def main() -> None:
-    """Print one line per length of the chain."""
+def rows() -> Iterator[Row]:
+    """Yield lookups per second by length of the chain: of the buffer's core, of Buffer, at its newest end."""
     chance = np.random.default_rng(1)
     times = chance.uniform(START + 0.1, START + SECONDS - 0.1, LOOKUPS).tolist()
     recent = (START + SECONDS - chance.uniform(0.02, 0.1, LOOKUPS)).tolist()
-    print(f"{'frames':>16} " + " ".join(f"{length:>10}" for length in LENGTHS))
-    columns = [measured(length, times, recent) for length in LENGTHS]
-    for name in columns[0]:
-        print(f"{name:>16} " + " ".join(f"{column[name]:>10,.1f}" for column in columns))
+    for length in LENGTHS:
+        yield from measured(length, times, recent)
 
 
-def measured(length: int, times: list[float], recent: list[float]) -> dict[str, float]:
+def measured(length: int, times: list[float], recent: list[float]) -> Iterator[Row]:
     """Measure lookups through a chain, after a look whether the answers are the same."""
     core, buffer, manager = chains(length)
     last = f"f{length}"
@@ -86,13 +86,14 @@ def measured(length: int, times: list[float], recent: list[float]) -> dict[str, 
     # Between samples tf2 moves along a line, pytransform3d along a screw.
     np.testing.assert_allclose(theirs(times[0]), ours(times[0]).matrix(), atol=1e-4)
     rates = {
-        "core": per_second(ours, times),
-        "Buffer": per_second(from_buffer, times),
-        "Buffer, recent": per_second(from_buffer, recent),
-        "pytransform3d": per_second(theirs, times),
+        "tf2 core": per_second(ours, times),
+        "tf2_ros.Buffer": per_second(from_buffer, times),
+        "tf2_ros.Buffer, recent times": per_second(from_buffer, recent),
     }
-    return rates | {"Buffer / theirs": rates["Buffer"] / rates["pytransform3d"]}
+    peer = {"pytransform3d": per_second(theirs, times)}
+    for name, rate in rates.items():
+        yield Row(f"{name}, lookups over {counted(length, 'frame')}", "1/s", rate, peer, less=False)
 
 
 if __name__ == "__main__":
-    main()
+    print(markdown(rows()))

@@ -1,4 +1,4 @@
-"""The viewer beside meshcat and viser, each with a real page: `python tests/benchmarks/bench_viewer.py`.
+"""The viewer beside meshcat and viser, each with a real page: `python -m tests.benchmarks.bench_viewer`.
 
 Needs the extra `bench`. Absolute numbers depend on the machine; the ratios in one run are what counts.
 """
@@ -9,6 +9,9 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from io import BytesIO
 from typing import Any
 
@@ -16,7 +19,8 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Browser, Page
 
-from tests.benchmarks.viewer_peers import PEERS, Floats, Meshcat, Ours
+from tests.benchmarks.table import Row, markdown
+from tests.benchmarks.viewer_peers import PEERS, Floats, Ours
 from tests.browser.fake_host import chromium
 
 OBJECTS = 500
@@ -47,34 +51,49 @@ print(f"http://127.0.0.1:{server.get_port()}", flush=True)""",
 }
 
 
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """A number that each viewer is measured by."""
+
+    what: str
+    unit: str
+    measure: Callable[[Browser, Any], float]
+    less: bool = True  # is better
+
+
+def measurements() -> Iterator[Measurement]:
+    """Yield the measurements."""
+    yield Measurement("transforms, page follows, drawing stubbed", "1/s", partial(speed, drawn=False), False)
+    yield Measurement("transforms, page follows, drawn", "1/s", partial(speed, drawn=True), False)
+    each = partial(speed, drawn=True, how="move_each")
+    yield Measurement("transforms, each one sent, drawn", "1/s", each, False)
+    yield Measurement("Python CPU per transform", "µs", cpu)
+    for robot in ("ur10", "talos"):
+        yield Measurement(f"Pinocchio's display(q), {robot}", "1/s", partial(displays, name=robot), False)
+    for count in (100_000, 1_000_000):
+        yield Measurement(f"{count:,} points to screen", "s", partial(cloud, count=count))
+    yield Measurement("program start to first picture", "s", first_picture)
+    yield Measurement("bytes for 20 viewers on a page", "kB", twenty)
+
+
+def rows(only: str = "", repeats: int = 3) -> Iterator[Row]:
+    """Yield a row per measurement whose name contains `only`: the best of `repeats` runs of each peer."""
+    with chromium() as browser:
+        for one in measurements():
+            if only in one.what:
+                runs = [[one.measure(browser, peer) for peer in PEERS] for _ in range(repeats)]
+                best = min if one.less else max
+                ours, *others = (best(values) for values in zip(*runs, strict=True))
+                peers = dict(zip((peer.name for peer in PEERS[1:]), others, strict=True))
+                yield Row(one.what, one.unit, ours, peers, one.less)
+
+
 def main() -> None:
-    """Print one row per measurement: ours, the peers, and how many times better ours is."""
-    rows: dict[str, Callable[[Browser, Any], float]] = {
-        "transforms/s, page follows, drawing stubbed": lambda browser, peer: speed(browser, peer, False),
-        "transforms/s, page follows, drawn": lambda browser, peer: speed(browser, peer, True),
-        "transforms/s, each one sent, drawn": lambda browser, peer: speed(browser, peer, True, "move_each"),
-        "Python CPU per transform [us], less is better": cpu,
-        "UR10 display(q) per second": lambda browser, peer: displays(browser, peer, "ur10"),
-        "Talos display(q) per second": lambda browser, peer: displays(browser, peer, "talos"),
-        "100k points to screen [s], less is better": lambda browser, peer: cloud(browser, peer, 100_000),
-        "1M points to screen [s], less is better": lambda browser, peer: cloud(browser, peer, 1_000_000),
-        "program start to first picture [s], less is better": first_picture,
-        "bytes for 20 viewers on a page [kB], less is better": twenty,
-    }
+    """Print the table."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--only", default="", help="part of a row's name")
     parser.add_argument("--repeats", type=int, default=3, help="the best of so many runs counts")
-    only, repeats = vars(parser.parse_args()).values()
-    print(f"{'':52}{'course_lib':>12}" + "".join(f"{peer.name:>12}{'ratio':>8}" for peer in PEERS[1:]))
-    with chromium() as browser:
-        for name, measure in rows.items():
-            if only in name:
-                less = "less is better" in name
-                runs = [[measure(browser, peer) for peer in PEERS] for _ in range(repeats)]
-                ours, *others = (min(values) if less else max(values) for values in zip(*runs, strict=True))
-                ratios = [other / ours if less else ours / other for other in others]
-                cells = (f"{o:12.4g}{r:7.1f}x" for o, r in zip(others, ratios, strict=True))
-                print(f"{name:52}{ours:12.4g}{''.join(cells)}", flush=True)
+    print(markdown(rows(**vars(parser.parse_args()))))
 
 
 @contextmanager
@@ -135,15 +154,14 @@ def cpu(browser: Browser, kind: Any) -> float:
 
 
 def displays(browser: Browser, kind: Any, name: str) -> float:
-    """Count Pinocchio's display(q) in a second, with a page that follows."""
-    if kind not in (Ours, Meshcat):
-        return float("nan")
+    """Count display(q) of Pinocchio's visualizer for a peer in a second, with a page that follows."""
     import pinocchio
     from example_robot_data import load
-    from pinocchio.visualize import MeshcatVisualizer
 
     robot, peer = load(name), kind()
-    visualizer = MeshcatVisualizer(robot.model, robot.collision_model, robot.visual_model)
+    visualizer = getattr(import_module("pinocchio.visualize"), peer.pinocchio_class)(
+        robot.model, robot.collision_model, robot.visual_model
+    )
     visualizer.initViewer(viewer=peer.visualizer)
     visualizer.loadViewerModel()
     configuration = pinocchio.neutral(robot.model)

@@ -1,13 +1,11 @@
-"""Cost of the kit's own wire beside rosbags': `python tests/benchmarks/bench_wire.py`.
-
-Printed as times and their ratio, which is to stay below three.
-"""
+"""Cost of the kit's own wire beside rosbags': `python -m tests.benchmarks.bench_wire`."""
 
 import gc
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from course_lib.ros import standin_path
+from tests.benchmarks.table import Row, markdown
 
 CALLS = 200
 
@@ -24,8 +22,8 @@ def best(call: Callable[[], object]) -> float:
     return min(times)
 
 
-def main() -> None:
-    """Print a row for each direction."""
+def rows() -> Iterator[Row]:
+    """Yield a row for each direction."""
     standin_path.install()
     from geometry_msgs.msg import Point
     from visualization_msgs.msg import Marker
@@ -36,15 +34,14 @@ def main() -> None:
     marker = Marker(points=[Point(x=1.0)] * 20)
     cdr, store, name = serialize(marker), typestore(), marker._TYPE_NAME
     twin = store.deserialize_cdr(cdr, name)
-    rows: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
-        "serialize": (lambda: serialize(marker), lambda: store.serialize_cdr(twin, name)),
-        "deserialize": (lambda: deserialize(cdr, Marker), lambda: store.deserialize_cdr(cdr, name)),
+    pairs: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
+        "serialise": (lambda: serialize(marker), lambda: store.serialize_cdr(twin, name)),
+        "deserialise": (lambda: deserialize(cdr, Marker), lambda: store.deserialize_cdr(cdr, name)),
     }
-    print("              ours [us]  rosbags [us]  ratio")
-    for title, calls in rows.items():
-        ours, theirs = map(best, calls)
-        print(f"{title:12}  {ours * 1e6:9.1f}  {theirs * 1e6:12.1f}  {ours / theirs:5.2f}")
+    for title, calls in pairs.items():
+        ours, theirs = (1e6 * best(call) for call in calls)
+        yield Row(f"{title} a Marker of 20 points", "µs", ours, {"rosbags": theirs})
 
 
 if __name__ == "__main__":
-    main()
+    print(markdown(rows()))

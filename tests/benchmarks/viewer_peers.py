@@ -16,6 +16,7 @@ class Ours:
     """course_lib's scene, its page on 127.0.0.1."""
 
     name = "course_lib"
+    pinocchio_class = "MeshcatVisualizer"
 
     def __init__(self) -> None:
         from course_lib.viewer.page_server import PageServer
@@ -78,6 +79,7 @@ class Meshcat:
     """meshcat.Visualizer with its server process."""
 
     name = "meshcat"
+    pinocchio_class = "MeshcatVisualizer"
 
     def __init__(self) -> None:
         import meshcat
@@ -125,14 +127,15 @@ class Viser:
     """viser; what it sends is counted where it is written, which is to its credit."""
 
     name = "viser"
+    pinocchio_class = "ViserVisualizer"
 
     def __init__(self) -> None:
         import viser
         from viser import _messages
 
         logging.getLogger("websockets").setLevel(logging.CRITICAL)
-        self.server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.url = f"http://127.0.0.1:{self.server.get_port()}"
+        self.visualizer = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        self.url = f"http://127.0.0.1:{self.visualizer.get_port()}"
         self.parts: list[Any] = []
         self.count = 0
         lock = threading.Lock()
@@ -149,7 +152,7 @@ class Viser:
     def boxes(self, count: int) -> None:
         """Add boxes."""
         for number in range(count):
-            part = self.server.scene.add_box(f"/part{number}", (255, 0, 0), (0.05, 0.05, 0.05))
+            part = self.visualizer.scene.add_box(f"/part{number}", (255, 0, 0), (0.05, 0.05, 0.05))
             self.parts.append(part)
 
     def move(self, matrices: Floats) -> None:
@@ -160,7 +163,7 @@ class Viser:
         for part, matrix, turn in zip(self.parts, matrices, turns, strict=True):
             part.position = matrix[:3, 3]
             part.wxyz = turn
-        self.server.flush()
+        self.visualizer.flush()
 
     move_each = move
 
@@ -174,13 +177,13 @@ class Viser:
 
     def cloud(self, points: Floats) -> None:
         """Show a red cloud."""
-        self.server.scene.add_point_cloud(
+        self.visualizer.scene.add_point_cloud(
             "/cloud", points, (255, 0, 0), point_size=0.05, precision="float32", point_shading="flat"
         )
 
     def close(self) -> None:
         """Stop the server."""
-        self.server.stop()
+        self.visualizer.stop()
 
 
 def add_boxes(peer: Any, count: int) -> None:

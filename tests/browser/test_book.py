@@ -4,11 +4,19 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
 from course_lib.authoring.new_course import new_course
+from course_lib.book.book import viewer_script
+from course_lib.book.compact import compact, script
+from course_lib.viewer import encoding
+from course_lib.viewer.camera import Camera
+from course_lib.viewer.scene import Scene
+from tests.book.test_compact import ball
 from tests.browser.book_pages import MOST, WIDTHS, dead_links, drawn, look_at, opened, pages_of, size_of
+from tests.browser.test_page import pixels_of
 from tests.browser.waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -86,6 +94,24 @@ def test_a_scene_is_loaded_once_the_reader_comes_near(page: Page, lesson: Path) 
     assert "week01_first_steps-01.js" not in loaded
     page.locator(".course-scene").scroll_into_view_if_needed()
     wait_until(lambda: "week01_first_steps-01.js" in loaded, page)
+
+
+def test_a_mesh_that_scenes_share_is_drawn_as_it_is(page: Page, tmp_path: Path) -> None:
+    scene = Scene()
+    scene.camera = Camera(eye=(0.0, -0.3, 0.0), target=(0, 0, 0))
+    scene.set_object("ball", ball())
+    small, shared = compact(encoding.snapshot(scene))
+    for name, content in (shared | {"scene": small}).items():
+        (tmp_path / f"{name}.js").write_bytes(script(content))
+    (tmp_path / "viewer.js").write_text(viewer_script(), "utf-8")
+    host = '<div class="course-scene" style="width:300px;height:300px" data-scene="scene.js"></div>'
+    (tmp_path / "page.html").write_text(f'<meta charset="utf-8">{host}<script src="viewer.js"></script>')
+    page.goto((tmp_path / "page.html").as_uri())
+    page.locator("canvas").wait_for()
+    wait_until(lambda: drawn(page.locator(".course-scene")) > 0.3, page)
+    upper, lower = np.split(pixels_of(page.locator("canvas").screenshot()), 2)
+    for half, color in ((upper, 0), (lower, 2)):  # red, blue
+        assert np.bincount(half[half.max(axis=-1) > 60].argmax(axis=-1), minlength=3).argmax() == color
 
 
 def test_pages_are_small_and_their_links_lead_somewhere(book: Path) -> None:

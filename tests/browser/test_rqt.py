@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
+from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
@@ -66,6 +67,15 @@ def notebook(lab: Lab) -> Iterator[Notebook]:
 def look(notebook: Notebook, cell: Locator, name: str) -> None:
     if PICTURES:
         cell.screenshot(path=Path(PICTURES) / f"rqt_{name}.png")
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_views_serve_keyboard_and_screen_reader(notebook: Notebook, view: str) -> None:
+    expect(notebook.cell(view).locator(".rqt").first).to_be_visible()
+    notebook.cell(view).evaluate("cell => cell.id = 'looked-at'")
+    found = faults(notebook.page, "#looked-at .rqt")
+    notebook.cell(view).evaluate("cell => cell.removeAttribute('id')")
+    assert [fault for fault in found if "noUi-handle" not in fault] == []  # ipywidgets names no handle
 
 
 def test_the_graph_follows_the_nodes(notebook: Notebook) -> None:

@@ -14,7 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.ros import pace
 from course_lib.ros.graph import Graph
 from tests.displays.bench import marker
-from tests.displays.stage import publish, shown
+from tests.displays.stage import publish, shown, wait
 
 
 def test_a_closed_viewer_hears_nothing_and_may_be_closed_again(graph: Graph) -> None:
@@ -84,6 +84,24 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     assert graph._taps == []
     assert (names, history) == ({"_": "", "_oh": {8: None}}, {8: None})
     assert not pace.pages
+
+
+def test_while_all_pages_are_hidden_ten_frames_a_second_are_drawn(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer._repr_mimebundle_()
+    assert viewer._cell._view is not None
+    link, frames = viewer._cell._view.link, list[int]()
+    viewer.session.after_frame.append(lambda: frames.append(graph.now_ns))
+    drawn = {}
+    for kind, page in (("ready", "a"), ("ready", "b"), ("hide", "a"), ("hide", "b"), ("ready", "a")):
+        link.receive({"type": kind, "page": page, "number": 0})
+        frames.clear()
+        for _ in range(60):
+            wait(graph, 1 / 60)
+        drawn[kind, page] = len(frames)
+    assert drawn["ready", "b"] == drawn["hide", "a"] == drawn["ready", "a"] in range(29, 32)
+    assert drawn["hide", "b"] in range(9, 12)
+    viewer.close()
 
 
 def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:

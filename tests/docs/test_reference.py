@@ -46,7 +46,11 @@ def arguments(module: str) -> Iterator[tuple[str, str, inspect.Parameter]]:
 @pytest.mark.parametrize("module", MODULES)
 def test_each_public_name_is_in_the_reference(module: str) -> None:
     page = page_of(module)
-    [left_out] = re.findall(rf"automodule:: {module}\n(?:   :exclude-members: (.*)\n)?```", page)
+    [left_out] = re.findall(
+        rf"^```{{eval-rst}}\n.. automodule:: {module}\n(?:   :exclude-members: (.*)\n)?```",
+        page,
+        re.MULTILINE,
+    )
     elsewhere = dict(public("course_lib")) if module != "course_lib" else {}
     for name, found in public(module):
         if inspect.ismodule(found):

@@ -1,4 +1,4 @@
-"""Every command that a lesson, an exercise, the README or the instructor's guide shows can be typed.
+"""Every command that a lesson, an exercise, the README or a guide shows can be typed.
 
 Those in text are typed here. Those in code cells are run with their notebooks, by nbmake.
 """
@@ -28,7 +28,8 @@ from tests.notebooks.commands import Shown, commands_of
 HERE = Path(__file__).parent
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 GUIDE = checkout_root() / "docs" / "instructor.md"
-DOCUMENTS = [checkout_root() / "README.md", GUIDE, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
+GUIDES = [GUIDE, *(GUIDE.with_name(f"{name}.md") for name in ("student", "robot"))]
+DOCUMENTS = [checkout_root() / "README.md", *GUIDES, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
 SECONDS = 4.0  # [s] of robot time beside a ros2 command
 
 NOT_RUN = {  # command -> why
@@ -39,6 +40,7 @@ NOT_RUN = {  # command -> why
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
     "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
+    "course book OUT": "runs every lesson: tests/browser/test_book.py",
     "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     **dict.fromkeys(
         (
@@ -63,6 +65,7 @@ NOT_RUN = {  # command -> why
         "needs repositories: tests/grading/test_classroom.py"
     ),
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
+    "ros2 run rmw_zenoh_cpp rmw_zenohd": "runs on the robot",
 }
 NAMED = {  # commands of which a sentence gives the name only: their help is shown
     "course submit",

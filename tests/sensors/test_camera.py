@@ -7,6 +7,7 @@ from PIL import Image as Pictures
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from course_lib.errors import CourseError
+from course_lib.sensors import camera
 from course_lib.sensors.camera import CameraNode, Pinhole
 from course_lib.sensors.shapes import box
 from course_lib.sensors.world import Thing, World, placed
@@ -67,6 +68,18 @@ def test_noise_changes_colours_and_dropouts_are_black() -> None:
     clean, noisy = pixels(seen(Image)), pixels(seen(Image, noise=5.0))
     assert 2 < np.abs(clean.astype(int) - noisy).mean() < 8
     assert (pixels(seen(Image, dropout=1.0)) == 0).all()
+
+
+@pytest.mark.parametrize("rows", [1, 7, 32])
+def test_a_picture_that_is_shaded_in_parts_has_the_same_light(
+    rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rays, distance = Pinhole(9, 65, 40.0).rays, np.random.default_rng(0).uniform(1.0, 3.0, 9 * 65)
+    distance[::11] = np.inf
+    monkeypatch.setattr(camera, "_ROWS", 65)
+    whole = camera.shade(rays, distance, 9)
+    monkeypatch.setattr(camera, "_ROWS", rows)
+    assert (camera.shade(rays, distance, 9) == whole).all()
 
 
 def test_an_unknown_compression_is_named() -> None:

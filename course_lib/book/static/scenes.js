@@ -16,9 +16,31 @@
     return viewer.unpacked(script.dataset.content);
   }
 
+  /** Reads a mesh as `triangles.py` writes it: columns, of numbers that are differences. @param {any} coded */
+  function expanded({ corner, step, steps, turns, corners, ...mesh }) {
+    const [places, ways] = [new Int16Array(steps.slice().buffer), new Int8Array(turns.slice().buffer)];
+    const [vertices, normals] = [new Float32Array(places.length), new Float32Array(places.length)];
+    const count = places.length / 3;
+    for (let column = 0; column < 3; column++) {
+      for (let row = 0, at = 0; row < count; row++) {
+        at += places[column * count + row];
+        vertices[3 * row + column] = corner[column] + step * at;
+        normals[3 * row + column] = ways[column * count + row] / 16;
+      }
+    }
+    const numbers = new Int16Array(corners.slice().buffer);
+    const faces = new Uint32Array(numbers.length);
+    const most = numbers.length / 3;
+    for (let row = 0, first = 0; row < most; row++) {
+      first += numbers[row];
+      faces.set([first, first + numbers[most + row], first + numbers[2 * most + row]], 3 * row);
+    }
+    return { ...mesh, vertices, normals, faces };
+  }
+
   /** @param {string} address */
   function mesh(address) {
-    const found = meshes.get(address) ?? fromScript(address);
+    const found = meshes.get(address) ?? fromScript(address).then(expanded);
     meshes.set(address, found);
     return found;
   }

@@ -33,6 +33,7 @@ class ViewerCell:
         self._view: SceneWidget | None = None
         self._server: PageServer | None = None
         self._ends: list[Callable[[], None]] = []  # of what was made for pages
+        session.time.is_hidden = self._is_hidden
         self.on_click: list[Callable[[Click], None]] = []  # called with each click into the view
 
     async def next_click(self) -> Click:
@@ -95,9 +96,8 @@ class ViewerCell:
 
     def picture(self, size: tuple[int, int]) -> bytes | None:
         """Request a PNG of a size in [px] from an open page; None if no page is open, or none answers."""
-        links = [shown.link for shown in (self._view, self._server) if shown is not None]
         answers: list[dict[str, Any]] = []
-        for link in (link for link in links if link.ready):
+        for link in (link for link in self._links() if link.ready):
             link.at_once["picture"] = answers.append
             link.flush()
             link.post({"type": "capture", "width": size[0], "height": size[1]})
@@ -141,6 +141,15 @@ class ViewerCell:
     def _click(self, click: Click) -> None:
         for callback in tuple(self.on_click):
             callback(click)
+
+    def _links(self) -> list[PageLink]:
+        """List the connections to pages."""
+        return [shown.link for shown in (self._view, self._server) if shown is not None]
+
+    def _is_hidden(self) -> bool:
+        """Return whether all pages that show the scene are behind others."""
+        links = self._links()
+        return any(link.hidden for link in links) and not any(link.ready for link in links)
 
     def _is_there(self) -> bool:
         """Return whether a page shows the scene."""

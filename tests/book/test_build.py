@@ -1,0 +1,102 @@
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from course_lib.book import book, guides
+from course_lib.book.book import build
+from course_lib.book.lessons import make_page
+from course_lib.course.installation import material_root
+from course_lib.errors import CourseError
+
+
+def lesson_of(folder: Path, *cells: str) -> Path:
+    """Write a lesson of these cells."""
+    parts = [
+        {"cell_type": "code", "id": f"c{number}", "source": code, "metadata": {}, "outputs": []}
+        | {"execution_count": None}
+        for number, code in enumerate(cells)
+    ]
+    path = folder / "week09_maps.ipynb"
+    path.write_text(json.dumps({"cells": parts, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}))
+    return path
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 300 kB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ("mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(place))
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("no disk can be mounted here")
+    yield place
+    subprocess.run(("umount", str(place)), check=True)
+
+
+def test_without_sphinx_it_names_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(book, "find_spec", lambda name: None if name == "sphinx" else object())
+    with pytest.raises(CourseError, match=r'sphinx is missing.* pip install "course-lib\[docs\]"'):
+        build(tmp_path / "book")
+
+
+def test_a_folder_that_is_no_book_is_refused_and_stays(tmp_path: Path) -> None:
+    pytest.importorskip("sphinx_book_theme")
+    (tmp_path / "thesis.txt").write_text("years")
+    with pytest.raises(CourseError, match="is neither empty nor a book"):
+        build(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+def test_a_lesson_that_fails_is_named_with_its_cell_and_error(tmp_path: Path) -> None:
+    lesson = lesson_of(tmp_path, "x = 0", "1 / x")
+    with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, '1 / x': ZeroDivisionError: division"):
+        make_page(lesson, tmp_path / "book", tmp_path / "student")
+
+
+def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> None:
+    lesson = lesson_of(tmp_path, "import os", "os._exit(1)")
+    with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, 'os._exit\(1\)': its kernel died"):
+        make_page(lesson, tmp_path / "book", tmp_path / "student")
+
+
+def test_a_scene_that_cannot_be_written_ends_the_book(tmp_path: Path) -> None:
+    lesson = lesson_of(tmp_path, "%load_ext course_lib", "from course_lib import Viewer\nViewer()")
+    (tmp_path / "book" / "_extra").mkdir(parents=True)
+    (tmp_path / "book" / "_extra" / "_scenes").write_text("a file where the folder should be")
+    with pytest.raises(CourseError, match=r"week09_maps.ipynb, after its last cell: FileExistsError"):
+        make_page(lesson, tmp_path / "book", tmp_path / "student")
+
+
+def test_a_full_disk_is_an_error_although_sphinx_goes_on(tmp_path: Path, small_disk: Path) -> None:
+    pytest.importorskip("sphinx_book_theme")
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    (sources / "_extra").mkdir()
+    (sources / "conf.py").write_text("from course_lib.book.settings import *")
+    (sources / "index.md").write_text("# A course\n")
+    with pytest.raises((CourseError, OSError), match="No space left on device"):
+        book._run_sphinx(sources, small_disk / "book", tmp_path / "doctrees")
+
+
+@pytest.mark.parametrize(
+    ("written", "in_book"),
+    [
+        ("[a](author.md#the-book)", "[a](author.md#the-book)"),
+        ("[a](../notebooks/week01_first_marker.ipynb)", "[a](lessons/week01_first_marker.ipynb)"),
+        ("[the gateway](../course_lib/gateway/README.md)", "the gateway"),
+        ("[a](https://example.org/x.md)", "[a](https://example.org/x.md)"),
+        ("[a](not_there.md)", "[a](not_there.md)"),
+    ],
+)
+def test_links_lead_to_pages_of_the_book_or_become_text(written: str, in_book: str) -> None:
+    docs = material_root() / "docs"
+    assert guides._relinked(written, docs, Path()) == in_book
+
+
+def test_links_of_a_readme_lead_to_pages_of_the_book() -> None:
+    root = material_root()
+    assert guides._relinked("[a](docs/author.md)", root, Path()) == "[a](author.md)"
+    assert guides._relinked("![a](docs/images/x.png)", root, Path()) == "![a](docs/images/x.png)"
