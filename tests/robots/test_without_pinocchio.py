@@ -24,7 +24,7 @@ viewer.show_robot(load_robot("talos"))
 spin_for(0.5, OmniBase(), JointTrajectoryController(painter.urdf, start=START))
 wrist = link_poses(painter, START)["ur10wrist_3_link"]
 assert joints_for(painter, "ur10wrist_3_link", wrist, START)
-assert straight_line(painter, "ur10wrist_3_link", START, wrist[:3, 3] - 0.05, seconds=2.0).points
+assert straight_line(painter, "ur10wrist_3_link", START, wrist[:3, 3] - [0, 0, 0.05], seconds=4.0).points
 for read in ("model", "q0", "visual_model", "collision_model"):
     for one in (robot, painter):
         try:
