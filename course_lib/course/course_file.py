@@ -173,7 +173,7 @@ def read_course_file(path: Path) -> CourseFile:
     try:
         text = path.read_text(encoding="utf-8")
         course: CourseFile = _read(CourseFile, tomllib.loads(text))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
     except _MisfitError as error:
         line = _line_of(text, error.keys)

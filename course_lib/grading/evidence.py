@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
@@ -13,7 +13,7 @@ from course_lib.ros.graph import Sample
 if TYPE_CHECKING:
     from course_lib.recording import Recording
 
-
+Found = TypeVar("Found")
 FORMAL_SHARE = 0.1  # of the weight of a scenario's checks
 LARGE = 2_000_000  # [B] of a message, some 100,000 points: from here on they are what takes the time
 LIGHT = 0.05  # of a check's weight, where students can read its inputs
@@ -64,6 +64,13 @@ class Evidence:
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
         return self._decoded[topic]
 
+    def once(self, make: Callable[[Evidence], Found]) -> Found:
+        """Return what `make` finds in this evidence; it is called once, however many checks ask for it."""
+        if make not in self._found:
+            self._found[make] = make(self)
+        found: Found = self._found[make]
+        return found
+
     @cached_property
     def large_message(self) -> str:
         """The topic and the size of the largest message, where it is LARGE, else ""."""
@@ -73,11 +80,16 @@ class Evidence:
         return f"a message on {largest.topic} holds {len(largest.cdr) / 1e6:.0f} MB"
 
     def release(self) -> None:
-        """Drop what was decoded: it takes ten times the memory of the bytes."""
+        """Drop what was decoded and found: it takes ten times the memory of the bytes."""
         self._decoded.clear()
+        self._found.clear()
 
     @cached_property
     def _decoded(self) -> dict[str, list[tuple[float, Any]]]:
+        return {}
+
+    @cached_property
+    def _found(self) -> dict[Callable[..., Any], Any]:
         return {}
 
 

@@ -48,11 +48,16 @@ def sample(waypoints: Sequence[Waypoint], seconds: float) -> Floats:
         state = waypoints[max(later - 1, 0)].state
         return np.vstack([state, np.zeros((3 - len(state), state.shape[1]))])
     start, end = waypoints[later - 1], waypoints[later]
+    return np.array([polyval(seconds - start.seconds, powers) for powers in _spline(start, end)])
+
+
+@lru_cache(maxsize=64)
+def _spline(start: Waypoint, end: Waypoint) -> tuple[Floats, ...]:
+    """Return the coefficients of the polynomials between two waypoints, and of their two derivatives."""
     given = min(len(start.state), len(end.state))
     ends = np.vstack([start.state[:given], end.state[:given]])
-    powers = _fit(given, end.seconds - start.seconds) @ ends
-    since = seconds - start.seconds
-    return np.array([polyval(since, polyder(powers, order)) for order in range(3)])
+    powers: Floats = _fit(given, end.seconds - start.seconds) @ ends
+    return powers, polyder(powers).astype(float), polyder(powers, 2).astype(float)
 
 
 @lru_cache(maxsize=64)

@@ -99,8 +99,11 @@ class TimeCache:
 
 def complaints_about(transform: Transform, parent: str, child: str, authority: str) -> tuple[str, ...]:
     """Return the lines that tf2 logs about a transform that it refuses."""
-    by = f'from authority "{authority}"'
     x, y, z, w = transform.rotation
+    is_unit = abs(x * x + y * y + z * z + w * w - 1.0) < _NORM_TOLERANCE
+    if is_unit and child and parent and parent != child and not isnan(sum(transform.translation)):
+        return ()
+    by = f'from authority "{authority}"'
     rotation = f"({x:f} {y:f} {z:f} {w:f})"
     translation = "({:f} {:f} {:f})".format(*transform.translation)
     rules = (
@@ -121,7 +124,7 @@ def complaints_about(transform: Transform, parent: str, child: str, authority: s
             f"in the transform {translation} {rotation}",
         ),
         (
-            not abs(x * x + y * y + z * z + w * w - 1.0) < _NORM_TOLERANCE,
+            not is_unit,
             f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" {by} because of '
             f"an invalid quaternion in the transform {rotation}",
         ),

@@ -12,7 +12,7 @@ from vision_msgs.msg import Detection3D, Detection3DArray, ObjectHypothesisWithP
 from course_lib.arrays import Floats
 from course_lib.ros.clock import START_NS
 from course_lib.sensors.checked import Pose, check_number, pose_function
-from course_lib.sensors.world import Thing, World
+from course_lib.sensors.world import World
 
 _STEPS = np.array([-0.25, 0.0, 0.25])  # of the size: these points lie in every round or edged shape
 _POINTS = np.stack(np.meshgrid(_STEPS, _STEPS, _STEPS), axis=-1).reshape(-1, 3)
@@ -78,19 +78,21 @@ class Detector:
     def detect(self, seconds: float) -> list[Detection]:
         """Detect things at a robot time since the start of the run [s]; times must grow from call to call."""
         chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
-        found = list[Detection]()
+        found, pose, poses = list[Detection](), self._transform_at(seconds), self.world.poses(seconds)
         for number, thing in enumerate(self.world.things):
             missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
-            confidence = self.confidence(number, seconds) if thing.label else 0.0
+            confidence = self._confidence(number, pose, poses) if thing.label else 0.0
             if confidence and not missed:
-                found.append(self._detected(number, thing, confidence, seconds, errors))
+                found.append(self._detected(number, poses[number], confidence, seconds, errors))
         alarms = chance.poisson(self.false_alarms)
         return found + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
     def confidence(self, number: int, seconds: float) -> float:
         """Return the confidence of a thing, 0 to 1: its visible share, reduced to half at range_max."""
-        transform_sensor_to_world = self._transform_at(seconds)
-        transform_thing_to_world = self.world.things[number].transform_at(seconds)
+        return self._confidence(number, self._transform_at(seconds), self.world.poses(seconds))
+
+    def _confidence(self, number: int, transform_sensor_to_world: Floats, poses: Floats) -> float:
+        transform_thing_to_world = poses[number]
         points = _POINTS * self.world.things[number].shape.size
         in_world = points @ transform_thing_to_world[:3, :3].T + transform_thing_to_world[:3, 3]
         rays = transform_sensor_to_world[:3, :3].T @ (in_world - transform_sensor_to_world[:3, 3]).T
@@ -98,19 +100,20 @@ class Detector:
         middle = float(length[len(length) // 2])
         rays = np.divide(rays, length, out=np.tile([[1.0], [0], [0]], len(length)), where=length > 0)
         in_view = (rays[0] >= np.cos(self.field_of_view / 2) - 1e-12) & (length <= self.range_max)
-        hits = self.world.cast(transform_sensor_to_world, rays, seconds, self.range_max)
+        hits = self.world.cast_among(poses, transform_sensor_to_world, rays, self.range_max)
         open_sight = (hits.thing == number) | (hits.distance >= length)
         share = float(np.mean(in_view & open_sight))
         return share * max(0.0, 1 - 0.5 * middle / self.range_max)
 
     def _detected(
-        self, number: int, thing: Thing, confidence: float, seconds: float, errors: Floats
+        self, number: int, pose: Floats, confidence: float, seconds: float, errors: Floats
     ) -> Detection:
+        thing = self.world.things[number]
         track, last_seen = self._tracks.get(number, (0, -np.inf))
         if seconds - last_seen > self.keep:
             track = self._new_track()
         self._tracks[number] = track, seconds
-        transform = thing.transform_at(seconds).copy()
+        transform = pose.copy()
         transform[:3, 3] += errors[0]
         return Detection(
             track,

@@ -156,9 +156,16 @@ class World:
             far: Things beyond this need not be found, [m].
         """
         pose = check_transform("transform_sensor_to_world", transform_sensor_to_world)
-        origin, rays = pose[:3, 3], pose[:3, :3] @ check_rays(rays)
+        return self.cast_among(self.poses(seconds), pose, check_rays(rays), far)
+
+    def poses(self, seconds: float) -> Floats:
+        """Return transform_thing_to_world of all things at a robot time [s], shape (M, 4, 4)."""
+        return np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
+
+    def cast_among(self, poses: Floats, pose: Floats, rays: Floats, far: float) -> Hits:
+        """Cast rays as `cast` does; all is checked already: poses of things and sensor, and the rays."""
+        origin, rays = pose[:3, 3], pose[:3, :3] @ rays
         distance, found = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
-        poses = np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
         for number, chosen in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
             if not len(chosen):
                 continue

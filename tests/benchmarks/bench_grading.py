@@ -222,7 +222,7 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--mutants", type=int, default=8, help="of each week's solution")
     parser.add_argument("--weeks-only", action="store_true")
-    parser.add_argument("--peers", help="a Python that has nbgrader and otter-grader")
+    parser.add_argument("--peers", type=os.path.abspath, help="a Python that has nbgrader and otter-grader")
     options = parser.parse_args()
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]  # a text stream
     with tempfile.TemporaryDirectory() as folder:

@@ -32,17 +32,6 @@ class Lesson:
     views: list[tuple[str, NDArray[np.int64]]]
 
 
-# As the Time panel does it: a lesson then waits for a quarter of its robot time. Lesson 1 has the usual pace.
-FASTER = """
-from course_lib.ros.pace import Speed
-as_usual = Speed.__init__
-def fourfold(self):
-    as_usual(self)
-    self.rate = 4.0
-Speed.__init__ = fourfold
-"""
-
-
 @pytest.fixture(scope="module")
 def notebook(lab: Lab) -> Iterator[Notebook]:
     with opened(lab, LESSONS[0].name) as notebook:
@@ -53,7 +42,6 @@ def notebook(lab: Lab) -> Iterator[Notebook]:
 def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
     if notebook.name != request.param.name:
         notebook.leave_for(request.param.name)
-    notebook.kernel(FASTER)
     return Lesson(notebook, request.param.stem[:6], list(views(notebook)))
 
 

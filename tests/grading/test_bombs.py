@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.errors import CourseError
 from course_lib.grading.handin import archives
 from course_lib.grading.handin.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
 from course_lib.grading.handin.collect import Collection, collect
@@ -78,6 +79,21 @@ def test_a_bomb_is_bounded_and_costs_its_student_alone(
     assert total(tmp_path / "out") < 45 * MEGABYTE
     assert sum(1 for path in (tmp_path / "out").rglob("*") if path.is_file()) <= 103
     assert [one.student for one in find_submissions(tmp_path / "out")] == ["zoe"]
+
+
+@pytest.mark.parametrize("name", ["", "\0", "\0/x", "a//"])
+def test_a_member_with_a_strange_name_costs_no_other(tmp_path: Path, name: str) -> None:
+    inner = zipped({name: b"1", NAME: notebook()})
+    (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": inner, f"zoe/{NAME}": notebook(), name: b"1"}))
+    collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert [one.student for one in find_submissions(tmp_path / "out")] == ["ada", "zoe"]
+
+
+def test_a_download_whose_names_are_no_text_is_refused(tmp_path: Path) -> None:
+    data = zipped({"ada/ü.ipynb": notebook()}).replace("ü".encode(), b"\xd9\xff")
+    (tmp_path / "in.zip").write_bytes(data)
+    with pytest.raises(CourseError, match="not a folder and not a zip: 'utf-8' codec can't decode"):
+        collect(tmp_path / "in.zip", tmp_path / "out", UTC)
 
 
 def test_the_limit_is_that_of_a_student_in_total_also_over_several_archives(

@@ -87,6 +87,24 @@ def test_moodles_worksheet_gives_times_and_ids_in_any_language(
     assert f"note: times are those of worksheet.csv, {headings[6]}, read as Europe/Paris" in done.notes
 
 
+UNREAD = {"Islamic": "8 رمضان 1447، 23:59", "Thai": "8 มีนาคม 2569 23:59", "none": "8 Nonsense 2026, 23:59"}
+
+
+@pytest.mark.parametrize("time", UNREAD.values(), ids=UNREAD)
+def test_times_that_cannot_be_read_are_named_and_nobody_is_late(
+    tmp_path: Path, sort: Collect, time: str
+) -> None:
+    moodle_zip(tmp_path / "in.zip", STUDENTS)
+    rows = [(f"Participant {s.number}", s.id, time) for s in STUDENTS]
+    table(tmp_path / "worksheet.csv", ("Identifier", "ID number", "Modified"), rows)
+    notes = sort(roster=tmp_path / "worksheet.csv").notes
+    assert any(
+        note.startswith(f"note: worksheet.csv, Modified: times like {time!r} can't be read") for note in notes
+    )
+    assert any("Without a time nobody is late" in note for note in notes)
+    assert {one.received.time for one in find_submissions(tmp_path / "out")} == {None}
+
+
 def test_the_time_of_grading_and_the_due_date_are_not_that_of_submission(
     tmp_path: Path, sort: Collect
 ) -> None:

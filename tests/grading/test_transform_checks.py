@@ -8,6 +8,7 @@ from tf2_msgs.msg import TFMessage
 
 from course_lib.grading import expect_circling_frame, expect_transform
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.vocabulary import motion
 from course_lib.ros.clock import START_NS
 
 MakeEvidence = Callable[..., Evidence]
@@ -47,6 +48,25 @@ def test_a_chain_of_a_moving_and_a_static_frame_is_looked_up_at_any_time(evidenc
     where = (2 * math.cos(angle) - 0.3 * math.sin(angle), 2 * math.sin(angle) + 0.3 * math.cos(angle), 0.0)
     check = expect_transform("map", "lens", at=1.55, translation=where, yaw=angle + math.pi / 2)
     assert check.judge(came).message == "as expected"
+
+
+def test_all_checks_of_one_evidence_read_its_transforms_once(
+    evidence: MakeEvidence, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read, buffers = motion.tree, list[Any]()
+
+    def counted(given: Evidence) -> Any:
+        buffers.append(read(given))
+        return buffers[-1]
+
+    monkeypatch.setattr(motion, "tree", counted)
+    given = evidence()
+    for _ in range(3):
+        expect_transform("map", "base").judge(given)
+    assert len(buffers) == 1
+    given.release()
+    expect_transform("map", "base").judge(given)
+    assert len(buffers) == 2
 
 
 def test_what_tf2_cannot_answer_is_said_in_its_words(evidence: MakeEvidence) -> None:

@@ -3,7 +3,7 @@
 import json
 import random
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from course_lib.grading.task import Scenario, Task
 from course_lib.grading.time_limit import time_limit
 from course_lib.ros.parameter_yaml import read_text
 from tests.hostile.made_up import made_text, spoilt
+from tests.hostile.staff_files import STAFF
 
 SECONDS = 5.0  # [s] of processor time for one input
 TASK = Task("week01.any", "Any", "value", "any", ("a", "b", "c"), (Scenario("public"),))
@@ -62,22 +63,23 @@ def _stored(chance: random.Random) -> None:
     unpack(spoilt(chance, stored()), STEPS)
 
 
-# Each parser with what it may raise.
-PARSERS: tuple[tuple[Callable[[random.Random], None], type[Exception]], ...] = (
+Parsers = Sequence[tuple[Callable[[random.Random], None], type[Exception]]]  # with what each may raise
+STUDENTS: Parsers = (
     (_notebook, CourseError),
     (_layout, CourseError),
     (_parameters, ValueError),
     (_stored, CourseError),
 )
+STAFFS: Parsers = tuple((parse, CourseError) for parse in STAFF)
 
 
-def parse_any(chance: random.Random) -> float:
+def parse_any(chance: random.Random, parsers: Parsers = STUDENTS) -> float:
     """Parse one made-up input; returns the processor time that it took, [s].
 
     Raises:
         Exception: The parser raised what it does not announce, or took too long.
     """
-    parse, announced = chance.choice(PARSERS)
+    parse, announced = chance.choice(parsers)
     start = time.process_time()
     try:
         with time_limit(SECONDS):

@@ -9,7 +9,7 @@ import shlex
 import shutil
 import sys
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -42,6 +42,7 @@ NOT_RUN = {  # command -> why
     "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
     "course book OUT": "runs every lesson: tests/browser/test_book.py",
     "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
+    'course new week09 "Occupancy maps"': "writes a week into the course of this checkout: tests/authoring",
     **dict.fromkeys(
         (
             "course run my_node.py --robot tcp/192.168.1.5:7447 --send /cmd_vel",
@@ -83,6 +84,7 @@ NAMED = {  # commands of which a sentence gives the name only: their help is sho
     "course grade",
     "course mark",
     "course router",
+    "course verify",  # of all weeks: tests/notebooks/test_answers.py
 }
 WRITTEN = "my_files/ros2_ws/src/my_dashboard"
 FILLED = {  # command with something to fill in -> the same, filled in
@@ -106,8 +108,12 @@ LAYOUT = "Panels: []\nVisualization Manager:\n  Displays: []\n  Global Options:\
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A student's folder, with the files that the commands take, and an instructor's downloads."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A student's folder, with the files that the commands take, and an instructor's downloads.
+
+    No command writes into the course of this checkout.
+    """
+    weeks = sorted(exercises_dir().rglob("week*"))
     folder = tmp_path / "my_course"
     prepare(folder)
     for solution in solutions_dir().glob("week*_solution.ipynb"):
@@ -133,7 +139,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")
     monkeypatch.setenv("ROS_PACKAGE_PATH", "my_files/ros2_ws/src")  # where week 7 says cd ~/ros2_ws
-    return folder
+    yield folder
+    assert sorted(exercises_dir().rglob("week*")) == weeks
 
 
 def _write_package(folder: Path) -> None:

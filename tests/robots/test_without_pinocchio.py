@@ -1,4 +1,4 @@
-"""What robots do on machines without Pinocchio, like native Windows."""
+"""Robots on machines without Pinocchio, like native Windows."""
 
 import subprocess
 import sys

@@ -26,6 +26,17 @@ def test_a_detection_is_the_labelled_thing() -> None:
     np.testing.assert_allclose(detection.velocity, (0, 1, 0), atol=1e-6)
 
 
+def test_a_pose_is_asked_for_once_for_all_that_is_looked_at() -> None:
+    times: list[float] = []
+
+    def pose(seconds: float) -> Any:
+        times.append(seconds)
+        return placed(5, 0, 0)
+
+    assert len(found(person(3, 2), person(4, -2), Thing(box(1, 1, 1), pose, label="Box"))) == 3
+    assert times.count(0.0) == 1
+
+
 def test_confidence_falls_with_distance() -> None:
     sure = [found(person(x))[0].confidence for x in (2, 5, 10, 19)]
     assert sure == sorted(sure, reverse=True)

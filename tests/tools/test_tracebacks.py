@@ -1,7 +1,7 @@
 import json
-import subprocess
-import sys
 from pathlib import Path
+
+from tests.test_cli import course
 
 CELLS = """
 %load_ext course_lib
@@ -25,8 +25,7 @@ def run(cells: str, folder: Path) -> str:
     notebook = folder / "cells.ipynb"
     sources = [{"cell_type": "code", "source": source.strip()} for source in cells.split("---")]
     notebook.write_text(json.dumps({"nbformat": 4, "cells": sources}))
-    command = [sys.executable, "-m", "course_lib", "run", str(notebook)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = course("run", notebook.name, cwd=folder)
     assert done.returncode == 1
     return done.stdout + done.stderr
 
@@ -62,8 +61,7 @@ def test_an_endless_recursion_is_folded_wherever_it_is_shown(tmp_path: Path) -> 
     endless = "def a(n):\n    return b(n + 1)\ndef b(n):\n    return a(n)\na(0)\n"
     program = tmp_path / "program.py"
     program.write_text(endless)
-    command = [sys.executable, "-m", "course_lib", "run", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = course("run", program.name, cwd=tmp_path)
     assert "more frames of the same lines …" in done.stderr
     start = CELLS.partition("---")[0] + "---\n"
     one_line = "def a(n): return b(n + 1)\ndef b(n): return a(n)\na(0)\n"  # which IPython does not fold

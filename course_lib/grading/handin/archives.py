@@ -46,13 +46,16 @@ def opened_zip(data: bytes) -> Iterator[zipfile.ZipFile]:
         CourseError: It is not a zip, is damaged, or has more than MAX_MEMBERS files.
     """
     _demand_few(data.count(ENTRY), MAX_ENTRIES)
-    try:
-        archive = zipfile.ZipFile(BytesIO(data))
-    except Exception as error:  # a broken archive raises a dozen kinds
-        raise CourseError(f"it is not a zip that can be read: {error}") from error
-    with archive:
+    with _archive(BytesIO(data)) as archive:
         _demand_few(len(archive.infolist()), MAX_MEMBERS)
         yield archive
+
+
+def _archive(file: Path | BytesIO) -> zipfile.ZipFile:
+    try:
+        return zipfile.ZipFile(file)
+    except Exception as error:  # a broken archive raises a dozen kinds
+        raise CourseError(f"it is not a zip that can be read: {error}") from error
 
 
 def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, most: int) -> bytes:
@@ -117,13 +120,14 @@ class Arrivals:
                 yield from self._opened(arrival, 0)
             return
         try:
-            with zipfile.ZipFile(top) as archive:
-                for arrival in self._members(archive, ()):
-                    yield from self._opened(arrival, 1)
-        except (OSError, zipfile.BadZipFile) as error:
+            archive = _archive(top)
+        except CourseError as error:
             raise CourseError(
-                f"{top} is not a folder and not a zip: {error}. Name what the platform gave."
+                f"{top} is not a folder and not a zip: {error.__cause__}. Name what the platform gave."
             ) from error
+        with archive:
+            for arrival in self._members(archive, ()):
+                yield from self._opened(arrival, 1)
 
     def _walk(self, top: Path) -> Iterator[Arrival]:
         for folder, folders, names in os.walk(top):
@@ -166,7 +170,7 @@ class Arrivals:
         known: set[str] = set()
         for info in archive.infolist():
             inner = tuple(info.orig_filename.split("/"))
-            if info.is_dir() or any(map(_is_junk, inner)):
+            if info.filename.endswith("/") or any(map(_is_junk, inner)):
                 continue
             parts = (*above, *inner)
             again = "the archive has this name twice" if info.filename in known else ""

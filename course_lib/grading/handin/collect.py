@@ -142,8 +142,17 @@ def _exports(
         ids = {**by_number, **{hidden: by_number.get(user, user) for hidden, user in ids.items()}}
         read += [found] if (found := read_times(roster, zone, shown)) else []
         done.notes.add(f"note: students are named by the column {heading!r} of {roster.name}")
-    done.notes |= {f"note: times are those of {one.source}, read as {zone.key}" for one in read}
-    return Exports(ids, read)
+    done.notes |= {_time_note(one, zone) for one in read}
+    return Exports(ids, [one for one in read if not one.unread])
+
+
+def _time_note(times: Times, zone: ZoneInfo) -> str:
+    if not times.unread:
+        return f"note: times are those of {times.source}, read as {zone.key}"
+    return printable(
+        f"note: {times.source}: times like {times.unread!r} can't be read, and are not used. Set the site to "
+        f"another language or calendar and export again, or write the times into {LIST}"
+    )
 
 
 def _senders(arrived: Iterator[Arrival]) -> Iterator[Sender]:

@@ -214,7 +214,7 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         return {"clusters": content["clusters"], "works": content["works"]}
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError
+from course_lib.grading.handin.persian import persian_time
 
 if TYPE_CHECKING:
     from dateparser.date import DateDataParser
@@ -22,6 +23,7 @@ MAX_DATE = 80  # characters of a date with its time
 YEARS = range(2000, 2100)  # other years overflow when the zone changes
 TIME = re.compile(r"\d{1,2}\s*[:.hH]\s*\d{2}")
 NUMERIC = re.compile(r"(\d{1,2})\s*([/.-])\s*(\d{1,2})\s*\2\s*(\d{4}|\d{2})\b(?!\.)")
+FILLERS = re.compile(r"(?<=\d)\.? (?:gada|m\.|d\.)(?=[ ,]|$)")  # "year" and "day" in Latvian and Lithuanian
 LOCALES = (None, ["ar-JO"], ["ar-MA"], ["ar-DZ"])  # any language; Arabic has four sets of names of months
 SETTINGS: Any = {
     "PARSERS": ["absolute-time"],  # "yesterday" is not a time of submission
@@ -138,15 +140,24 @@ def parse_times(cells: Sequence[str], zone: ZoneInfo) -> list[datetime | None]:
     """
     texts = [plain_digits(cell) for cell in cells]
     order = _order(texts)
-    return [_in_utc(_iso(text) or _in_words(text, order), zone) for text in texts]
+    return [_in_utc(_persian(text) or _iso(text) or _in_words(text, order), zone) for text in texts]
+
+
+def looks_like_time(cell: str) -> bool:
+    """Return whether a text has a time of day and enough digits for a date."""
+    text = plain_digits(cell)
+    digits = sum(char.isdigit() for char in text)
+    return len(text) <= MAX_DATE and digits >= len("8261159") and bool(TIME.search(text))
+
+
+def _persian(text: str) -> datetime | None:
+    return persian_time(text) if len(text) <= MAX_DATE else None
 
 
 def _in_words(text: str, order: str) -> datetime | None:
-    digits = sum(char.isdigit() for char in text)
-    if len(text) > MAX_DATE or digits < len("8261159") or not TIME.search(text):
+    if not looks_like_time(text) or (not order and NUMERIC.search(text)):
         return None
-    if not order and NUMERIC.search(text):
-        return None
+    text = FILLERS.sub("", text)
     parsed = (parser.get_date_data(text).date_obj for parser in _parsers(order))
     return next((time for time in parsed if time), None)
 

@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.handin.platform_files import LmsFile, parse_times, plain_digits
+from course_lib.grading.handin.platform_files import LmsFile, looks_like_time, parse_times, plain_digits
 
 ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID")  # Moodle's, Canvas's
 SUBMISSION = re.compile("submi", re.IGNORECASE)  # in Moodle's and Canvas's heading of the time
@@ -32,12 +32,14 @@ class Times:
         by_number: By the platform's number of the student.
         by_attachment: By Canvas's number of the file.
         users: Canvas's numbers of students by their anonymous IDs.
+        unread: A time of the column, if its times can't be read.
     """
 
     source: str
     by_number: Mapping[str, datetime] = field(default_factory=dict)
     by_attachment: Mapping[str, datetime] = field(default_factory=dict)
     users: Mapping[str, str] = field(default_factory=dict)
+    unread: str = ""
 
     def of(self, number: str, attachment: str) -> datetime | None:
         """Return the time of a file's submission, None where the export does not have it."""
@@ -101,7 +103,7 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
         numbers: Those in the download, by which the column of numbers is found.
 
     Returns:
-        The times; None where a CSV has no column of them.
+        The times; none where a column of them can't be read; None where a CSV has no such column.
 
     Raises:
         CourseError: The file can't be read, or has none of the numbers.
@@ -112,16 +114,25 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
     place = _number_column(file, numbers, path)
     rows = [row for row in range(1, len(file.rows)) if _number(file.text(row, place)) in numbers]
     columns = {}
-    for column in range(len(file.headings)):
+    for column in (column for column in range(len(file.headings)) if column != place):
         times = parse_times([file.text(row, column) for row in rows], zone)
-        if column != place and 2 * sum(time is not None for time in times) >= len(rows):
+        if 2 * sum(time is not None for time in times) >= len(rows):
             columns[column] = times
     if not columns:
-        return None
+        return _unread(file, path, rows)
     chosen = _submitted(file, columns)
     keys = [_number(file.text(row, place)) for row in rows]
     known = {key: time for key, time in zip(keys, columns[chosen], strict=True) if time}
     return Times(f"{path.name}, {file.headings[chosen]}", known)
+
+
+def _unread(file: LmsFile, path: Path, rows: Sequence[int]) -> Times | None:
+    """Return the column that seems to have the times, without them; None where there is none."""
+    for column in range(len(file.headings)):
+        seen = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
+        if seen and 2 * len(seen) >= len(rows):
+            return Times(f"{path.name}, {file.headings[column]}", {}, unread=seen[0])
+    return None
 
 
 def _submitted(file: LmsFile, columns: Mapping[int, Sequence[datetime | None]]) -> int:
@@ -206,11 +217,9 @@ def _from_api(path: Path, zone: ZoneInfo) -> Times:
         (time,) = parse_times([str(entry.get("submitted_at") or "")], zone)
         if time is None:
             continue
-        files = [
-            str(file["id"])
-            for file in entry.get("attachments") or ()
-            if isinstance(file, dict) and "id" in file
-        ]
+        attached = entry.get("attachments")
+        listed = attached if isinstance(attached, list) else []
+        files = [str(file["id"]) for file in listed if isinstance(file, dict) and "id" in file]
         by_attachment |= dict.fromkeys(files, time)
         if not files:
             by_number |= {key: time for key in (user, hidden) if key}

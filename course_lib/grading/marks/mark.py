@@ -170,7 +170,7 @@ def read_result(path: Path) -> dict[str, Any]:
             "exercise": path.stem,
         }  # a name on the disk may hold any bytes
         return {**content, "row": row_of(content, marks)}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
 
 

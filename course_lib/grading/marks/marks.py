@@ -102,7 +102,7 @@ def read_marks(path: Path) -> list[HandMark]:
         return []
     try:
         return [HandMark(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 

@@ -47,7 +47,7 @@ def read_requests(path: Path) -> tuple[RegradeRequest, ...]:
         return ()
     try:
         return tuple(RegradeRequest(**entry) for entry in json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 

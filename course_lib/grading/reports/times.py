@@ -53,7 +53,9 @@ def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, Spent]:
 
 
 def _check_rows(out: Path, key: str) -> Iterator[tuple[Name, float]]:
-    with suppress(OSError, ValueError, TypeError):  # missing or damaged: times are not worth an error
+    with suppress(
+        OSError, ValueError, TypeError, RecursionError
+    ):  # missing or damaged: times are not worth an error
         for task, scenario, title, seconds in json.loads(check_times_path(out, key).read_bytes()):
             yield (task, scenario, title), float(seconds)
 

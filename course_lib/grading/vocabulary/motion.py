@@ -162,7 +162,7 @@ def expect_transform(
         message = f"{source} is broadcast on /tf again and again, expected once on /tf_static"
         return [Problem(message, "what never moves is not static")]
     try:
-        found = tree(evidence).lookup(target, source, 0 if at is None else START_NS + round(at * 1e9))
+        found = evidence.once(tree).lookup(target, source, 0 if at is None else START_NS + round(at * 1e9))
     except TransformException as error:
         return [Problem(f"tf2 says: {error}", "a transform is missing or has wrong stamps")]
     return list(_misplaced(found, translation or found.translation, yaw, tolerance))

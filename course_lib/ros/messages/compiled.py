@@ -29,12 +29,13 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
         "_self._check_fields = True",
     ]
     for name, kind in kinds.items():
+        shares = kind.exact in (bool, float, str) or kind.default is int  # the same value for all messages
         scope |= {
-            f"_{name}_default": kind.default,
+            f"_{name}_default": kind.default() if shares else kind.default,
             f"_{name}_exact": kind.exact,
             f"_{name}_of": kind.construct,
         }
-        body += [f"if {name} is _unset: _self._{name} = _{name}_default()"]
+        body += [f"if {name} is _unset: _self._{name} = _{name}_default{'' if shares else '()'}"]
         if kind.exact is not None:
             body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
         body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]

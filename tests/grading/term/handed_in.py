@@ -154,6 +154,8 @@ def _answer(
 ) -> tuple[str, Sequence[str], dict[str, str], tuple[str, ...]]:
     """Return the name, the cells, the points and the states of a notebook that can be run."""
     cells = cells_of(solution(week))
+    if kind in ("way", "miss", "mutant") and not changes(week, kind):
+        kind = "right"  # the week declares none of them
     waits = (WAITS,) if any(task.rubric for task in tasks_of(week)) else (GRADED,)
     if kind == "right":
         return "", cells, all_get(week, FULL), waits

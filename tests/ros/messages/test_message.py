@@ -14,6 +14,7 @@ from sensor_msgs.msg import Image, JointState, NavSatStatus
 from std_msgs.msg import ColorRGBA, Float64MultiArray, Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.definitions import DEFAULTS
 from course_lib.ros.messages.registry import message_class
 
@@ -119,6 +120,24 @@ def test_deepcopy_and_pickle_give_equal_independent_messages() -> None:
         assert twin == marker
         twin.points[0].x = 2.0
         assert marker.points[0].x == 1.0
+
+
+def test_a_deep_copy_has_what_a_subclass_added_and_shares_what_was_shared() -> None:
+    class Named(Point):
+        pass
+
+    named = Named(x=1.0)
+    named.notes = ["a"]  # type: ignore[attr-defined]
+    twins = copy.deepcopy([named, named])
+    assert twins[0] is twins[1]
+    assert twins[0] is not named
+    assert (twins[0].x, vars(twins[0])) == (1.0, {"notes": ["a"]})
+    assert vars(twins[0])["notes"] is not vars(named)["notes"]
+
+
+def test_a_deep_copy_takes_no_way_through_pickling(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RosMessage, "__reduce_ex__", lambda *_: pytest.fail("pickled"))
+    assert copy.deepcopy(Marker(points=[Point(x=1.0)])) == Marker(points=[Point(x=1.0)])
 
 
 def test_constructors_copy_numbers_and_keep_messages_and_lists() -> None:
