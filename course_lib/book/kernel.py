@@ -24,7 +24,7 @@ POSTER = (560, 238)  # [px] of the picture that stands there before
 TONES = 32  # colours of that picture
 SECONDS = 20.0  # [s] of robot time that a scene plays at most
 BEFORE = 10.0  # [s] of it that were before its cell was run
-ROOM = 60_000  # bytes of a scene's script
+ROOM = 36_000  # bytes of a scene's script
 INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \

@@ -20,6 +20,8 @@ DEFAULT_FOLDER = Path("my_course")
 RELEASED = (  # with the course's package
     "notebooks",
     "exercises",
+    ".binder",
+    ".devcontainer",
     "docs/images",  # of README.md
     "pyproject.toml",
     "README.md",

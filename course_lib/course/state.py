@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +92,30 @@ class State:
 
 
 _of_this_process = State(None)
+_READ_ONLY = (
+    "{} cannot be written, so what you enter here is kept only while this kernel lives. "
+    "For a folder of your own, type in a terminal: course lab ~/my_course"
+)
 
 
 def student_state() -> State:
     """Return the state of the student's folder around the working directory, else of this process."""
-    folder = find_student_folder()
-    return State(folder) if folder else _of_this_process
+    return state_of(find_student_folder())
+
+
+def state_of(folder: Path | None) -> State:
+    """Return the state of a student's folder; of this process, where there is none or it is read-only."""
+    if folder is None:
+        return _of_this_process
+    if os.access(folder / STATE_FOLDER, os.W_OK):
+        return State(folder)
+    _say_once(_READ_ONLY.format(folder))
+    return _of_this_process
+
+
+@cache
+def _say_once(text: str) -> None:
+    print(text)  # noqa: T201  the cell's output, or the terminal's
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 import asyncio
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros import pace
+from course_lib.ros import pace, wall
 from course_lib.ros.baton import baton
 from course_lib.ros.driving import executor_with, running_nodes
 from course_lib.ros.graph import Graph, current_graph
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 WITHOUT_A_PAGE = 2.0  # [s] of robot time, before the next cell drives them on
 STEP = 0.02  # [s] of the wall clock
 CATCH_UP = 0.25  # [s] at most, after a cell that kept the kernel busy
+RECENTLY = 60.0  # [s] of the wall clock: who has run a cell since then is taken to be there
 
 
 class LiveRun:
@@ -172,6 +173,32 @@ def drive_link(graph: Graph) -> None:
         return
 
 
+class _Audience:
+    """The audience of live runs: a page shows a view, or a cell was run a short time ago.
+
+    Each update of a state is a message, and a hub never ends a kernel that sends messages: it is not idle.
+    """
+
+    def __init__(self) -> None:
+        self._cells = -1  # that were run
+        self._last = 0.0  # [s] when the last one was
+        self.was_there = True
+
+    def is_there(self) -> bool:
+        """Return whether there may be one, now."""
+        ipython = sys.modules.get("IPython")
+        cells = getattr(ipython and ipython.get_ipython(), "execution_count", 0)
+        if cells != self._cells:
+            self._cells, self._last = cells, wall.monotonic()
+        return wall.monotonic() - self._last < RECENTLY or any(there() for there in tuple(pace.views))
+
+    def tell(self, runs: Sequence[LiveRun]) -> None:
+        """Update the states in the cells as long as somebody may see it."""
+        was_there, self.was_there = self.was_there, self.is_there()
+        for run in runs if was_there else ():
+            run.show_state("" if self.was_there else "goes on")
+
+
 class _Loop:
     """The task that drives a graph's live runs along with the wall clock, as long as there are any.
 
@@ -182,6 +209,7 @@ class _Loop:
         self._graph = graph
         self._live = graph.part(_LiveRuns)
         self._paced = pace.WallPace(graph)
+        self._audience = _Audience()
 
     async def run(self) -> None:
         """Go on step by step; a callback's exception, or ■, stops all that runs."""
@@ -191,8 +219,7 @@ class _Loop:
                 self._live.stop_those_over()
                 if self._live.runs or self._is_linked():
                     self._step()
-                for run in tuple(self._live.runs):
-                    run.show_state()
+                self._audience.tell(tuple(self._live.runs))
         finally:
             live_interrupts.give_back()
 

@@ -15,6 +15,7 @@ WAIT_FOR_PAGE = 2.0  # [s] of the wall clock
 SLICE = 0.02  # [s] an interrupt is noticed within
 
 pages: set[Callable[[], bool]] = set()  # each viewer in a cell adds: is its page there? Waited for once
+views: set[Callable[[], bool]] = set()  # the same, as long as the viewer lives
 
 
 def wanted() -> Literal["real", "fast"]:

@@ -67,8 +67,12 @@ class PageLink:
         self._listeners[kind] = callback
 
     def post(self, content: Content, buffers: Sequence[bytes] = ()) -> None:
-        """Send a message to all pages; its "type" says of which kind it is."""
-        self._send(content, list(buffers))
+        """Send a message to all pages; its "type" says of which kind it is.
+
+        Pages answer some of them: those that went without a word are found out, though the scene may rest.
+        """
+        asks = {"ask": True} if self.ready and self._stream.asks() else {}
+        self._send(content | asks, list(buffers))
 
     def receive(self, content: Content, buffers: Sequence[Any] = ()) -> None:
         """Handle a message from a page; a malformed one is skipped, and its views show a note.

@@ -23,6 +23,7 @@ class Page:
     """The progress of a page."""
 
     number: int  # of the last batch that it has
+    heard: int = 0  # how many questions had been asked when it was heard last
     views: int = 1
     hidden: bool = False  # behind another tab, or in a minimized window
 
@@ -38,15 +39,17 @@ class Flow:
         self.pages: dict[str, Page] = {}
         self._loop = running_loop()  # that of the cells, if this is a kernel
         self._hears_in_cells = False
-        self._open: deque[int] = deque()  # batches that pages were asked about
+        self._asked = 0  # questions so far
+        self._open: deque[tuple[int, int]] = deque()  # questions: a batch's number, and their own
         self._batches = self._bytes = 0  # since the last question
-        self._idle_at = -1  # number of a batch after which the kernel could receive answers
+        self._idle_at = -1  # a question after which the kernel could receive answers
 
     def heard(self, name: str, number: int) -> bool:
         """Note how far a page has come; say whether it is a new one."""
         self._hears_in_cells |= threading.current_thread() is not threading.main_thread()
         is_new = name not in self.pages
-        self.pages.setdefault(name, Page(number)).number = number
+        page = self.pages.setdefault(name, Page(number))
+        page.number, page.heard = number, self._asked
         self._settle()
         return is_new
 
@@ -61,36 +64,39 @@ class Flow:
         self._settle()
 
     def sent(self, number: int, size: int) -> bool:
-        """Count a batch of a size in bytes; say whether pages shall answer it."""
+        """Count a message of a size in bytes, a batch or after one; say whether pages shall answer it."""
         self._batches, self._bytes = self._batches + 1, self._bytes + size
         if self._batches < _BATCHES and self._bytes < _BYTES:
             return False
         self._batches = self._bytes = 0
-        self._open.append(number)
+        self._asked += 1
+        self._open.append((number, self._asked))
         if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._idle, number)
+            self._loop.call_soon_threadsafe(self._idle, self._asked)
         return True
 
     def room(self) -> bool:
         """Return whether one more batch may be sent."""
         questions = tuple(self._open)  # pages answer in other threads
         is_deaf = self._loop is not None and not self._hears_in_cells
-        return len(questions) < _QUESTIONS or (is_deaf and self._idle_at < questions[0])
+        return len(questions) < _QUESTIONS or (is_deaf and self._idle_at < questions[0][1])
 
     def give_up(self) -> None:
         """Forget the pages that have not answered."""
-        late = self._open[0] if self._open else -1
-        self.pages = {name: page for name, page in self.pages.items() if page.number >= late}
+        number, asked = self._open[0] if self._open else (-1, -1)
+        left = {name: page for name, page in self.pages.items() if page.number >= number}
+        self.pages = {name: page for name, page in left.items() if page.heard >= asked}
         self._open.clear()
 
     def _settle(self) -> None:
-        seen = (page for page in tuple(self.pages.values()) if not page.hidden)
-        slowest = min((page.number for page in seen), default=-1)
-        while self._open and self._open[0] <= slowest:
+        pages = [page for page in tuple(self.pages.values()) if not page.hidden]
+        slowest = min((page.number for page in pages), default=-1)
+        longest = min((page.heard for page in pages), default=-1)  # since one was heard
+        while self._open and self._open[0][0] <= slowest and self._open[0][1] <= longest:
             self._open.popleft()
 
-    def _idle(self, number: int) -> None:
-        self._idle_at = number
+    def _idle(self, question: int) -> None:
+        self._idle_at = question
 
 
 def running_loop() -> asyncio.AbstractEventLoop | None:
@@ -176,6 +182,12 @@ class Stream:
         if text != self._said:
             self._said = text
             self._send({"type": "status", "text": text}, [])
+
+    def asks(self) -> bool:
+        """Count a message beside the batches; say whether pages shall answer it, to show they are there."""
+        if not self.flow.room():
+            self._changed.set()  # the thread counts how long they are silent
+        return self.flow.sent(self.number, 0)
 
     def flush(self) -> None:
         """Send what has changed, now, or as soon as pages have answered what they have."""

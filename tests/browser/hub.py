@@ -21,6 +21,7 @@ from tests.browser.waiting import PATIENCE, wait_until
 
 PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
+LIGHT = "api/status"  # of a user's server: a page that costs nothing
 TOKEN = "token-of-the-tests"
 SETTINGS = """
 c = get_config()
@@ -60,16 +61,18 @@ class Hub:
     homes: Path
     address: str
 
-    def logged_in(self, user: str, path: str) -> Page:
-        """Log a user in, in a browser of their own, and open a path of their server."""
-        page = self.browser.new_context(viewport={"width": 1280, "height": 900}).new_page()
-        page.set_default_timeout(PATIENCE * 1000)
-        page.goto(f"{self.address}/hub/login?next=/hub/spawn/{user}?next=/user/{user}/{path}")
+    def logged_in(self, user: str) -> Page:
+        """Log a user in, in a browser of their own; return an empty page of it."""
+        context = self.browser.new_context(viewport={"width": 1280, "height": 900})
+        context.set_default_timeout(PATIENCE * 1000)
+        page = context.new_page()
+        page.goto(f"{self.address}/hub/login?next=/hub/spawn/{user}?next=/user/{user}/{LIGHT}")
         page.fill("#username_input", user)
         page.fill("#password_input", "any")
         page.click("#login_submit")
         page.wait_for_url(f"**/user/{user}/**")
-        return page
+        page.close()
+        return context.new_page()
 
     def ask(self, user: str, path: str, method: str = "GET") -> Any:
         """Ask a user's server through the proxy, as a service of the hub."""

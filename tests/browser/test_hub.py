@@ -18,7 +18,6 @@ from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSON = "week01_first_marker.ipynb"
-LIGHT = "api/status"  # of the server: a page that costs nothing
 
 
 @pytest.fixture(scope="module")
@@ -45,16 +44,18 @@ def ada(hub: Hub) -> Notebook:
     """A student whose folder was made on the hub, with lesson 1 open."""
     folder = hub.homes / "ada" / "my_course"
     prepare(folder)
-    return Notebook(hub.logged_in("ada", LIGHT), f"{hub.address}/user/ada/lab", folder, LESSON)
+    return Notebook(hub.logged_in("ada"), f"{hub.address}/user/ada/lab", folder, LESSON)
 
 
 @pytest.fixture(scope="module")
 def grace(hub: Hub, repository: Path) -> Notebook:
     """A student who has clicked on a link of nbgitpuller."""
     link = {"repo": repository.as_uri(), "branch": "main", "urlpath": f"lab/tree/robotics/{LESSON}"}
-    page = hub.logged_in("grace", LIGHT)
-    page.goto(f"{hub.address}/user/grace/git-pull?{urlencode(link)}")
-    page.wait_for_url(f"**/lab/tree/robotics/{LESSON}", wait_until="commit")
+    page = hub.logged_in("grace")
+    pulling = page.context.new_page()
+    pulling.goto(f"{hub.address}/user/grace/git-pull?{urlencode(link)}")
+    pulling.wait_for_url(f"**/lab/tree/robotics/{LESSON}", wait_until="commit")
+    pulling.close()
     return Notebook(page, f"{hub.address}/user/grace/lab", hub.homes / "grace" / "robotics", LESSON)
 
 
@@ -96,6 +97,15 @@ def test_the_view_is_drawn_again_after_a_reload_and_after_a_restart_of_the_kerne
     ada.wait_idle()
     ada.run_to(LIVE)
     wait_for_red(ada.cell(SHOW))
+
+
+def test_a_view_says_that_its_kernel_was_culled(grace: Notebook, hub: Hub) -> None:
+    cell = grace.cell(SHOW)
+    (kernel,) = hub.ask("grace", "kernels")
+    hub.ask("grace", f"kernels/{kernel['id']}", method="DELETE")  # as the server itself does with idle ones
+    expect(cell.get_by_text("The kernel has ended")).to_be_visible()
+    assert red_pixels(cell.locator("canvas").first) > 0
+    grace.page.close()
 
 
 def test_on_a_hub_course_lab_refreshes_the_folder_and_starts_no_second_jupyterlab(ada: Notebook) -> None:

@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import subprocess
@@ -6,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from course_lib import cli
 from course_lib.course import hand_out
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
 from course_lib.course.hand_out import EXTENSIONS, _copy, _without_extensions, release
@@ -119,3 +121,25 @@ def test_extensions_that_would_be_released_are_refused(tmp_path: Path) -> None:
     path.write_text(f'title = "A"\ntime_zone = "UTC"\n{week}')
     with pytest.raises(CourseError, match=r"as a table, \[weeks\.week01\.extensions\]"):
         _without_extensions(path)
+
+
+@pytest.mark.parametrize(
+    "path", [".binder/postBuild", ".devcontainer/Dockerfile", ".devcontainer/devcontainer.json"]
+)
+def test_what_makes_an_image_types_a_command_that_writes_the_students_folder(
+    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = re.search(r"course lab my_course --no-server", (checkout_root() / path).read_text())
+    assert found
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", found.group().split())
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert left.value.code == 0
+    assert (tmp_path / "my_course" / "week00_welcome.ipynb").is_file()
+
+
+def test_the_image_is_not_roots_and_its_settings_can_be_read() -> None:
+    image = (checkout_root() / ".devcontainer" / "Dockerfile").read_text()
+    settings = json.loads((checkout_root() / ".devcontainer" / "devcontainer.json").read_text())
+    assert re.findall(r"^USER (\w+)", image, re.MULTILINE) == [settings["remoteUser"]]

@@ -1,8 +1,10 @@
 import json
+import os
 from pathlib import Path
 
 import pytest
 
+from course_lib.course import state as state_module
 from course_lib.course.state import State, find_student_folder, student_state, write_whole
 from course_lib.errors import CourseError
 
@@ -65,3 +67,19 @@ def test_files_are_readable_json(folder: Path) -> None:
     assert json.loads((folder / ".course" / "identity.json").read_text(encoding="utf-8")) == {
         "student": "zoë"
     }
+
+
+def test_in_a_shared_folder_that_is_read_only_the_kernel_keeps_the_state_and_says_so_once(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    State(folder).put("identity", "student", "instructor")
+    monkeypatch.setattr(state_module, "_of_this_process", State(None))
+    monkeypatch.setattr(os, "access", lambda *_: False)  # permissions do not bind root
+    monkeypatch.chdir(folder)
+    for student in ("ada", "grace"):
+        student_state().put("identity", "student", student)
+    assert student_state().get("identity", "student") == "grace"
+    assert State(folder).get("identity", "student") == "instructor"
+    (line,) = capsys.readouterr().out.splitlines()
+    assert f"{folder} cannot be written" in line
+    assert "course lab ~/my_course" in line

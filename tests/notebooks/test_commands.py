@@ -28,7 +28,7 @@ from tests.notebooks.commands import Shown, commands_of
 HERE = Path(__file__).parent
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 GUIDE = checkout_root() / "docs" / "instructor.md"
-GUIDES = [GUIDE, *(GUIDE.with_name(f"{name}.md") for name in ("student", "robot"))]
+GUIDES = [GUIDE, *(GUIDE.with_name(f"{name}.md") for name in ("student", "robot", "hub"))]
 DOCUMENTS = [checkout_root() / "README.md", *GUIDES, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
 SECONDS = 4.0  # [s] of robot time beside a ros2 command
 
@@ -39,7 +39,8 @@ NOT_RUN = {  # command -> why
     "%rqt": "names the magic",
     "%rqt …": "names the magic",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
-    "course lab class_folder --no-browser": "serves until it is stopped: tests/course/test_lab.py",
+    "course lab ~/my_course": "serves until it is stopped: tests/course/test_lab.py",
+    "course mark --serve": "serves until it is stopped: tests/grading/marking",
     "course book OUT": "runs every lesson: tests/browser/test_book.py",
     "course mark graded --serve": "serves until it is stopped: tests/grading/marking",
     'course new week09 "Occupancy maps"': "writes a week into the course of this checkout: tests/authoring",

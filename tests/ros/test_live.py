@@ -219,3 +219,25 @@ def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_it
     assert re.search(r"■ stopped: stuck .*, interrupted in test_live.py, line \d+: ", runs[0].state())
     assert [run.running for run in runs] == [False, by_click]
     stop_all()
+
+
+def test_a_state_that_nobody_sees_is_not_sent_again_and_again(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Messages of a kernel whose page is closed would keep a hub from ending it."""
+    told: list[str] = []
+    monkeypatch.setattr(LiveRun, "show_state", lambda run, note="": told.append(run.state(note)))
+    monkeypatch.setattr(live, "RECENTLY", 0.1)
+    calls: list[int] = []
+    node = Node("talker")
+    node.create_timer(0.05, lambda: calls.append(1))
+
+    def silent_for_ten_calls() -> bool:
+        return told[-1:] != [] and "goes on" in told[-1] and len(calls) > len(told) + 10
+
+    in_a_kernel(lambda: run_live(node), monkeypatch, until=silent_for_ten_calls)
+    shown = len(told)
+    monkeypatch.setattr(pace, "views", {lambda: True})
+    monkeypatch.setattr(live, "RECENTLY", 0.0)
+    in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(told) > shown + 10)
+    assert "goes on" not in told[-1]

@@ -117,6 +117,26 @@ def test_a_page_that_stays_silent_is_taken_for_gone(wire: Wire, monkeypatch: pyt
     assert wire.kinds() == ["reset"]
 
 
+def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
+    wire: Wire, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A closed page, taken for open, would get the time for ever, and its kernel would never be idle."""
+    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
+    wire.hear("ready")
+
+    for _ in range(3 * IN_FLIGHT):
+        wire.link.post({"type": "time"})
+        if "ask" in wire.sent[-1]:
+            wire.hear("ack")
+    assert wire.link.ready
+
+    def is_gone() -> bool:
+        wire.link.post({"type": "time"})
+        return not wire.link.ready
+
+    until(is_gone)
+
+
 @pytest.mark.usefixtures("by_hand")
 def test_a_running_cell_that_hears_nobody_is_not_held_up(monkeypatch: pytest.MonkeyPatch) -> None:
     async def cell() -> None:

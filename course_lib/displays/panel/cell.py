@@ -77,6 +77,7 @@ class ViewerCell:
     def close(self) -> None:
         """Remove the viewer from all cells."""
         pace.pages.discard(self._is_there)
+        pace.views.discard(self._is_there)
         for end in self._ends:
             end()
         self._ends.clear()
@@ -125,6 +126,7 @@ class ViewerCell:
         from course_lib.viewer.widget import SceneWidget
 
         pace.pages.add(self._is_there)
+        pace.views.add(self._is_there)
         view = SceneWidget(self._session.context.scene, label="RViz view")
         self._furnish(view.link, view.close)
         known = weakref.ref(viewer)

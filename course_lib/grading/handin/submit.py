@@ -23,6 +23,7 @@ from course_lib.course.state import (
     keep_packed,
     last_check,
     saved_at,
+    state_of,
 )
 from course_lib.errors import CourseError, counted
 from course_lib.grading.catalog import shipped_catalog
@@ -232,7 +233,7 @@ def _write(out: Path, receipt: Mapping[str, Any], data: bytes, files: Mapping[st
 def _remember(path: Path, notebook: Notebook, out: Path, time: str) -> list[str]:
     """Keep what was packed in the student's folder, for `course status`; return the warnings."""
     folder, exercise = find_student_folder(path.parent), notebook.exercise or ""
-    state = State(folder)
+    state = state_of(folder)
     if folder is not None:
         state.put("packed", exercise, time)
     of_week = shipped_catalog().of_week(exercise.split("_")[0])

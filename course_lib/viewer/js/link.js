@@ -10,6 +10,7 @@ import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
 const LOOKS = ["OpenPanels", "LookAgain", "TurnView", "HomeView", "SelectObject"]; // orders that change no display
+const ENDED = "The kernel has ended: the picture stands still. Run the notebook's cells again.";
 const SAVE_AFTER = 3000; // [ms] after a change; others may come meanwhile
 
 /**
@@ -37,15 +38,11 @@ export class Link {
         [this.number, this.lostAt] = [number, 0];
         this.mirror.reset(bytesOf(scene));
       },
-      batch: ({ number, ask }, [changes]) => {
+      batch: ({ number }, [changes]) => {
         if (number > this.number + 1) return this.resync();
         const isNext = number === this.number + 1;
         this.number = Math.max(this.number, number);
-        try {
-          if (isNext) this.mirror.apply(bytesOf(changes));
-        } finally {
-          if (ask) this.send({ type: "ack" });
-        }
+        if (isNext) this.mirror.apply(bytesOf(changes));
       },
       status: ({ text }) => this.say(text),
       desk: (news) => this.desk.take(news),
@@ -56,6 +53,7 @@ export class Link {
     /** @param {any} message @param {DataView[]} [buffers] */
     this.receive = (message, buffers) => {
       this.attempt(() => this.orders[message.type]?.(message, buffers ?? []));
+      if (message.ask) this.send({ type: "ack" });
       this.saving ||= setTimeout(() => this.save(), SAVE_AFTER);
     };
     /** @type {Player | null} of a view at rest */
@@ -64,7 +62,7 @@ export class Link {
     this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" }); // a laptop may have slept, too
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
-    model.on("comm_live_update", () => model.comm_live || this.undock());
+    model.on("comm_live_update", () => model.comm_live || this.ended());
     this.wake();
     const panels = model.get("panels"); // of a view at rest
     this.desk = new DeskState((order) => (panels ? this.refuse(order) : this.send(order)), Boolean(panels));
@@ -139,8 +137,9 @@ export class Link {
     };
   }
 
-  /** Close the panel of a kernel that has gone: its pictures stand still in their cells again. */
-  async undock() {
+  /** Say that the kernel has gone, and close its panel: its pictures stand still in their cells again. */
+  async ended() {
+    for (const view of this.mirror.views) view.say(ENDED, Infinity);
     const name = this.model.get("panel");
     if (name) (await this.model.widget_manager.get_model(name)).close(true);
   }

@@ -77,11 +77,11 @@ export class View {
     for (const part of [this.canvas, this.words, this.full, this.apart]) part.remove();
   }
 
-  /** @param {string} text shown in a corner, and read aloud by screen readers */
-  say(text) {
+  /** @param {string} text shown in a corner for a while [ms], and read aloud by screen readers */
+  say(text, time = SAY_FOR) {
     [this.words.textContent, this.words.hidden] = [text, false];
     clearTimeout(this.silence);
-    this.silence = setTimeout(() => (this.words.hidden = true), SAY_FOR);
+    if (time < Infinity) this.silence = setTimeout(() => (this.words.hidden = true), time);
   }
 
   toggleFull() {

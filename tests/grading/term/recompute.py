@@ -137,7 +137,7 @@ def _faults(out: Path, one: dict[str, Any], row: dict[str, str], percent_per_day
     marks = out / "marks" / one["student"] / f"{one['exercise']}.json"
     given = json.loads(marks.read_text()) if marks.is_file() else []
     read = {mark["task"] for mark in given}
-    states = [*one["status"], *["graded"] * (one["status"] == ["needs_marking"] and bool(read))]
+    states = [*one["status"], *["graded"] * ("needs_marking" in one["status"] and bool(read))]
     made = [] if row["status"] in states else [f"{row['status']}, expected one of {states}"]
     result = json.loads((out / "results" / one["student"] / f"{one['exercise']}.json").read_text())
     got = {task["task"]: points(task, given) for task in result.get("tasks", ())}
