@@ -11,6 +11,7 @@ from typer.exceptions import TyperException
 from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
 from course_lib.cli_staff import staff
 from course_lib.errors import CourseError
+from course_lib.surroundings import need_fork_for
 
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
@@ -30,8 +31,9 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 
 @app.callback()
-def course(debug: Debug = False) -> None:
+def course(context: typer.Context, debug: Debug = False) -> None:
     """Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."""
+    need_fork_for(context.invoked_subcommand or "")
 
 
 @app.command()

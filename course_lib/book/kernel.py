@@ -24,7 +24,8 @@ POSTER = (560, 238)  # [px] of the picture that stands there before
 TONES = 32  # colours of that picture
 SECONDS = 20.0  # [s] of robot time that a scene plays at most
 BEFORE = 10.0  # [s] of it that were before its cell was run
-ROOM = 60_000  # bytes of a scene's script
+ROOM = 36_000  # bytes of a scene's script
+STILL = 110_000  # bytes of the film of a view at rest; a larger one becomes its last picture
 INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \
@@ -86,7 +87,10 @@ class Scenes:
         """Keep a view at rest, or a scene without a viewer, and return what its cell displays."""
         self.end()
         name = self._next()
-        self._made.append((name, widget.film or encoding.snapshot(widget.scene), widget.scene))
+        packed = widget.film
+        if not packed or len(script(compact(packed)[0])) > STILL:
+            packed = encoding.snapshot(widget.scene)
+        self._made.append((name, packed, widget.scene))
         return self._shown(name, widget.label)
 
     def follow(self, *_: object) -> None:

@@ -1,7 +1,7 @@
 """RViz in a cell: what lessons import."""
 
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -29,6 +29,7 @@ from course_lib.viewer.scene import Scene
 
 if TYPE_CHECKING:
     from course_lib.displays.panel.resting_view import RestingView
+    from course_lib.displays.robot_model.still import Configuration
     from course_lib.robots.robot import Robot
     from course_lib.viewer.visualizer import Visualizer
 
@@ -195,16 +196,17 @@ class Viewer:
         self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
         return StatusTable(self.session.rows())
 
-    def show_robot(self, robot: "Robot", positions: Mapping[str, float] | None = None) -> None:
+    def show_robot(self, robot: "Robot", configuration: "Configuration" = None) -> None:
         """Draw a robot's links in the fixed frame, without any messages.
 
         Args:
             robot: What `load_robot` returns.
-            positions: Joint positions by name, as `link_poses` takes them; None takes the rest posture.
+            configuration: Joint positions by name, as `link_poses` takes them, or Pinocchio's vector, shape
+                (nq,); None takes the rest posture.
         """
         from course_lib.displays.robot_model.still import draw_still  # here: heavy
 
-        draw_still(self.scene, f"robots/{node_name(robot.name)}", robot, positions)
+        draw_still(self.scene, f"robots/{node_name(robot.name)}", robot, configuration)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:
         """Write the scene as one page that opens without a network.

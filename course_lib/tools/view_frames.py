@@ -47,7 +47,7 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
         return
     name = arguments.output or f"frames_{time.strftime('%Y-%m-%d_%H.%M.%S')}"
     write(log_line("view_frames", now_ns, f"Exporting graph in {name}.pdf file..."))
-    Path(f"{name}.gv").write_text(dot(frames, now_ns))
+    Path(f"{name}.gv").write_text(dot(frames, now_ns), encoding="utf-8")
     Path(f"{name}.pdf").write_bytes(picture(frames, now_ns, "pdf"))
 
 

@@ -152,6 +152,16 @@ def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
         viewer.show_robot(robot, {"elbow": 1.0})
 
 
+def test_a_robot_can_be_drawn_by_pinocchios_vector(graph: Graph) -> None:
+    pytest.importorskip("pinocchio")
+    viewer, robot = Viewer(), load_robot("ur10")
+    viewer.show_robot(robot, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    tip = viewer.scene.world_transform("robots/ur10/wrist_3_link/visual")
+    np.testing.assert_allclose(tip, link_poses(robot, {"elbow_joint": 1.0})["wrist_3_link"])
+    with pytest.raises(CourseError, match=r"shape \(2,\), expected \(6,\), or a dict"):
+        viewer.show_robot(robot, [0.0, 1.0])
+
+
 def test_a_robot_at_rest_stands_on_its_feet(graph: Graph) -> None:
     viewer = Viewer()
     viewer.show_robot(load_robot("talos"))
