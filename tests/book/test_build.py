@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.book import book, guides
+from course_lib.book import book, guides, lessons
 from course_lib.book.book import build
 from course_lib.book.lessons import make_page
 from course_lib.course.installation import material_root
@@ -59,6 +59,17 @@ def test_a_lesson_that_fails_is_named_with_its_cell_and_error(tmp_path: Path) ->
 def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "import os", "os._exit(1)")
     with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, 'os._exit\(1\)': its kernel died"):
+        make_page(lesson, tmp_path / "book", tmp_path / "student")
+
+
+def test_a_kernel_that_does_not_start_in_time_ends_the_book(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lessons, "START", 0)
+    lesson = lesson_of(tmp_path, "x = 0")
+    with pytest.raises(
+        CourseError, match=r"week09_maps.ipynb, before its first cell: its kernel died or did"
+    ):
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
