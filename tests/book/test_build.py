@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from nbclient import NotebookClient
 
-from course_lib.book import book, guides, lessons
+from course_lib.book import book, guides
 from course_lib.book.book import build
 from course_lib.book.lessons import make_page
 from course_lib.course.installation import material_root
@@ -65,7 +66,10 @@ def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> N
 def test_a_kernel_that_does_not_start_in_time_ends_the_book(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lessons, "START", 0)
+    def starts_late(*_: object, **__: object) -> None:
+        raise RuntimeError("Kernel didn't respond in 180 seconds")
+
+    monkeypatch.setattr(NotebookClient, "execute", starts_late)
     lesson = lesson_of(tmp_path, "x = 0")
     with pytest.raises(
         CourseError, match=r"week09_maps.ipynb, before its first cell: its kernel died or did"
