@@ -10,7 +10,7 @@ from typing import Any
 
 import nbclient
 import nbformat
-from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
+from nbclient.exceptions import CellExecutionError, CellTimeoutError
 
 from course_lib.book.guides import LESSONS
 from course_lib.course.exercise import notebook_text, read_notebook, source
@@ -19,6 +19,7 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 
 SECONDS = 120  # [s] for a cell
+START = 180  # [s] for a kernel, on a busy machine
 SCENES = "_scenes"  # of the book
 KERNEL = "__import__('course_lib.book.kernel', fromlist=['begin'])"
 SHOWN_BY_SCRIPTS = "application/vnd.jupyter.widget-view+json"
@@ -59,7 +60,7 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
     begin = f"{KERNEL}.begin({lesson.stem!r}, {str(scenes)!r}, '../{SCENES}')"
     plain["cells"] = [_cell("book-begin", begin), *plain["cells"], _cell("book-end", f"{KERNEL}.end()")]
     notebook: Any = nbformat.reads(notebook_text(plain), as_version=4)  # type: ignore[no-untyped-call]  # has no types
-    place = [""]
+    place = ["before its first cell"]
 
     def note(cell: Any, cell_index: int) -> None:
         is_last = cell_index == len(notebook["cells"]) - 1
@@ -68,11 +69,16 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
 
     work_dir = {"metadata": {"path": str(work)}}
     client = nbclient.NotebookClient(
-        notebook, timeout=SECONDS, store_widget_state=False, resources=work_dir, on_cell_start=note
+        notebook,
+        timeout=SECONDS,
+        startup_timeout=START,
+        store_widget_state=False,
+        resources=work_dir,
+        on_cell_start=note,
     )
     try:
         client.execute(env=_environment(), stderr=DEVNULL)
-    except (CellExecutionError, CellTimeoutError, DeadKernelError) as error:
+    except (CellExecutionError, CellTimeoutError, RuntimeError) as error:  # kernels
         raise CourseError(f"{lesson.name}, {place[0]}: {_reason(error)}.") from error
     notebook["cells"] = notebook["cells"][1:-1]
     return notebook
@@ -93,7 +99,7 @@ def _reason(error: Exception) -> str:
         return f"{error.ename}: {error.evalue}. Correct that, then run course book again"
     if isinstance(error, CellTimeoutError):
         return f"it did not end within {SECONDS} s. Let it end by itself, then run course book again"
-    return "its kernel died. Run the lesson in JupyterLab to see why"
+    return "its kernel died or did not start. Run the lesson in JupyterLab to see why"
 
 
 def _kept(output: Any) -> Iterator[Any]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from nbclient import NotebookClient
 
 from course_lib.book import book, guides
 from course_lib.book.book import build
@@ -59,6 +60,20 @@ def test_a_lesson_that_fails_is_named_with_its_cell_and_error(tmp_path: Path) ->
 def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "import os", "os._exit(1)")
     with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, 'os._exit\(1\)': its kernel died"):
+        make_page(lesson, tmp_path / "book", tmp_path / "student")
+
+
+def test_a_kernel_that_does_not_start_in_time_ends_the_book(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def starts_late(*_: object, **__: object) -> None:
+        raise RuntimeError("Kernel didn't respond in 180 seconds")
+
+    monkeypatch.setattr(NotebookClient, "execute", starts_late)
+    lesson = lesson_of(tmp_path, "x = 0")
+    with pytest.raises(
+        CourseError, match=r"week09_maps.ipynb, before its first cell: its kernel died or did"
+    ):
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
