@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,13 +39,18 @@ class WeekReport:
         week: "week01", or the extras.
         flaws: What is wrong.
         unknown: Aspects that could not be looked at.
-        replace: How many places of a template are left.
+        left: Files with places of a template, and how many each has.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
-    replace: int = 0
+    left: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def replace(self) -> int:
+        """Count the places of a template."""
+        return sum(self.left.values())
 
     def cell(self, aspect: str) -> str:
         """Return the mark of one aspect."""
@@ -72,7 +77,7 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
             raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{meant}")
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
-            yield replace(_report(week, course, pool), replace=_left_of_template(week, course))
+            yield replace(_report(week, course, pool), left=_left_of_template(week, course))
     if not weeks and (found := list(page_flaws(EXTRAS, course))):
         yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
 
@@ -187,10 +192,17 @@ def table(reports: Sequence[WeekReport]) -> "Table":
     return made
 
 
-def _left_of_template(week: str, course: Course) -> int:
+def _left_of_template(week: str, course: Course) -> dict[str, int]:
+    """Return how often each file says REPLACE; a page of JupyterLab does not show a notebook's metadata."""
     tops = (course.lessons, course.exercises / "quizzes", course.solutions)
     files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
-    return sum(path.read_text(encoding="utf-8", errors="replace").count(LEFT) for path in files)
+    found: dict[str, int] = {}
+    for path in files:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        cells, _, metadata = text.rpartition('\n "metadata": {')
+        found[f"{path}, in its metadata"] = metadata.count(LEFT) if cells else 0
+        found[str(path)] = (cells or metadata).count(LEFT)
+    return {place: count for place, count in found.items() if count}
 
 
 def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
@@ -203,6 +215,7 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
         for r in reports
         if r.replace
     ]
+    found += [f"{place}: {count} {LEFT}".replace(top, "") for r in reports for place, count in r.left.items()]
     meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     said = [f"{aspect}: {text}" for aspect, text in meant.items()]
     bad = sum(bool(report.flaws) for report in reports)

@@ -151,7 +151,7 @@ class WeekRehearsals:
                 text = f"{result.task}: {name}: {came}, expected a loss by public and by hidden checks"
                 yield Flaw("wrong", text, place)
             elif says not in said(result):
-                text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
+                text = f"{result.task}: {name}: expected a message with the words {says!r}, the checks say: "
                 yield Flaw("wrong", text + said(result).splitlines()[0], place)
 
     def _look_at_edits(self, group: Sequence[Edit], made: Rehearsed) -> Iterator[Flaw]:
