@@ -194,7 +194,8 @@ def table(reports: Sequence[WeekReport]) -> "Table":
 
 def _left_of_template(week: str, course: Course) -> dict[str, int]:
     """Return how often each file says REPLACE; a page of JupyterLab does not show a notebook's metadata."""
-    tops = (course.lessons, course.exercises / "quizzes", course.solutions)
+    tops = [course.lessons, course.exercises / "quizzes", course.exercises / "mistakes", course.solutions]
+    tops += [course.exercises / "checks", course.solutions / "checks", course.solutions / "answers"]
     files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
     found: dict[str, int] = {}
     for path in files:

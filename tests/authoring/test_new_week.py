@@ -24,6 +24,8 @@ def test_a_new_week_is_right_in_every_aspect(course: Course) -> None:
         [report], course
     )
     assert report.replace >= 8
+    lesson = "notebooks/week09_occupancy_maps.ipynb, in its metadata: 1 REPLACE"
+    assert lesson in lines([report], course)
 
 
 def test_it_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points(course: Course) -> None:
