@@ -96,9 +96,16 @@ def checkout_root() -> Path:
     """Return the instructors' checkout, the only place that holds solutions and hidden checks.
 
     Raises:
-        CourseError: this is a student's copy, or an installed wheel.
+        CourseError: this is a student's copy, or an installed wheel, or the current folder is in another
+            course, which is not installed.
     """
     root = course_package().parent
+    for here in (Path.cwd(), *Path.cwd().parents):
+        if here != root and (here / "exercises" / "course.toml").is_file() and (here / "solutions").is_dir():
+            raise CourseError(
+                f"{here} is a course that is not installed; {root} is. Type here: pip install -e . "
+                "Or go there."
+            )
     if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
         return root
     raise CourseError(

@@ -102,6 +102,16 @@ def test_of_two_courses_the_one_of_the_current_folder_counts(project: Path, pyth
     run(python, "-m", "pip", "uninstall", "-q", "-y", "maps", cwd=project.parent)
 
 
+@pytest.mark.slow
+def test_in_a_course_that_is_not_installed_nothing_is_written_into_another(
+    project: Path, python: Path
+) -> None:
+    other = new_course("Not Installed", project.parent)
+    said = run(python, "-m", "course_lib", "new", "week02", "Maps", cwd=other / "exercises", code=2)
+    assert f"{other} is a course that is not installed; {project} is. Type here: pip install -e ." in said
+    assert not list(project.rglob("*week02*"))
+
+
 def test_it_depends_on_the_kit_and_names_its_own_weeks(project: Path) -> None:
     assert "course-lib>=" in (project / "pyproject.toml").read_text()
     course = read_course_file(project / "exercises" / "course.toml")
