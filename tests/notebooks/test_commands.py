@@ -38,6 +38,8 @@ NOT_RUN = {  # command -> why
     "%ros2 …": "names the magic",
     "%rqt": "names the magic",
     "%rqt …": "names the magic",
+    "course check": "names the command",
+    "course new course": "names the command",
     "course lab": "serves until it is stopped: tests/course/test_lab.py",
     "course lab ~/my_course": "serves until it is stopped: tests/course/test_lab.py",
     "course mark --serve": "serves until it is stopped: tests/grading/marking",
