@@ -24,6 +24,7 @@ from course_lib.grading.run.outcome import Usage
 
 START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
 STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands
+SIGNALLED = 128  # bubblewrap's status for a process that a signal ended, plus the signal's number
 PIPE_HOLDS = 2**20  # [B] of a submission's output
 BUBBLEWRAP = (
     "--die-with-parent --new-session --unshare-pid --unshare-net --unshare-ipc --unshare-uts "
@@ -45,7 +46,7 @@ class TemplateProcess:
         refused: Paths of the course that no submission may read.
 
     Raises:
-        WorkerError: It does not start at all.
+        WorkerError: It does not start at all, or was killed meanwhile.
         CourseError: A refused path can't be kept from submissions on this machine.
     """
 
@@ -69,6 +70,8 @@ class TemplateProcess:
             self._control.close()
             if not bubblewrap:
                 shutil.rmtree(scratch, ignore_errors=True)
+            if not 0 <= self._process.returncode < SIGNALLED:  # which says nothing of what works here
+                raise WorkerError(f"a worker was killed while it started: {said.strip()[-500:]}".rstrip(": "))
         else:
             raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
         if files.torn and self.isolation.protects and not self.isolation.hides:

@@ -15,7 +15,7 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Isolation, Need
-from course_lib.grading.jail.launch import WorkerError, shared_template
+from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
 from course_lib.grading.records import evidence_path, usage_path, writing
 from course_lib.grading.run.job import VERSION, Job, Run, Step
 from course_lib.grading.run.outcome import Usage
@@ -62,19 +62,27 @@ def run(job: Job) -> Ran:
         CourseError: The machine's isolation is less than the job needs.
         WorkerError: No worker lives long enough: a fault of the kit or of the machine.
     """
+    why: Exception | None = None
     with _one_at_a_time:
         for _ in range(TRIES):
-            demand(job.need, job.refused)
-            template = shared_template(job.refused)
             try:
-                made = run_scenarios(job)
-            except (OSError, WorkerError):  # it may have been killed before
-                template.close()
-            else:
-                if template.is_sound:
-                    return Ran(pack(made), made.usage)
-                template.close()  # it was killed, and the submission with it: the evidence means nothing
-    raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times")
+                demand(job.need, job.refused)
+                return _run_in(shared_template(job.refused), job)
+            except (OSError, WorkerError) as error:  # it may have been killed before, or while it started
+                why = error
+    raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times: {why}") from why
+
+
+def _run_in(template: TemplateProcess, job: Job) -> Ran:
+    """Run a job; a template that was killed is closed, as the evidence means nothing then."""
+    try:
+        made = run_scenarios(job)
+        if not template.is_sound:
+            raise WorkerError("the template was killed")
+    except (OSError, WorkerError):
+        template.close()
+        raise
+    return Ran(pack(made), made.usage)
 
 
 def run_scenarios(job: Job) -> ExerciseRun:

@@ -1,15 +1,19 @@
 """The jail with all of its layers, and with each level of what is left where some do not work."""
 
+import subprocess
 from collections.abc import Iterator
 from contextlib import closing
+from typing import Any
 
 import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.jail import filters
+from course_lib.grading.jail import filters, launch
 from course_lib.grading.jail.isolation import LAYERS, Isolation
-from course_lib.grading.jail.launch import TemplateProcess
+from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
+from course_lib.grading.run.job import Job, Step
+from course_lib.grading.run.run import run
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 
@@ -95,6 +99,37 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
         assert set(came.returns[0]) <= OPEN[off]
         assert template.isolation.protects == (not (FILES - SEEN) & OPEN[off])
         assert template.isolation.hides == (not SEEN & OPEN[off])
+
+
+@pytest.fixture
+def start_killed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The next template is killed before it can say which layers work."""
+    start, killed = launch._start, list[int]()
+
+    def start_and_kill(*settings: Any) -> "subprocess.Popen[bytes]":
+        process = start(*settings)
+        if not killed:
+            process.kill()
+            killed.append(process.pid)
+        return process
+
+    monkeypatch.setattr(launch, "_start", start_and_kill)
+
+
+@pytest.mark.usefixtures("start_killed_once")
+def test_a_template_that_is_killed_while_it_starts_is_not_followed_by_one_of_fewer_layers() -> None:
+    with pytest.raises(WorkerError, match="killed while it started"):
+        TemplateProcess()
+
+
+def test_a_template_that_is_killed_while_it_starts_costs_no_evidence(
+    request: pytest.FixtureRequest,
+) -> None:
+    job = Job(("answer = 1",), None, (Step(ANSWER, ANSWER.scenarios[0]),), Limits())
+    undisturbed = run(job).evidence
+    shared_template().close()
+    request.getfixturevalue("start_killed_once")
+    assert run(job).evidence == undisturbed
 
 
 def test_folders_in_folders_are_cleared_away() -> None:
