@@ -9,9 +9,8 @@ import typer
 from typer.exceptions import TyperException
 
 from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
-from course_lib.cli_staff import staff
+from course_lib.cli_staff import need_fork_for, staff
 from course_lib.errors import CourseError
-from course_lib.surroundings import need_fork_for
 
 NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
 RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise

@@ -1,5 +1,7 @@
 """`course …` for instructors: every command calls one function of the library."""
 
+import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,10 +16,25 @@ if TYPE_CHECKING:
     from course_lib.grading.jail.isolation import Need
 
 NOT_PASSED = 1  # exit code
+_FORKING = {"check", "classroom", "collect", "grade", "mark", "regrade", "verify"}  # run or keep submissions
 
 staff = typer.Typer()
 staff.add_typer(authors)
 staff.add_typer(classes)
+
+
+def need_fork_for(command: str) -> None:
+    """Refuse a command that forks processes where the system cannot, as on native Windows.
+
+    Raises:
+        CourseError: It is one that runs or keeps submissions, and processes cannot fork here.
+    """
+    if command in _FORKING and not hasattr(os, "fork"):
+        instead = " In the exercise itself check() works without." if command == "check" else ""
+        raise CourseError(
+            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a process can't "
+            f"fork.{instead}"
+        )
 
 
 @staff.command()

@@ -8,8 +8,6 @@ from importlib.util import find_spec
 
 from course_lib.errors import CourseError
 
-_FORKING = {"check", "classroom", "collect", "grade", "mark", "regrade", "verify"}  # run or keep submissions
-
 
 def in_notebook() -> bool:
     """Return whether this code runs in a notebook's kernel."""
@@ -32,20 +30,6 @@ def need_way_out() -> None:
         raise CourseError(
             "a page of its own cannot be reached on this JupyterHub, which has no jupyter-server-proxy. "
             "Show the viewer in a notebook: viewer, or viewer.beside()."
-        )
-
-
-def need_fork_for(command: str) -> None:
-    """Refuse a command of `course` that needs what native Windows lacks.
-
-    Raises:
-        CourseError: It is one that runs or keeps submissions, and processes cannot fork here.
-    """
-    if command in _FORKING and not hasattr(os, "fork"):
-        instead = " In the exercise itself check() works without." if command == "check" else ""
-        raise CourseError(
-            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a process can't "
-            f"fork.{instead}"
         )
 
 

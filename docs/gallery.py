@@ -54,11 +54,12 @@ class Entry:
     """One display of the gallery.
 
     Args:
-        alt: What is to be seen, for those who cannot see it.
-        topic: What it listens to.
-        message: What is published there, by `Everything`; None where a sensor publishes.
+        alt: The picture in words.
+        topic: The topic that it listens to.
+        message: Builds the message that `Everything` publishes there; None where a sensor publishes.
         distance: Of the camera, [m].
         settings: Properties by RViz's labels.
+        frame: The fixed frame.
     """
 
     alt: str
@@ -66,6 +67,7 @@ class Entry:
     message: Callable[[], Any] | None = None
     distance: float = 6.0
     settings: dict[str, Any] = field(default_factory=dict)
+    frame: str = "map"
 
 
 def pose(x: float, y: float, yaw: float = 0.0) -> Pose:
@@ -166,7 +168,7 @@ ENTRIES: dict[str, Entry] = {
     "CameraInfo": Entry("The pyramid of what a camera sees", "/camera/camera_info", distance=3.0),
     "DepthCloud": Entry("A wavy surface of points", "/depth/image", depth, 4.0),
     "Effort": Entry("Rings around the joints of an arm", "/joint_efforts", lambda: JointState(
-        name=["shoulder_pan_joint", "elbow_joint"], effort=[200.0, -90.0]), 3.0),
+        name=["shoulder_pan_joint", "elbow_joint"], effort=[200.0, -90.0]), 3.0, frame="base_link"),
     "FluidPressure": Entry("One coloured ball", "/pressure", lambda: FluidPressure(fluid_pressure=101_325.0),
                            3.0, SPOT),
     "Grid": Entry("A grid of ten by ten cells", distance=12.0),
@@ -197,8 +199,8 @@ ENTRIES: dict[str, Entry] = {
     "Range": Entry("A white cone from a range finder to a wall", "/range", None, 6.0),
     "RelativeHumidity": Entry("One coloured ball", "/humidity",
                               lambda: RelativeHumidity(relative_humidity=0.6), 3.0, SPOT),
-    "RobotModel": Entry("A robot arm", "/robot_description", None, 2.5),
-    "TF": Entry("The frames of a robot arm as axes, joined by arrows", None, None, 2.5),
+    "RobotModel": Entry("A robot arm", "/robot_description", None, 2.5, frame="base_link"),
+    "TF": Entry("The frames of a robot arm as axes, joined by arrows", None, None, 2.5, frame="base_link"),
     "Temperature": Entry("A coloured ball", "/warmth", lambda: Temperature(temperature=21.0), 3.0, SPOT),
     "TwistStamped": Entry("A red arrow ahead, and a yellow one with a circle", "/twist",
                           lambda: vectors(TwistStamped(), "linear", "angular"), 4.0),
@@ -285,8 +287,7 @@ def pictures() -> Iterator[tuple[str, str, bytes]]:
 
 def viewer_of(name: str, entry: Entry) -> Viewer:
     """Return a viewer with one display on a grid."""
-    arm = name in ("RobotModel", "TF", "Effort")
-    viewer = Viewer("base_link" if arm else "map")
+    viewer = Viewer(entry.frame)
     viewer.view = Orbit(distance=entry.distance, yaw=-0.9, pitch=0.6)
     if name != "Grid":
         display = viewer.add(name, entry.topic, **entry.settings)

@@ -1,9 +1,8 @@
-"""Messages and frames that a viewer owes while no page can show it; most are never asked for."""
+"""Messages and times that a viewer has not processed yet, because no page can show its scene."""
 
 from collections import deque
 from dataclasses import replace
 
-from course_lib.displays.display import Display
 from course_lib.displays.session import RvizSession
 from course_lib.ros.graph import Graph, Sample
 
@@ -12,27 +11,28 @@ MOST_BYTES = 16 << 20  # of messages
 
 
 class Backlog:
-    """Hands a graph's samples and time to a session: at once, or where nobody looks once somebody asks.
+    """Passes a graph's samples and times to a session: at once, or later while no page can show the scene.
 
-    Whoever asks finds what he would find if nothing had waited: all is replayed at its own time, in order.
+    `Context.settle` replays the samples and times that wait, in order and each at its own robot time. The
+    session's state is then the same as if none had waited.
 
     Args:
-        session: What they are for; `Context.settle` asks.
-        graph: Whose time it is.
+        session: Receives the samples and times.
+        graph: Publishes them.
     """
 
     def __init__(self, session: RvizSession, graph: Graph) -> None:
         self._session, self._graph = session, graph
         self._waiting: deque[Sample | int] = deque()  # samples, and robot times [ns] that passed
         self._bytes = 0
-        self._topics: set[str] | None = None  # that displays listen to, as long as all can wait
-        self._is_known = False  # whether it is known which topics these are
+        self._topics: set[str] | None = None  # that displays listen to; None if nothing can wait
+        self._is_known = False  # whether `_topics` is up to date
         self._replayed_ns: int | None = None  # robot time of what is being replayed
         session.context.settle = self.settle
 
     @property
     def now_ns(self) -> int:
-        """The robot time of what the session does now, [ns]."""
+        """The robot time of the sample or time that is processed now, [ns]."""
         return self._graph.now_ns if self._replayed_ns is None else self._replayed_ns
 
     def receive(self, sample: Sample) -> None:
@@ -41,20 +41,20 @@ class Backlog:
         if topics is None:
             self._session.receive(sample)
             return
-        if sample.topic not in topics:  # then only its time and its type are looked at
+        if sample.topic not in topics:  # the session reads only its time and type
             sample = replace(sample, cdr=b"")
         self._bytes += len(sample.cdr)
         self._wait(sample)
 
     def tick(self, now_ns: int) -> None:
-        """Process a robot time that has come, [ns], now or later."""
+        """Process a robot time that was reached, [ns], now or later."""
         if self._wanted() is None:
             self._session.tick(now_ns)
         else:
             self._wait(now_ns)
 
     def settle(self) -> None:
-        """Do all that waits."""
+        """Process all samples and times that wait."""
         if self._replayed_ns is not None:
             return
         self._is_known = False
@@ -81,16 +81,11 @@ class Backlog:
             self.settle()
 
     def _wanted(self) -> set[str] | None:
-        """Return the topics of which the messages are needed; None if nothing can wait."""
+        """Return the topics whose messages must be kept; None if nothing can wait."""
         if not self._is_known:
             session = self._session
             is_asleep = not (session.context.is_seen or session.after_frame)
-            can_wait = is_asleep and all(map(_can_wait, session.displays))
+            can_wait = is_asleep and not any(display.acts for display in session.displays)
             self._topics = session.topics() if can_wait else None
             self._is_known = True
         return self._topics
-
-
-def _can_wait(display: Display) -> bool:
-    """Return whether messages change nothing but the picture and the statuses of a display of ours."""
-    return type(display).__module__.startswith("course_lib.displays.") and not display.acts

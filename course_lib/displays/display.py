@@ -79,7 +79,7 @@ class Display(PropertyHolder):
 
     class_name: ClassVar[str] = ""
     properties: tuple[Property, ...] = (Property("Enabled", True, flag),)
-    acts: ClassVar[bool] = False  # whether messages make it publish or call services
+    acts: ClassVar[bool] = False  # whether messages change more than its picture and its statuses
 
     def __init__(self, context: Context, name: str, path: str) -> None:
         super().__init__()

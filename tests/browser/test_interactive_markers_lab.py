@@ -75,6 +75,7 @@ def test_a_marker_is_dragged_while_its_server_runs_live(notebook: Notebook) -> N
         mouse.move(*over(canvas, 0, 0))
         return bool(canvas.evaluate(is_over))
 
+    # In its first second a marker is no client's: the server drops a press, as in ROS.
     went_on = "print(node.get_clock().now().nanoseconds > 1_700_000_001 * 10**9)"
     wait_until(lambda: notebook.kernel(went_on).strip() == "True", notebook.page)
     wait_until(seen, notebook.page)

@@ -7,7 +7,7 @@ from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage
 
 from course_lib.displays import backlog
-from course_lib.displays.own_display import OwnDisplay
+from course_lib.displays.own_display import OwnDisplay, register
 from course_lib.displays.registry import REGISTRY, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
@@ -175,8 +175,12 @@ def test_large_messages_that_no_display_takes_need_no_room(
 def test_a_display_of_ones_own_gets_its_messages_at_once(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(REGISTRY, Noted.class_name, Noted)
+    monkeypatch.setitem(REGISTRY, Noted.class_name, Noted)  # removed after the test
     monkeypatch.setattr(Noted, "seen", [], raising=False)
+    monkeypatch.setattr(
+        Noted, "__module__", "course_lib.displays.noted"
+    )  # the name of a module decides nothing
+    register(Noted)
     viewer = Unseen()
     viewer.add(Noted.class_name, "/m")
     publish(graph, "/m", marker())

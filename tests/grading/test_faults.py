@@ -6,7 +6,7 @@ import signal
 import subprocess
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -93,18 +93,6 @@ def test_processes_that_are_killed_cost_nobody_a_mark(
     said = grader.communicate(timeout=SECONDS)[0]
     assert grader.returncode == 0, said
     assert fingerprint(out) == undisturbed
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 160 kB."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    mount = ("mount", "-t", "tmpfs", "-o", "size=160k", "tmpfs", str(place))
-    if subprocess.run(mount, capture_output=True, check=False).returncode:
-        pytest.skip("no disk can be mounted here")
-    yield place
-    subprocess.run(("umount", "-l", str(place)), check=True)
 
 
 def test_a_full_disk_ends_it_in_one_line_and_it_goes_on_when_there_is_room(
