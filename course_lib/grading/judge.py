@@ -211,7 +211,7 @@ class _Judge:
         self._verdicts = {}
         rows = [_row(check, run, self._verdict(check, run.evidence)) for check in run.scenario.checks]
         run.evidence.release()
-        took = [self._seconds.get(check.judge, 0.0) for check in run.scenario.checks]
+        took = [self._seconds[check.judge] for check in run.scenario.checks]
         return [replace(row, seconds=seconds) for row, seconds in zip(rows, took, strict=True)]
 
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:

@@ -13,7 +13,8 @@ from course_lib.grading.handin.roster import read_times
 from course_lib.grading.marks.mark import read_result
 from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.marks.requests import read_requests
-from course_lib.grading.reports.times import check_times
+from course_lib.grading.reports.times import check_times, scenario_times
+from course_lib.grading.run.run import read_usage
 from tests.grading.test_platform_times import PARIS
 
 DEEP = "[" * 100_000
@@ -32,6 +33,16 @@ def test_times_that_are_too_deep_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "evidence").mkdir()
     (tmp_path / "evidence/key.checks.json").write_text(DEEP)
     assert check_times(tmp_path, ["key"]) == {}
+
+
+@pytest.mark.parametrize(
+    "text", [DEEP, "[]", '{"scenarios": []}', '{"scenarios": {"a/b": "x"}}', '{"cpu_seconds": "x"}']
+)
+def test_damaged_usage_is_left_out(tmp_path: Path, text: str) -> None:
+    (tmp_path / "evidence").mkdir()
+    (tmp_path / "evidence/key.usage.json").write_text(text)
+    assert read_usage(tmp_path, "key") is None
+    assert scenario_times(tmp_path, ["key"]) == {}
 
 
 @pytest.mark.parametrize("attachments", [1, "x", {"id": 1}, [None, 1, {"name": "x"}]])

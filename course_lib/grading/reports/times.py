@@ -49,7 +49,7 @@ def check_times(out: Path, keys: Iterable[str]) -> dict[Name, Spent]:
 def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, Spent]:
     """Return what each scenario took in the jail, by task and name."""
     usages = (usage for key in keys if (usage := read_usage(out, key)))
-    return _spent((tuple(name.split("/", 1)), s) for usage in usages for name, s in usage.scenarios.items())
+    return _spent((name.partition("/")[::2], s) for usage in usages for name, s in usage.scenarios.items())
 
 
 def _check_rows(out: Path, key: str) -> Iterator[tuple[Name, float]]:

@@ -106,8 +106,10 @@ def keep(out: Path, key: str, ran: Ran) -> None:
 
 def read_usage(out: Path, key: str) -> Usage | None:
     """Return what a run used, or None if that is not known."""
-    with suppress(OSError, ValueError, TypeError):
-        return Usage(**json.loads(usage_path(out, key).read_text(encoding="utf-8")))
+    with suppress(OSError, ValueError, TypeError, AttributeError, RecursionError):
+        content = json.loads(usage_path(out, key).read_text(encoding="utf-8"))
+        scenarios = {name: float(seconds) for name, seconds in content.pop("scenarios", {}).items()}
+        return Usage(**{name: float(value) for name, value in content.items()}, scenarios=scenarios)
     return None
 
 
