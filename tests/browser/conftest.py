@@ -10,7 +10,7 @@ from course_lib.viewer.picture import find_browser
 from tests.browser.bench import Bench
 from tests.browser.fake_host import Host, chromium
 from tests.browser.jupyterlab import Lab, course_lab
-from tests.browser.waiting import PATIENCE
+from tests.patience import PATIENCE
 
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 expect.set_options(timeout=PATIENCE * 1000)

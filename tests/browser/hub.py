@@ -17,7 +17,8 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page
 
-from tests.browser.waiting import PATIENCE, wait_until
+from tests.browser.waiting import wait_until
+from tests.patience import PATIENCE
 
 PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
@@ -103,7 +104,7 @@ def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
     finally:
         process.send_signal(signal.SIGTERM)  # it ends its users' servers and its proxy
         with suppress(subprocess.TimeoutExpired):
-            process.wait(20)
+            process.wait(PATIENCE)
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
 

@@ -20,7 +20,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
 from course_lib.course.hand_out import prepare
-from tests.browser.waiting import PATIENCE
+from tests.patience import PATIENCE
 
 KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
 
@@ -42,7 +42,7 @@ def course_lab(folder: Path, home: Path) -> Iterator[str]:
         yield address.group()
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(PATIENCE)
 
 
 def write_notebook(path: Path, sources: Sequence[str]) -> None:

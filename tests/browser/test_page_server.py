@@ -22,7 +22,8 @@ from course_lib.viewer.page_server import PageServer
 from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
 from tests.browser.test_playback import READING, TIME, at_x, scrub
-from tests.browser.waiting import PATIENCE, wait_until
+from tests.browser.waiting import wait_until
+from tests.patience import PATIENCE
 
 pytestmark = pytest.mark.browser
 

@@ -10,7 +10,7 @@ from course_lib.viewer.html import bundle_script, save_html, scene_fragment
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
-from tests.browser.waiting import PATIENCE
+from tests.patience import PATIENCE
 from tests.viewer.test_film import Clock
 from tests.viewer.test_stream import RED_BOX
 

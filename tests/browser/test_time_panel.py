@@ -11,7 +11,8 @@ from course_lib.ros.pace import speed_of
 from tests.browser.bench import Bench
 from tests.browser.fake_host import count
 from tests.browser.test_playback import READING
-from tests.browser.waiting import PATIENCE, wait_until
+from tests.browser.waiting import wait_until
+from tests.patience import PATIENCE
 
 pytestmark = pytest.mark.browser
 

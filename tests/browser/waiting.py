@@ -5,7 +5,8 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page
 
-PATIENCE = 120.0  # [s] a page takes 60 where two servers start on two busy cores
+from tests.patience import PATIENCE
+
 A_MOMENT = 0.05  # [s]
 
 

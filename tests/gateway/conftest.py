@@ -12,9 +12,9 @@ from zenoh.handlers import Callback
 
 from course_lib.gateway.gateway import TURN, Gateway, Settings
 from course_lib.gateway.students import PASSWORDS, Access, class_of
+from tests.patience import PATIENCE
 
 Opened = Callable[..., zenoh.Session]
-PATIENCE = 20.0  # [s] for states that are waited for
 ROSTER = "Full name,ID number\nAnn Lee,1234\nBob Ray,b.1\n"
 
 

@@ -18,7 +18,8 @@ from course_lib.ros.zenoh.link import RobotLink
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import Allowed
 from tests.gateway.conftest import ROSTER, free_port
-from tests.ros.zenoh.conftest import PATIENCE, Routers
+from tests.patience import PATIENCE
+from tests.ros.zenoh.conftest import Routers
 from tests.ros.zenoh.test_two_kits import LATCHED, listener, say, talker, texts
 
 RESTARTS = 3  # tests/benchmarks/bench_restarts.py does 20 of each

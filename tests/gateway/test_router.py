@@ -18,6 +18,7 @@ import zenoh
 from course_lib.gateway.students import Access, class_of
 from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
+from tests.patience import PATIENCE
 
 Started = Callable[..., Path]
 OPEN = """
@@ -60,7 +61,7 @@ def started(tmp_path: Path) -> Iterator[Started]:
     yield start
     for process in processes:
         process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        assert process.wait(PATIENCE) == 0
 
 
 def says(log: Path, text: str) -> None:

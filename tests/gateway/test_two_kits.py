@@ -13,8 +13,9 @@ from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.qos import Qos
 from course_lib.ros.zenoh.connect import RobotAddress, link_to
 from course_lib.ros.zenoh.robot_graph import RobotGraph
-from tests.gateway.conftest import PATIENCE, ROSTER, Opened, free_port
+from tests.gateway.conftest import ROSTER, Opened, free_port
 from tests.gateway.test_router import Started, says, started, users_in
+from tests.patience import PATIENCE
 
 __all__ = ["started"]
 PAINTING = """

@@ -99,7 +99,7 @@ def test_echo_of_a_static_transform_is_at_time_0() -> None:
 
 def test_echo_takes_a_rate() -> None:
     assert output("tf2_ros tf2_echo world base 5", moving(2)).count("At time") == 11  # both ends
-    with pytest.raises(CourseError, match="argument echo_rate: invalid"):
+    with pytest.raises(CourseError, match="argument echo_rate: Value must be positive"):
         output("tf2_ros tf2_echo world base 0", moving())
 
 

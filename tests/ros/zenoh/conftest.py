@@ -15,6 +15,7 @@ from course_lib.ros import wall
 from course_lib.ros.zenoh.link import RobotLink
 from course_lib.ros.zenoh.robot_graph import RobotGraph
 from course_lib.ros.zenoh.sending import Allowed
+from tests.patience import PATIENCE
 
 ROOT = Path(__file__).parents[3]
 ROUTER = """
@@ -25,7 +26,6 @@ session = open_router(int(sys.argv[1]))
 print("up", flush=True)
 sys.stdin.read()
 """
-PATIENCE = 20.0  # [s]
 
 
 def free_port() -> int:
