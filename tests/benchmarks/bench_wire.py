@@ -3,11 +3,12 @@
 import gc
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 from course_lib.ros import standin_path
 from tests.benchmarks.table import Row, markdown
 
-CALLS = 200
+CALLS = 1000
 
 
 def best(call: Callable[[], object]) -> float:
@@ -23,24 +24,36 @@ def best(call: Callable[[], object]) -> float:
 
 
 def rows() -> Iterator[Row]:
-    """Yield a row for each direction."""
+    """Yield a row for each direction and message."""
     standin_path.install()
     from geometry_msgs.msg import Point
+    from sensor_msgs.msg import JointState
+    from std_msgs.msg import Int32
     from visualization_msgs.msg import Marker
 
+    names, numbers = [f"joint_{number}" for number in range(6)], [0.1] * 6
+    for title, message in {
+        "a Marker of 20 points": Marker(points=[Point(x=1.0)] * 20),
+        "a JointState of 6 joints": JointState(name=names, position=numbers, velocity=numbers),
+        "an Int32": Int32(data=3),
+    }.items():
+        yield from rows_of(title, message)
+
+
+def rows_of(title: str, message: Any) -> Iterator[Row]:
+    """Yield a row for each direction."""
     from course_lib.ros.messages import deserialize, serialize
     from course_lib.ros.messages.definitions import typestore
 
-    marker = Marker(points=[Point(x=1.0)] * 20)
-    cdr, store, name = serialize(marker), typestore(), marker._TYPE_NAME
+    cdr, store, name = serialize(message), typestore(), message._TYPE_NAME
     twin = store.deserialize_cdr(cdr, name)
     pairs: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
-        "serialise": (lambda: serialize(marker), lambda: store.serialize_cdr(twin, name)),
-        "deserialise": (lambda: deserialize(cdr, Marker), lambda: store.deserialize_cdr(cdr, name)),
+        "serialise": (lambda: serialize(message), lambda: store.serialize_cdr(twin, name)),
+        "deserialise": (lambda: deserialize(cdr, type(message)), lambda: store.deserialize_cdr(cdr, name)),
     }
-    for title, calls in pairs.items():
+    for verb, calls in pairs.items():
         ours, theirs = (1e6 * best(call) for call in calls)
-        yield Row(f"{title} a Marker of 20 points", "µs", ours, {"rosbags": theirs})
+        yield Row(f"{verb} {title}", "µs", ours, {"rosbags": theirs})
 
 
 if __name__ == "__main__":

@@ -40,25 +40,25 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
             body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
         body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]
     named = (f"check_fields={CHECKED}", *(f"{name}=_unset" for name in kinds))
-    return _compiled("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
+    return compiled("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
 
 
 def maker(cls: type) -> Callable[..., Any]:
     """Return a function that makes a message of all values as sent, and the messages in its fields."""
     scope: dict[str, Any] = {}
     values: list[str] = []
-    body = _making(cls, "m", scope, values)
-    return _compiled("make", ", ".join(values), [*body, "return m"], scope)
+    body = making(cls, "m", scope, values)
+    return compiled("make", ", ".join(values), [*body, "return m"], scope)
 
 
-def _making(cls: Any, name: str, scope: dict[str, Any], values: list[str]) -> list[str]:
+def making(cls: Any, name: str, scope: dict[str, Any], values: list[str]) -> list[str]:
     """Return the lines that make one message under a name, and note what they need."""
     scope |= {f"{name}_new": cls.__new__, f"{name}_cls": cls}
     body = [f"{name} = {name}_new({name}_cls)", f"{name}._check_fields = {CHECKED}"]
     for field, kind in cls._KINDS.items():
         inner = f"{name}_{field}"
         if hasattr(kind.exact, "_KINDS"):
-            body += [*_making(kind.exact, inner, scope, values), f"{name}._{field} = {inner}"]
+            body += [*making(kind.exact, inner, scope, values), f"{name}._{field} = {inner}"]
             continue
         values.append(f"v{len(values)}")
         scope[f"{inner}_of"] = kind.from_wire
@@ -68,8 +68,10 @@ def _making(cls: Any, name: str, scope: dict[str, Any], values: list[str]) -> li
     return body
 
 
-def _compiled(name: str, arguments: str, body: Iterable[str], scope: dict[str, Any]) -> Callable[..., Any]:
+def compiled(name: str, arguments: str, body: Iterable[str], scope: dict[str, Any]) -> Callable[..., Any]:
+    """Return the function with these lines, which finds `scope` as its globals."""
     lines = "\n".join(f"    {line}" for line in body)
-    exec(f"def {name}({arguments}):\n{lines}", scope)  # the names are those of a checked definition
+    source = f"def {name}({arguments}):\n{lines}"  # the names are those of a checked definition
+    exec(compile(source, f"{__file__}:{name}", "exec"), scope)  # a file of the kit: left out of tracebacks
     function: Callable[..., Any] = scope[name]
     return function

@@ -1,7 +1,7 @@
 """One row per kind of field: what it holds, and how that is checked, kept, constructed and sent.
 
-rosbags wants plain numbers and numpy arrays of the field's own type; ROS programs see array.array, numpy,
-``bytes`` and lists. `to_wire` and `from_wire` convert where the two differ.
+Lists are kept by reference, so `to_wire` checks them when they are sent; it joins bools and bytes, which
+`from_wire` takes apart.
 """
 
 from array import array
@@ -15,7 +15,6 @@ from course_lib.ros.messages import checks
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, Primitive
 
 Convert = Callable[[Any], Any]
-CONVERTED = "_wire__"  # before the name of a field: what is sent instead of the value in its slot
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +54,9 @@ def _kind_of(field: FieldDefinition, message_class: Callable[[str], type]) -> Ki
 
 def _scalar(field: FieldDefinition, primitive: Primitive) -> Kind:
     default = _one(primitive) if field.default is None else lambda: field.default
-    send, receive = _BYTE if primitive.python is bytes else (None, None)
     exact = primitive.python if checks.needs_type_only(field, primitive) else None
     check = checks.scalar_check(field, primitive)
-    return Kind(default, check, to_wire=send, from_wire=receive, exact=exact)
+    return Kind(default, check, exact=exact)
 
 
 def _one(primitive: Primitive) -> Callable[[], Any]:
@@ -67,7 +65,7 @@ def _one(primitive: Primitive) -> Callable[[], Any]:
 
 def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
     """An array.array; one that is assigned is kept itself, anything else is copied into a new one."""
-    code, dtype, frombuffer = primitive.code, primitive.dtype, np.frombuffer
+    code, dtype = primitive.code, primitive.dtype
 
     def pack(value: Any) -> "array[Any]":
         if not isinstance(value, np.ndarray) or value.ndim != 1:
@@ -79,8 +77,6 @@ def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
         check=checks.numbers_check(field, primitive),
         construct=pack,
         keep=lambda value: value if isinstance(value, array) else pack(value),
-        to_wire=lambda value: frombuffer(value, dtype),
-        from_wire=lambda value: array(code, value.tobytes()),
     )
 
 
@@ -92,8 +88,6 @@ def _block(field: FieldDefinition, primitive: Primitive) -> Kind:
         check=checks.block_check(field, primitive),
         construct=lambda value: np.array(value, dtype),
         keep=lambda value: value if isinstance(value, np.ndarray) else np.array(value, dtype),
-        to_wire=np.ascontiguousarray,
-        from_wire=np.copy,
     )
 
 
@@ -117,15 +111,8 @@ def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Ki
     )
 
 
-_BYTE: tuple[Convert, Convert] = (
-    lambda value: int.from_bytes(value, signed=True),
-    lambda value: value.to_bytes(1, signed=True),
-)
-# How lists travel that rosbags wants as numpy arrays.
+# How lists of single bytes travel.
 _LISTS: Mapping[str, tuple[Convert, Convert]] = {
-    "bool": (lambda value: np.array(list(value), bool), lambda value: value.tolist()),
-    "byte": (
-        lambda value: np.frombuffer(b"".join(value), np.uint8),
-        lambda value: [bytes([octet]) for octet in value.tobytes()],
-    ),
+    "bool": (bytes, lambda octets: [octet != 0 for octet in octets]),
+    "byte": (b"".join, lambda octets: [bytes([octet]) for octet in octets]),
 }

@@ -1,25 +1,16 @@
-"""Messages as CDR bytes, by rosbags' serialiser, and as plain Python values."""
+"""Messages as CDR bytes, and as plain Python values."""
 
 from array import array
-from collections.abc import Iterator
-from functools import cache
 from struct import error as StructError  # noqa: N812  # a class under a lower-case name
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages.compiled import maker
-from course_lib.ros.messages.definitions import definition, typestore
-from course_lib.ros.messages.kinds import CONVERTED, Convert
+from course_lib.ros.messages.cdr_layout import LITTLE
+from course_lib.ros.messages.cdr_reader import MALFORMED, ORDERS, unpacker
+from course_lib.ros.messages.cdr_writer import packer
 from course_lib.ros.messages.message import RosMessage
-from course_lib.ros.messages.registry import message_class
-
-if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc
-    from rosbags.typesys.store import MsgType
-
-    from course_lib.ros.messages.store import CdrStore
 
 M = TypeVar("M", bound=RosMessage)
 
@@ -29,9 +20,8 @@ def serialize(message: RosMessage) -> bytes:
 
     Raises an AssertionError for a value that got in behind the setters' back, by ``append`` for example.
     """
-    store = _store_with(message._TYPE_NAME)
     try:
-        return store.pack(message, message._TYPE_NAME)
+        return packer(message._TYPE_NAME)(message)
     except (AttributeError, TypeError, ValueError, StructError):
         try:
             _check(message)
@@ -42,64 +32,21 @@ def serialize(message: RosMessage) -> bytes:
 
 def deserialize(cdr: bytes, cls: type[M]) -> M:
     """Create a message from CDR bytes; raises a CourseError if they are of another type."""
-    store = _store_with(cls._TYPE_NAME)
+    data = bytes(cdr)
     try:
-        message: Any = store.deserialize_cdr(memoryview(cdr), cls._TYPE_NAME)
-    except store.malformed as error:
+        order = ORDERS.get(data[:2])
+        if order is None:
+            raise ValueError("its first bytes name no encapsulation that is known")
+        message: M = unpacker(cls._TYPE_NAME, order)(data)
+    except MALFORMED as error:
         raise CourseError(f"These {len(cdr)} bytes are no {cls._TYPE_NAME}: {error}") from error
-    made: M = message
-    return made
+    return message
 
 
 def compile_wire(type_name: str) -> None:
     """Compile what a type's messages need to be sent and heard, so that forks of this process find it."""
-    _store_with(type_name).get_msgdef(type_name)
-
-
-@cache
-def _store_with(type_name: str) -> "CdrStore":
-    """Return the store of our own classes after adding one type and the types in its lists."""
-    store = _store()
-    if type_name not in store.types:
-        store.fielddefs[type_name] = ([], list(_flat(type_name)))
-        # rosbags only ever calls it with the values of the fields in order
-        store.types[type_name] = cast("type[MsgType]", maker(message_class(type_name)))
-    return store
-
-
-def _flat(type_name: str, path: str = "") -> Iterator[tuple[str, "FieldDesc"]]:
-    """Yield what rosbags reads of a message, also of those in its fields: one function then does it all."""
-    cls, known = message_class(type_name), typestore().fielddefs[type_name][1]
-    for field, (_, desc) in zip(definition(type_name).fields, known, strict=True):
-        if field.is_message and field.container == "scalar":
-            yield from _flat(field.base, f"{path}_{field.name}.")
-            continue
-        yield path + _wire_name(cls, field.name), desc
-        if field.is_message:
-            _store_with(field.base)
-
-
-@cache
-def _store() -> "CdrStore":
-    from course_lib.ros.messages.store import CdrStore
-
-    return CdrStore()
-
-
-def _wire_name(cls: type[RosMessage], name: str) -> str:
-    """Name the attribute that rosbags reads: the slot itself, or a property that converts what is in it."""
-    kind, wire_name = cls._KINDS.get(name), f"{CONVERTED}{name}"
-    if kind is None:
-        setattr(cls, wire_name, 0)  # the placeholder of a message without fields
-    elif kind.to_wire is None:
-        return f"_{name}"
-    else:
-        setattr(cls, wire_name, _converted(f"_{name}", kind.to_wire))
-    return wire_name
-
-
-def _converted(slot: str, to_wire: Convert) -> property:
-    return property(lambda message: to_wire(getattr(message, slot)))
+    packer(type_name)
+    unpacker(type_name, LITTLE)
 
 
 def _check(message: RosMessage) -> None:
