@@ -3,6 +3,7 @@
 import base64
 import os
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from subprocess import DEVNULL
@@ -19,6 +20,7 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
 
 SECONDS = 120  # [s] for a cell
+HERE = "…/.venv"  # takes the place of the folder of this Python
 START = 180  # [s] for a kernel, on a busy machine
 SCENES = "_scenes"  # of the book
 KERNEL = "__import__('course_lib.book.kernel', fromlist=['begin'])"
@@ -28,6 +30,14 @@ UNSAID = re.compile(
     r"^You predicted: .*?(?=^Measured: |\Z)|^No page is watching: [^\n]*\n", re.MULTILINE | re.DOTALL
 )
 ATTACHED = re.compile(r"attachment:([^)\s]+)")
+NAMED = re.compile(r"(?<!\[)`(\w+\.ipynb)`")
+BANNER = """
+:::{{note}}
+This page is for reading: it shows what the cells of the lesson show. Turn the 3D scenes with the mouse, and
+press ▶ below them. To run and change cells, to answer questions and to use the panels,
+[install the course](../index.md), type `course lab` and open `{name}`.
+:::
+"""
 
 
 def make_page(lesson: Path, book: Path, work: Path) -> None:
@@ -43,7 +53,10 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
     """
     prepare(work)
     notebook = run_lesson(lesson, book / "_extra" / SCENES, work)
+    others = {path.name for path in lesson.parent.glob("*.ipynb")} - {lesson.name}
     for cell in notebook["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = _linked(cell["source"], others)
         if cell["cell_type"] == "code":
             cell["outputs"] = [kept for output in cell["outputs"] for kept in _kept(output)]
         for name, data in _attachments(cell):
@@ -51,7 +64,26 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
         if "attachments" in cell:
             cell["source"] = ATTACHED.sub(rf"images/{lesson.stem}/\1", cell["source"])
             del cell["attachments"]
+    _introduce(notebook["cells"], BANNER.format(name=lesson.name))
     write_whole(book / LESSONS / lesson.name, notebook_text(notebook).encode())
+
+
+def _introduce(cells: list[Any], words: str) -> None:
+    """Put words below the title of a lesson."""
+    for cell in cells:
+        if cell["source"].startswith("# "):
+            title, _, rest = cell["source"].partition("\n")
+            cell["source"] = f"{title}\n{words}{rest}"
+            return
+
+
+def _linked(text: str, others: set[str]) -> str:
+    """Return Markdown in which the names of other lessons lead to their pages."""
+
+    def link(named: re.Match[str]) -> str:
+        return f"[{named[0]}]({named[1]})" if named[1] in others else named[0]
+
+    return NAMED.sub(link, text)
 
 
 def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
@@ -103,9 +135,9 @@ def _reason(error: Exception) -> str:
 
 
 def _kept(output: Any) -> Iterator[Any]:
-    """Yield an output without what needs a kernel, and without answers."""
+    """Yield an output without what needs a kernel, and without answers and folders of this machine."""
     if output["output_type"] == "stream":
-        output["text"] = UNSAID.sub("", output["text"])
+        output["text"] = UNSAID.sub("", output["text"]).replace(sys.prefix, HERE)
         if output["text"].strip():
             yield output
         return

@@ -28,7 +28,10 @@ class Late:
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a submission at grading: wall clock in [s], output in [kB], memory and files in [MB]."""
+    """Limits of a submission at grading: time in [s], output in [kB], memory and files in [MB].
+
+    The time is that of the wall clock, without what a submission waits for a processor on a busy machine.
+    """
 
     cell_seconds: float = 10.0
     scenario_seconds: float = 10.0

@@ -10,6 +10,7 @@ from typing import Any
 from course_lib.course.installation import exercises_dir, solutions_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, did_you_mean
+from course_lib.foreign import read_json
 
 Notebook = dict[str, Any]
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
@@ -41,8 +42,8 @@ def read_notebook(path: Path) -> Notebook:
         CourseError: it is missing, no JSON, or no notebook of format 4.
     """
     try:
-        notebook = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        notebook = read_json(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read as a notebook: {error}") from error
     cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):

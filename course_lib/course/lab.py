@@ -1,6 +1,5 @@
 """`course lab`: JupyterLab on the student's folder, with the address on the terminal."""
 
-import json
 import os
 import secrets
 import signal
@@ -18,6 +17,7 @@ import psutil
 from course_lib.course.hand_out import DEFAULT_FOLDER, prepare
 from course_lib.course.progress import CONTENTS_FILE, write_contents
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.surroundings import hub_prefix
 
 FIRST_PORT = 8888
@@ -114,7 +114,7 @@ def _url_when_it_listens(process: "subprocess.Popen[bytes]") -> str | None:
     deadline = time.monotonic() + START_SECONDS
     while process.poll() is None and time.monotonic() < deadline:
         with suppress(OSError, ValueError, psutil.Error):  # not there yet, half written, or it ends just now
-            url = str(json.loads(facts.read_text())["url"])
+            url = str(read_json(facts.read_text())["url"])
             sockets = psutil.Process(process.pid).net_connections("tcp")
             if any(found.status == psutil.CONN_LISTEN for found in sockets):
                 return url

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 
 STATE_FOLDER = ".course"
 WRITTEN_FOLDER = "my_files"  # for what lessons and exercises write; the cells name it
@@ -66,7 +67,7 @@ class State:
         if path is None:
             return dict(self._memory.get(name, {}))
         try:
-            kept = json.loads(path.read_text(encoding="utf-8"))
+            kept = read_json(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return {}
         except ValueError as error:

@@ -1,6 +1,5 @@
 """A router between a class and a robot: students hear the robot, and one of them drives."""
 
-import json
 import re
 import tempfile
 import threading
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_lib.foreign import read_json
 from course_lib.gateway.access import INNER, access_control
 from course_lib.gateway.students import Access
 from course_lib.gateway.zenoh_router import open_router
@@ -235,6 +235,6 @@ def _links(session: "zenoh.Session", own: set[str]) -> list[str]:
     found = []
     for reply in session.get(f"@/{session.zid()}/router", timeout=1.0):
         if reply.ok is not None:
-            sessions = json.loads(bytes(reply.ok.payload))["sessions"]
+            sessions = read_json(bytes(reply.ok.payload))["sessions"]
             found += [link["dst"] for one in sessions if one["peer"] not in own for link in one["links"]]
     return found

@@ -1,6 +1,7 @@
 """Reasons and hints of a failed task: the kind of mistake, then numbers; by cause, then the ladder."""
 
 import math
+import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -52,15 +53,21 @@ class Advice:
     def hint(self, task: Task, result: TaskResult) -> str:
         """Return the hint for the first cause, or the next of the task's own hints where that was shown.
 
-        After an exception no check has seen what was meant: the cause is the exception.
+        After an exception no check has seen what was meant: the cause is the exception. The ladder
+        begins where the same one comes again.
         """
-        for mistake in [""] if result.errors else _first_cause(result):
-            text = task.mistakes.get(mistake) or _general_hint(mistake) if mistake else AFTER_AN_ERROR
+        for mistake in map(_without_place, result.errors[:1]) if result.errors else _first_cause(result):
+            text = AFTER_AN_ERROR if result.errors else task.mistakes.get(mistake) or _general_hint(mistake)
             if text and (task.id, mistake) not in self._hinted:
                 self._hinted.add((task.id, mistake))
                 return f"Hint: {text}"
         self._rungs[task.id] = rung = min(self._rungs[task.id] + 1, HINTS)
         return f"Hint {rung} of {HINTS}: {task.hints[rung - 1]}"
+
+
+def _without_place(error: str) -> str:
+    """Return an error's text without the cell and the line, which change from run to run."""
+    return re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", error, flags=re.DOTALL)
 
 
 def _first_cause(result: TaskResult) -> list[str]:

@@ -137,3 +137,10 @@ def test_after_an_exception_there_is_no_hint_on_what_its_node_did_not_publish() 
     )
     said = [advice.hint(TASK, stopped) for _ in range(2)]
     assert said == [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]
+
+
+def test_the_ladder_is_for_an_exception_that_comes_again_not_for_the_next_one() -> None:
+    advice, texts = Advice(), ("ValueError: x", "TypeError: y", "TypeError: y")
+    errors = [f"{text} (cell In[{cell}], line {cell}: x())" for cell, text in enumerate(texts)]
+    said = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
+    assert said == [f"Hint: {AFTER_AN_ERROR}", f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]

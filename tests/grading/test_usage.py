@@ -1,6 +1,8 @@
 from contextlib import closing
 from pathlib import Path
 
+import pytest
+
 from course_lib.course.course_file import Limits
 from course_lib.grading.records import usage_path
 from course_lib.grading.run.outcome import Usage
@@ -27,6 +29,14 @@ def test_time_and_memory_of_a_submission_and_of_its_children_count() -> None:
     assert busy.cpu_seconds > 2 * idle.cpu_seconds
     assert child.cpu_seconds > 2 * idle.cpu_seconds
     assert large.memory_megabytes > idle.memory_megabytes + 190
+
+
+@pytest.mark.parametrize("show", ["print", "display", "sys.stderr.write"])
+def test_what_a_cell_prints_takes_no_memory(show: str) -> None:
+    first = "import sys\nfrom IPython.display import display\n"
+    loop = f"for n in range(60): {show}(str(n) * 500_000)"
+    quiet, loud = used(f"{first}answer = 1"), used(f"{first}{loop}\nanswer = 1")
+    assert loud.memory_megabytes < quiet.memory_megabytes + 20  # 60 MB were printed
 
 
 def test_each_scenario_has_its_own_time() -> None:

@@ -15,6 +15,7 @@ from zoneinfo import ZoneInfo
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.handin.similarity import Comparison, Fingerprint, Pair, compare, fingerprint, numbered
 from course_lib.grading.handin.submission import Submission
 from course_lib.grading.records import result_path
@@ -212,9 +213,9 @@ def _graded_before(out: Path, exercise: str) -> dict[str, Work]:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path.read_text(encoding="utf-8"))
         return {"clusters": content["clusters"], "works": content["works"]}
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+    except (OSError, ValueError, TypeError, KeyError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
 
 

@@ -1,7 +1,6 @@
 """A handed-in notebook and its code cells, read without trust in what the file holds."""
 
 import ast
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from course_lib.course.identity import normalise
 from course_lib.course.state import cell_digest
 from course_lib.errors import CourseError
 from course_lib.export.statements import bound_names, without_magics
+from course_lib.foreign import read_json
 
 MAX_BYTES = 20_000_000  # [B]
 LOOKS_LIKE = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "it is a zip archive"}
@@ -41,8 +41,8 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     if len(data) > MAX_BYTES:
         raise CourseError(f"{name} has more than {MAX_BYTES} bytes. Clear its outputs and save it.")
     try:
-        content = json.loads(data)  # in UTF-8, 16 or 32, as it begins
-    except (ValueError, RecursionError) as error:
+        content = read_json(data)  # in UTF-8, 16 or 32, as it begins
+    except ValueError as error:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
         what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"

@@ -1,6 +1,5 @@
 """A platform's exports: which ID belongs to its number of a student, and when that student submitted."""
 
-import json
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -12,6 +11,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.identity import normalise
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.handin.platform_files import LmsFile, looks_like_time, parse_times, plain_digits
 
 ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID")  # Moodle's, Canvas's
@@ -204,8 +204,8 @@ def _listed(file: LmsFile) -> str:
 def _from_api(path: Path, zone: ZoneInfo) -> Times:
     """Read what Canvas's API lists as the submissions of an assignment."""
     try:
-        entries = list(_entries(json.loads(path.read_text(encoding="utf-8-sig"))))
-    except (OSError, ValueError, RecursionError) as error:
+        entries = list(_entries(read_json(path.read_text(encoding="utf-8-sig"))))
+    except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read: {error}. {EXPORTS}") from error
     by_number: dict[str, datetime] = {}
     by_attachment: dict[str, datetime] = {}

@@ -14,6 +14,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.handin.archives import RECEIPT, opened_zip, read_member, working_files
 from course_lib.grading.handin.notebook import MAX_BYTES, Notebook, claimed_id, exercise_named, parse_notebook
 from course_lib.grading.handin.received import Ledger, Received
@@ -226,11 +227,11 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
         if len(data) > 2 * MAX_BYTES:
             raise ValueError(f"it has more than {2 * MAX_BYTES} bytes")
         with opened_zip(data) as archive:
-            receipt = json.loads(_member(archive, RECEIPT))
+            receipt = read_json(_member(archive, RECEIPT))
             return _member(archive, f"{receipt['exercise']}.ipynb"), receipt
     except OSError as error:
         raise CourseError(f"{path} can't be read: {error.strerror or error}. Name a notebook.") from error
-    except (CourseError, ValueError, LookupError, TypeError, RecursionError) as error:
+    except (CourseError, ValueError, LookupError, TypeError) as error:
         raise CourseError(f"{path.name} is not a file that `course submit` wrote ({error})") from error
 
 

@@ -1,11 +1,11 @@
 """Requests of the page, in which anything may be."""
 
 import getpass
-import json
 from dataclasses import dataclass
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.marks.marks import Given
 from course_lib.grading.reports.table import tame
 
@@ -30,8 +30,8 @@ def read_save(body: bytes) -> Save:
         CourseError: It is not of this form; names what was expected.
     """
     try:
-        content = json.loads(body)
-    except (ValueError, RecursionError) as error:
+        content = read_json(body)
+    except ValueError as error:
         raise CourseError("the page sent no JSON: load it again") from error
     match content:
         case {"by": str(by), "revision": str(revision), "marks": [_, *_] as marks} if len(marks) <= MAX_MARKS:

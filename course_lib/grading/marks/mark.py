@@ -10,6 +10,7 @@ from typing import Any, Literal
 from course_lib.course.course_file import CourseFile, Late
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.handin.ids import MISMATCH
 from course_lib.grading.handin.submission import Submission
 from course_lib.grading.judge import Judgement, TaskResult
@@ -164,13 +165,13 @@ def read_result(path: Path) -> dict[str, Any]:
     """
     marks = read_marks(marks_path(path.parents[2], path.parent.name, path.stem))
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path.read_text(encoding="utf-8"))
         content |= {
             "student": path.parent.name,
             "exercise": path.stem,
         }  # a name on the disk may hold any bytes
         return {**content, "row": row_of(content, marks)}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Remove it and grade again.") from error
 
 

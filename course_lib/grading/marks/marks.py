@@ -12,6 +12,7 @@ from pathlib import Path
 from course_lib.course.course_file import Late
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.judge import TaskResult
 from course_lib.grading.records import digest_of, marks_turn
 from course_lib.grading.task import Row
@@ -101,8 +102,8 @@ def read_marks(path: Path) -> list[HandMark]:
     if not path.is_file():
         return []
     try:
-        return [HandMark(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
-    except (OSError, ValueError, TypeError, RecursionError) as error:
+        return [HandMark(**entry) for entry in read_json(path.read_text(encoding="utf-8"))]
+    except (OSError, ValueError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 

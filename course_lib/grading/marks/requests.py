@@ -9,6 +9,7 @@ from pathlib import Path
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 
 MAX_TEXT = 5000  # characters
 
@@ -46,8 +47,8 @@ def read_requests(path: Path) -> tuple[RegradeRequest, ...]:
     if not path.is_file():
         return ()
     try:
-        return tuple(RegradeRequest(**entry) for entry in json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, RecursionError) as error:
+        return tuple(RegradeRequest(**entry) for entry in read_json(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 

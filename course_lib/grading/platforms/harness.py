@@ -12,6 +12,7 @@ from typing import Any
 from course_lib.course.identity import normalise
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
+from course_lib.foreign import read_json
 from course_lib.grading.grade import grade
 from course_lib.grading.handin.collect import collect
 from course_lib.grading.handin.submission import find_submissions
@@ -85,11 +86,11 @@ def _upload(path: Path, course: Course) -> Upload:
         return Upload(UNKNOWN, False, "")
     try:
         with path.open("rb") as file:
-            content = json.loads(file.read(MAX_METADATA))
+            content = read_json(file.read(MAX_METADATA))
         users = [user for user in content["users"] if isinstance(user, dict)]
         created, number = str(content["created_at"]), str(users[0]["id"])
         emails = [str(user.get("email") or "").casefold() for user in users]
-    except (OSError, ValueError, LookupError, TypeError, RecursionError) as error:
+    except (OSError, ValueError, LookupError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Gradescope writes it") from error
     roster = course.solutions / ROSTER
     known = read_class_list(roster).members if roster.is_file() else ()

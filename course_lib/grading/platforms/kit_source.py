@@ -1,6 +1,5 @@
 """The kit for an autograder of a course of one's own: its files, or what installs the same version."""
 
-import json
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ from urllib.request import url2pathname
 
 from course_lib.course.installation import DISTRIBUTION
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 
 PROJECT = ("pyproject.toml", "README.md", "LICENSE")
 PACKAGE = "course_lib"
@@ -48,7 +48,7 @@ def kit_source(distribution: metadata.Distribution | None = None) -> KitSource:
     if text is None:
         requirement = f"{DISTRIBUTION}=={installed.version}"
         return KitSource(requirement, f"{requirement} of the package index")
-    direct: dict[str, Any] = json.loads(text)
+    direct: dict[str, Any] = read_json(text)
     url = str(direct["url"])
     if "vcs_info" in direct:
         version = direct["vcs_info"]

@@ -9,6 +9,7 @@ from pathlib import Path
 from statistics import median
 
 from course_lib.course.state import write_whole
+from course_lib.foreign import read_json
 from course_lib.grading.judge import CHECK_SECONDS, Judgement
 from course_lib.grading.records import check_times_path
 from course_lib.grading.run.run import read_usage
@@ -53,10 +54,8 @@ def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, Spent]:
 
 
 def _check_rows(out: Path, key: str) -> Iterator[tuple[Name, float]]:
-    with suppress(
-        OSError, ValueError, TypeError, RecursionError
-    ):  # missing or damaged: times are not worth an error
-        for task, scenario, title, seconds in json.loads(check_times_path(out, key).read_bytes()):
+    with suppress(OSError, ValueError, TypeError):  # missing or damaged: times are not worth an error
+        for task, scenario, title, seconds in read_json(check_times_path(out, key).read_bytes()):
             yield (task, scenario, title), float(seconds)
 
 
