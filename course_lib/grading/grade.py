@@ -55,7 +55,7 @@ from course_lib.grading.reports.table import (
 from course_lib.grading.reports.tables import concerns, write_tables
 from course_lib.grading.reports.times import keep_check_times
 from course_lib.grading.run.job import Job, plan
-from course_lib.grading.run.run import Ran, demand, keep, run, unpack
+from course_lib.grading.run.run import Ran, keep, make_ready, run, unpack
 
 GRADED = ("graded", "needs_marking", "limit")
 Faults = Mapping[str, Fault]  # by the key of the evidence that is missing
@@ -173,7 +173,8 @@ def _graded(work: Pending, jobs: int, dask: str | None) -> Iterator[Line]:
     course, out = work.course, work.out
     with executors(jobs, dask if work.missing else None) as (away, here, window):
         if work.missing:
-            away.submit(demand, course.sandbox, course.refused).result()
+            for note in away.submit(make_ready, course.sandbox, course.refused).result():
+                say(note)
         exercises = {one.exercise for one in work.line if one.jobs}
         for note in try_out(exercises, course, out, away, here, may_run=not work.rejudge):
             say(note)

@@ -42,6 +42,7 @@ class Channel:
         self._socket = connection
         self._socket.settimeout(None)
         self.deadline: float | None = None  # [s] of the wall's monotonic clock
+        self.overtime: Callable[[], float] = lambda: 0.0  # [s] that a deadline moves when met
         self._set: tuple[float | None, float] = (
             None,
             0.0,
@@ -84,7 +85,12 @@ class Channel:
     def _taken(self, size: int) -> bytes:
         """Remove and return the next bytes, after waiting for so many."""
         while len(self._came) < size:
-            chunk = self._do(self._socket.recv, max(READ, min(size - len(self._came), MOST)))
+            try:
+                chunk = self._do(self._socket.recv, max(READ, min(size - len(self._came), MOST)))
+            except ChannelTimeoutError:
+                if self._is_in_overtime():
+                    continue
+                raise
             if not chunk:
                 raise ChannelClosedError("The other process is gone.")
             self._came += chunk
@@ -103,9 +109,13 @@ class Channel:
         except OSError as error:
             raise ChannelClosedError("The other process is gone.") from error
 
+    def _is_in_overtime(self) -> bool:
+        self.deadline = (self.deadline or 0.0) + self.overtime()
+        return self.deadline > wall.monotonic()
+
     def _keep_deadline(self) -> None:
         now, (known, since) = wall.monotonic(), self._set
-        if self.deadline is not None and self.deadline <= now:
+        if self.deadline is not None and self.deadline <= now and not self._is_in_overtime():
             raise TimeoutError
         if self.deadline != known or now - since > TELL_AGAIN:
             self._socket.settimeout(None if self.deadline is None else self.deadline - now)

@@ -114,3 +114,10 @@ def test_a_fact_that_is_not_there_is_named(evidence: MakeEvidence) -> None:
     for returns in given:
         said = expect_fact("threshold", serial=26).judge(evidence(returns=returns)).message
         assert said == "there is no 'threshold' in what came back"
+
+
+@pytest.mark.parametrize("name", ["image_rate", "image_width", "threshold"])
+def test_a_number_in_quotes_is_called_a_text_not_a_wrong_fact(evidence: MakeEvidence, name: str) -> None:
+    verdict = expect_fact(name, serial=11).judge(evidence(returns=({name: "13.0"},)))
+    assert verdict.message == f"{name} is '13.0', a text; expected a number: write it without quotes"
+    assert verdict.mistake == "a value is of the wrong kind"

@@ -45,8 +45,27 @@ def test_cells_run_in_order_and_an_error_does_not_stop_the_rest() -> None:
 
 
 def test_the_code_of_usual_messages_is_compiled_before_a_submission_begins() -> None:
-    came, _ = run("from course_lib.ros.messages.wire import _store\nanswer = sorted(_store().cache)")
-    assert set(worker.SENT) <= set(came.returns[0])
+    code = """
+from course_lib.ros.messages.cdr_reader import unpacker
+from course_lib.ros.messages.cdr_writer import packer
+compiled = [packer.cache_info().misses, unpacker.cache_info().misses]
+for name in NAMES:
+    packer(name), unpacker(name, "<")
+answer = [packer.cache_info().misses, unpacker.cache_info().misses] == compiled
+"""
+    came, _ = run(code.replace("NAMES", repr(worker.SENT)))
+    assert came.returns == (True,)
+
+
+def test_the_code_that_nodes_run_is_specialized_before_a_submission_begins() -> None:
+    code = """
+import dis
+from rclpy.publisher import Publisher
+names = {step.opname for step in dis.get_instructions(Publisher.publish, adaptive=True)}
+answer = sorted(name for name in names - dis.opmap.keys() if not name.endswith("_ADAPTIVE"))
+"""
+    came, _ = run(code)
+    assert came.returns[0]
 
 
 def test_a_missing_object_is_named() -> None:
@@ -160,6 +179,14 @@ def test_a_worker_that_cannot_start_is_our_fault(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("course_lib.grading.jail.launch.sys.executable", "/bin/false")
     with pytest.raises(WorkerError, match="can't be started"):
         TemplateProcess()
+
+
+@pytest.mark.parametrize("loop", ["while not done: pass", "while True: time.sleep(1)"])
+def test_a_function_that_waits_for_ever_is_named_at_the_end_of_robot_time(loop: str) -> None:
+    cell = f"import time\ndone = False\ndef called():\n    {loop}"
+    with closing(SubmissionRun([cell], {CALLED.id: {}}, Limits())) as session:
+        came = session.run(CALLED, CALLED.scenarios[0])
+    assert came.errors == ("still running after 5 s: an endless loop? It was stopped.",)
 
 
 def test_a_task_that_hangs_costs_its_time_once() -> None:

@@ -17,6 +17,7 @@ from typing import Any
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.jail.isolation import Isolation
 from course_lib.grading.jail.place import HOMES, INSIDE
 from course_lib.grading.jail.readable import KIT, Readable, readable
@@ -38,6 +39,10 @@ class WorkerError(CourseError):
     """A worker does not even start: the kit's or the machine's fault, never the student's."""
 
 
+class KilledStartError(WorkerError):
+    """A worker was killed while it started, which says nothing of what works here: try again."""
+
+
 class TemplateProcess:
     """A template, started with the most layers with which it comes up.
 
@@ -46,7 +51,8 @@ class TemplateProcess:
         refused: Paths of the course that no submission may read.
 
     Raises:
-        WorkerError: It does not start at all, or was killed meanwhile.
+        WorkerError: It does not start at all.
+        KilledStartError: It was killed meanwhile.
         CourseError: A refused path can't be kept from submissions on this machine.
     """
 
@@ -64,14 +70,15 @@ class TemplateProcess:
             self._control.settimeout(START_SECONDS)
             answer = self._control.recv(2**16)
             if answer:
-                self.isolation = Isolation(tuple(json.loads(answer)))
+                self.isolation = Isolation(tuple(read_json(answer)))
                 break
             said = self._process.communicate()[0].decode("utf-8", "replace")
             self._control.close()
             if not bubblewrap:
                 shutil.rmtree(scratch, ignore_errors=True)
-            if not 0 <= self._process.returncode < SIGNALLED:  # which says nothing of what works here
-                raise WorkerError(f"a worker was killed while it started: {said.strip()[-500:]}".rstrip(": "))
+            if not 0 <= self._process.returncode < SIGNALLED:
+                why = f"a worker was killed while it started: {said.strip()[-500:]}"
+                raise KilledStartError(why.rstrip(": "))
         else:
             raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
         if files.torn and self.isolation.protects and not self.isolation.hides:
@@ -105,6 +112,11 @@ class TemplateProcess:
         return ours, reader
 
     @property
+    def pid(self) -> int:
+        """The number of the process below which submissions run."""
+        return self._process.pid
+
+    @property
     def is_sound(self) -> bool:
         """True unless somebody killed the template."""
         return self._process.poll() in (None, 0)
@@ -114,7 +126,7 @@ class TemplateProcess:
         try:
             self._control.settimeout(STOP_SECONDS)
             self._control.send(b"stop")
-            return Usage(**json.loads(self._control.recv(200)))
+            return Usage(**read_json(self._control.recv(200)))
         except (OSError, ValueError):  # nothing, or half an answer: it was killed
             self.close()
             return Usage()

@@ -58,7 +58,7 @@ def stop_writing(folder: str, megabytes: float) -> Usage:
     """
     held = Usage(files_megabytes=round(_size(folder) / 2**20, 1))
     if held.fills(megabytes):
-        for pid in _descendants(os.getpid()):
+        for pid in descendants(os.getpid()):
             with suppress(ProcessLookupError):
                 _refuse_files(pid)
     return held
@@ -84,9 +84,10 @@ def _size(folder: str) -> int:
     return total
 
 
-def _descendants(pid: int) -> Iterator[int]:
+def descendants(pid: int) -> Iterator[int]:
+    """Yield the numbers of all processes below one; none where the kernel does not list them."""
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with suppress(OSError):  # it has just ended
             for child in map(int, task.read_text().split()):
                 yield child
-                yield from _descendants(child)
+                yield from descendants(child)

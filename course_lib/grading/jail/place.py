@@ -82,19 +82,26 @@ def settle(
 
 
 def works(layer: Callable[[], object]) -> bool:
-    """Return whether a call, which may fork, comes to its end in a fork of this process."""
+    """Return whether a call, which may fork, comes to its end in a fork; one that is killed is repeated."""
+    return (_tried(layer) or _tried(layer)) == b"y"
+
+
+def _tried(layer: Callable[[], object]) -> bytes:
+    """Return b"y" if a call comes to its end in a fork of this process, b"n" if not, b"" if it is killed."""
     reader, writer = os.pipe()
     pid = os.fork()
     if pid == 0:
         with suppress(BaseException):
             layer()
             os.write(writer, b"y")
+            os._exit(0)
+        os.write(writer, b"n")
         os._exit(0)
     os.close(writer)
-    worked = os.read(reader, 1) == b"y"  # from its fork, if it has one
+    said = os.read(reader, 1)  # from its fork, if it has one
     os.close(reader)
     os.waitpid(pid, 0)
-    return worked
+    return said
 
 
 def _move(place: Place, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:

@@ -19,6 +19,7 @@ from pathlib import Path
 from select import select
 
 from course_lib.course.course_file import Limits
+from course_lib.foreign import read_json
 from course_lib.grading.jail.layers import enter, working_layers
 from course_lib.grading.jail.limits import EVERY, stop_writing
 from course_lib.grading.jail.place import Place, settle
@@ -59,7 +60,7 @@ class Template:
             if message == b"stop":
                 self._control.send(self._stop().as_json().encode())
             else:
-                wanted = json.loads(message)
+                wanted = read_json(message)
                 for module in wanted["imports"]:  # the first submission pays for all that follow
                     importlib.import_module(module)
                 gc.freeze()  # so that collections in forks leave its memory shared
@@ -150,7 +151,7 @@ def _children() -> list[int]:
 
 def main() -> None:
     """Serve the grader at the other end of the socket that the argument names."""
-    settings = json.loads(sys.argv.pop())
+    settings = read_json(sys.argv.pop())
     with suppress(OSError):  # not Linux
         Path("/proc/self/oom_score_adj").write_text("1000")  # where memory runs out, not the grader's
     place = settle(**settings["place"])

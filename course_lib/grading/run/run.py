@@ -13,9 +13,10 @@ import msgpack
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.isolation import Isolation, Need
-from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
+from course_lib.grading.jail.launch import KilledStartError, TemplateProcess, WorkerError, shared_template
 from course_lib.grading.records import evidence_path, usage_path, writing
 from course_lib.grading.run.job import VERSION, Job, Run, Step
 from course_lib.grading.run.outcome import Usage
@@ -24,6 +25,10 @@ from course_lib.ros.graph import Sample
 from course_lib.ros.qos import Qos
 
 TRIES = 2
+OUT_OF_MEMORY = (
+    ". The machine may be out of memory: close other programs, or grade with --jobs 1. "
+    "Nothing is lost: the same command with --resume goes on"
+)
 LEVEL = 2  # of compression: a higher one takes longer than the run did
 _one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
 
@@ -53,6 +58,26 @@ def demand(need: Need, refused: tuple[str, ...] = ()) -> None:
         CourseError: It does not; names what is missing and what to type.
     """
     shared_template(refused).isolation.demand(need)
+
+
+def make_ready(need: Need, refused: tuple[str, ...]) -> list[str]:
+    """Start this process's template, and demand what is needed of it.
+
+    Returns:
+        Lines for the terminal: a start that was killed, after which another one came up.
+
+    Raises:
+        CourseError: The machine's isolation is less than is needed.
+        WorkerError: No template comes up, or each was killed; says what to do.
+    """
+    killed = list[str]()
+    while len(killed) < TRIES:
+        try:
+            demand(need, refused)
+            return [f"Tried again: {why}" for why in killed]
+        except KilledStartError as error:
+            killed.append(str(error))
+    raise WorkerError(f"{killed[-1]}, {TRIES} times{OUT_OF_MEMORY}")
 
 
 def run(job: Job) -> Ran:
@@ -106,8 +131,8 @@ def keep(out: Path, key: str, ran: Ran) -> None:
 
 def read_usage(out: Path, key: str) -> Usage | None:
     """Return what a run used, or None if that is not known."""
-    with suppress(OSError, ValueError, TypeError, AttributeError, RecursionError):
-        content = json.loads(usage_path(out, key).read_text(encoding="utf-8"))
+    with suppress(OSError, ValueError, TypeError, AttributeError):
+        content = read_json(usage_path(out, key).read_text(encoding="utf-8"))
         scenarios = {name: float(seconds) for name, seconds in content.pop("scenarios", {}).items()}
         return Usage(**{name: float(value) for name, value in content.items()}, scenarios=scenarios)
     return None

@@ -24,6 +24,7 @@ from course_lib.grading.run.scenario_graph import Instructions, ScenarioGraph
 from course_lib.grading.task import Scenario, Task
 from course_lib.ros import standin_path, virtual_time
 from course_lib.ros.baton import baton
+from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.program_thread import AtEnd, ShutDown, StoppedThread
 from course_lib.ros.seeding import seeded
@@ -46,11 +47,13 @@ def perform(part: Instructions, subject: Any, graph: Graph, outcome: Outcome) ->
                 with baton.at_end(AtEnd.INTERRUPT):
                     action()
             except BaseException as error:  # the student's code may raise anything, SystemExit too
-                if graph.ended and isinstance(error, (KeyboardInterrupt, ShutDown, StoppedThread)):
+                is_end = graph.ended and isinstance(error, (KeyboardInterrupt, ShutDown, StoppedThread))
+                if is_end and part.kind == "node":
                     continue
-                if isinstance(error, KeyboardInterrupt):
+                if isinstance(error, KeyboardInterrupt) and not is_end:
                     raise
-                outcome.errors = [*outcome.errors, describe(error)][:MAX_ERRORS]
+                said = still_running((graph.now_ns - START_NS) / 1e9) if is_end else describe(error)
+                outcome.errors = [*outcome.errors, said][:MAX_ERRORS]
         baton.let_others_finish()
 
 

@@ -100,7 +100,7 @@ class SubmissionRun:
             return stage.evidence(Outcome(errors=[why]), stopped="time")
         begin = wall.monotonic()
         outcome, stopped = self._serve(worker, stage, task)
-        self._shares.take(task.id, wall.monotonic() - begin)
+        self._shares.take(task.id, wall.monotonic() - begin - worker.waiting.given)
         self.usage += Usage(scenarios={f"{task.id}/{scenario.name}": outcome.cpu_seconds})
         if stopped == "time":
             self._hung.add(task.id)
@@ -128,8 +128,10 @@ class SubmissionRun:
         """Return the worker, in which all cells have been run, or None when the time is over."""
         self._deadline = wall.monotonic() + self._cells_left
         while self._worker is None and self._left() > 0:
-            self._worker = WorkerProcess(self._template, self._limits, self._cells)
-            if not self._run_cells(self._worker):
+            worker = self._worker = WorkerProcess(self._template, self._limits, self._cells)
+            is_ready = self._run_cells(worker)
+            self._deadline += worker.waiting.given
+            if not is_ready:
                 self.close()
         self._cells_left = self._left()
         return self._worker
@@ -142,7 +144,7 @@ class SubmissionRun:
             worker.channel.send(["files", self._files])
             worker.channel.send(["cells", self._cells, values, sorted(log.stopped)])
             while True:
-                worker.allow(min(limit, self._left()))
+                worker.allow(min(limit, self._left() + worker.waiting.given))
                 match worker.channel.receive():
                     case ["cell", int(index)] if current < index < len(self._cells):
                         current = index
@@ -176,6 +178,7 @@ class SubmissionRun:
         """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
         seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
+        worker.waiting.begin(seconds)
         worker.allow(seconds)
         try:
             worker.channel.send(["scenario", *order])

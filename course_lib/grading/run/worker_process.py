@@ -8,6 +8,7 @@ from select import select
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail.launch import PIPE_HOLDS, START_SECONDS, TemplateProcess, WorkerError
 from course_lib.grading.run.outcome import Usage
+from course_lib.grading.run.waiting import Waiting
 from course_lib.ros import wall
 from course_lib.ros.channel import Channel, ChannelError
 
@@ -37,6 +38,8 @@ class WorkerProcess:
         connection, output = template.start(limits, imports)
         self.channel = Channel(connection)
         self._output = Output(output, round(limits.output_kilobytes * 1000))
+        self.waiting = Waiting(template.pid, limits.cell_seconds)  # its start counts, too
+        self.channel.overtime = self.waiting.grow
         self.allow(START_SECONDS)
         try:
             problem = self.channel.receive()[1:]
@@ -48,7 +51,7 @@ class WorkerProcess:
             raise WorkerError(f"a worker can't be put into the jail: {problem} {said}")
 
     def allow(self, seconds: float) -> None:
-        """Set the wall-clock time [s] in which the worker must answer."""
+        """Set the time [s] in which the worker must answer; what it waits for a processor does not count."""
         self.channel.deadline = wall.monotonic() + seconds
 
     def take_output(self) -> str:

@@ -67,6 +67,10 @@ def _meant(name: str, value: Any) -> list[float | str]:
     return list(range(math.ceil(low), math.floor(min(high, low + 100)) + 1))
 
 
+def _is_number_as_text(value: Any) -> bool:
+    return isinstance(value, str) and value.strip().replace(".", "", 1).isdecimal()
+
+
 @word("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
     """Expect one status about each second from begin to end, [s]: of a level, with the word `says`."""
@@ -110,5 +114,8 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
         return [Problem(f"there is no {name!r} in what came back", "a fact is missing")]
     if is_fact(serial, name, facts[name]):
         return []
+    if _is_number_as_text(facts[name]):
+        message = f"{name} is {facts[name]!r}, a text; expected a number: write it without quotes"
+        return [Problem(message, "a value is of the wrong kind")]
     message = f"{name} is {facts[name]!r}, and that is not what your robot has. Look with {TOOLS[name]}"
     return [Problem(message, "a fact about the robot is wrong")]

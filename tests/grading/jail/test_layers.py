@@ -1,8 +1,11 @@
 """The jail with all of its layers, and with each level of what is left where some do not work."""
 
+import os
+import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,9 +14,10 @@ from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading.jail import filters, launch
 from course_lib.grading.jail.isolation import LAYERS, Isolation
-from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
+from course_lib.grading.jail.launch import KilledStartError, TemplateProcess, WorkerError, shared_template
+from course_lib.grading.jail.place import works
 from course_lib.grading.run.job import Job, Step
-from course_lib.grading.run.run import run
+from course_lib.grading.run.run import make_ready, run
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 
@@ -75,7 +79,6 @@ OPEN = {  # layers that are off: what works then
 
 @pytest.fixture
 def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, object]]:
-    import os
     import socket
 
     folder = tmp_path_factory.mktemp("mine")
@@ -118,8 +121,36 @@ def start_killed_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("start_killed_once")
 def test_a_template_that_is_killed_while_it_starts_is_not_followed_by_one_of_fewer_layers() -> None:
-    with pytest.raises(WorkerError, match="killed while it started"):
+    with pytest.raises(KilledStartError, match="killed while it started"):
         TemplateProcess()
+
+
+def test_grading_tries_a_killed_start_again_and_says_so(request: pytest.FixtureRequest) -> None:
+    shared_template().close()
+    request.getfixturevalue("start_killed_once")
+    assert make_ready("any", ()) == ["Tried again: a worker was killed while it started"]
+
+
+def test_grading_ends_after_a_second_killed_start_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def kill(*_: Any) -> None:
+        raise KilledStartError("a worker was killed while it started")
+
+    monkeypatch.setattr("course_lib.grading.run.run.shared_template", kill)
+    with pytest.raises(WorkerError, match=r"started, 2 times\. .* --jobs 1\. Nothing is lost"):
+        make_ready("any", ())
+
+
+def test_a_layer_whose_trial_is_killed_is_tried_again(tmp_path: Path) -> None:
+    def layer() -> None:
+        if not (tmp_path / "tried").exists():
+            (tmp_path / "tried").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    assert works(layer)
+
+
+def test_a_layer_whose_trials_are_all_killed_does_not_work() -> None:
+    assert not works(lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
 def test_a_template_that_is_killed_while_it_starts_costs_no_evidence(

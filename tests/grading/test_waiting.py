@@ -1,0 +1,110 @@
+"""Limits of time on a machine that is too busy: what a submission waits for a processor does not count."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing, suppress
+
+import pytest
+
+from course_lib.course.course_file import Limits
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.jail.launch import shared_template
+from course_lib.grading.jail.limits import descendants
+from course_lib.grading.run import waiting
+from course_lib.grading.run.submission_run import CellLog, SubmissionRun
+from course_lib.grading.run.waiting import MOST, OWN, ThreadTimes, Waiting
+from course_lib.grading.task import Call, Scenario, Task
+from course_lib.ros import wall
+
+HOGS = 4  # processes that take their share of the submission's processor
+LIMIT = 0.6  # [s] of a cell and of a scenario
+WORK = """import os
+def work(seconds=0.3):
+    end = sum(os.times()[:2]) + seconds
+    while sum(os.times()[:2]) < end:
+        sum(range(1000))  # in a loop that only looks, robot time passes
+"""
+BUSY = Task(
+    "week01.work", "Work", "function", "work", ("a", "b", "c"), (Scenario("public", calls=(Call(0.3),)),)
+)
+
+
+@pytest.fixture
+def starved() -> Iterator[None]:
+    """Submissions share one processor with others."""
+    if not (sys.platform == "linux" and os.path.exists("/proc/self/schedstat")):
+        pytest.skip("the kernel does not count how long a process waits for a processor")
+    template, cpus = shared_template().pid, os.sched_getaffinity(0)
+    hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(HOGS)]
+    own = (template, *descendants(template))
+    give_processors({min(cpus)}, *own, *(hog.pid for hog in hogs))
+    yield
+    for hog in hogs:
+        hog.kill()
+        hog.wait()
+    give_processors(cpus, *own)
+
+
+def give_processors(cpus: set[int], *pids: int) -> None:
+    for pid in pids:
+        with suppress(ProcessLookupError):  # the last submission's processes have ended
+            os.sched_setaffinity(pid, cpus)
+
+
+def made(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
+    limits = Limits(cell_seconds=LIMIT, scenario_seconds=LIMIT, total_seconds=total)
+    with closing(SubmissionRun(cells, {BUSY.id: {}}, limits)) as session:
+        return session.run(BUSY, BUSY.scenarios[0]), session.log
+
+
+@pytest.mark.usefixtures("starved")
+def test_what_a_starved_submission_waits_for_a_processor_does_not_count() -> None:
+    came, log = made(WORK, "work()", "work()")
+    assert (log.limit, log.stopped, came.stopped, came.errors) == ("", {}, "", ())
+
+
+@pytest.mark.usefixtures("starved")
+@pytest.mark.parametrize("cell", ["while True: pass", "os.read(os.pipe()[0], 1)"])
+def test_what_has_no_end_ends_on_a_busy_machine_too(cell: str) -> None:
+    came, log = made(WORK, cell, total=60.0)
+    assert (log.limit, came.stopped) == ("time", "")
+    assert log.stopped == {1: f"cell 2 was stopped after {LIMIT:g} s"}
+
+
+# what the threads have done when a limit of 10 s is met 10 s after the beginning, and by what it grows [s]
+THREADS = [
+    ({1: ThreadTimes(10, 0)}, 0.0),
+    ({1: ThreadTimes(2, 8)}, 8.0),
+    ({1: ThreadTimes(0, 0.01)}, 0.0),  # it sleeps
+    ({1: ThreadTimes(5, 5), 2: ThreadTimes(5, 5)}, 0.0),  # each waits for the other one only
+    ({1: ThreadTimes(2, 7), 2: ThreadTimes(1, 9)}, 7.0),
+    ({1: ThreadTimes(1, 4), OWN: ThreadTimes(1, 5)}, 9.0),  # the grader is starved, too
+    ({}, 0.0),  # the kernel does not count
+]
+
+
+@pytest.mark.parametrize(("threads", "grows"), THREADS)
+def test_a_limit_grows_by_what_was_waited_for_others(
+    threads: dict[int, ThreadTimes], grows: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now, known = [100.0], dict[int, ThreadTimes]()
+    monkeypatch.setattr(wall, "monotonic", lambda: now[0])
+    monkeypatch.setattr(waiting, "_threads", lambda _: iter(known.items()))
+    count = Waiting(1, 10.0)
+    now[0] += 10.0
+    known.update(threads)
+    assert count.grow() == pytest.approx(grows)
+    assert count.grow() == 0.0  # the same waiting counts once
+
+
+def test_a_limit_does_not_grow_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr(wall, "monotonic", lambda: now[0])
+    monkeypatch.setattr(waiting, "_threads", lambda _: iter([(1, ThreadTimes(0.0, now[0]))]))
+    count = Waiting(1, 10.0)
+    while now[0] < 10_000.0:
+        now[0] += 10.0
+        count.grow()
+    assert count.given == MOST * 10.0
