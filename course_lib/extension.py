@@ -2,10 +2,14 @@
 
 import asyncio
 import gc
+import signal
 from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
+from course_lib.ros.cells import cell
+from course_lib.ros.driving import drive_in_cell
 from course_lib.ros.graph import current_graph
+from course_lib.ros.idle_loops import IdleLoops
 from course_lib.ros.notices import repeated_lines, replacements
 
 if TYPE_CHECKING:
@@ -23,7 +27,10 @@ def load(shell: "InteractiveShell") -> None:
 
     current_graph().notebook = True
     gc.set_threshold(*_GARBAGE)
-    _keep_jupyters_loop_on_the_wall_clock()
+    _prepare_jupyters_loop()
+    if not any(isinstance(one, IdleLoops) for one in shell.ast_transformers):
+        shell.ast_transformers.append(IdleLoops())
+    cell.drive = drive_in_cell
     register(shell)
     shorten_tracebacks(shell)
     shell.events.register("pre_run_cell", _begin_cell)
@@ -31,19 +38,26 @@ def load(shell: "InteractiveShell") -> None:
 
 
 def _begin_cell(*_: object) -> None:
+    cell.runs = True
     replacements.waits = True
 
 
 def _end_cell(*_: object) -> None:
+    cell.runs = False
     repeated_lines.end()
     replacements.tell()
     replacements.waits = False
 
 
-def _keep_jupyters_loop_on_the_wall_clock() -> None:
-    """Set the loop's clock: its thread, the main one, is on robot time during a call of the kit."""
+def _prepare_jupyters_loop() -> None:
+    """Set the loop's clock: its thread, the main one, is on robot time during a call of the kit.
+
+    Any signal wakes it. ipykernel 7.4's handler for ■ in cells that await only adds to the loop's queue.
+    """
     try:
         loop = asyncio.get_running_loop()
     except RuntimeError:  # no kernel: IPython's terminal, or the grader's worker
         return
     loop.time = wall.monotonic  # type: ignore[method-assign]  # one loop's clock, not every loop's
+    if hasattr(signal, "SIGURG"):  # with a handler asyncio asks for its wake-up; Windows has none
+        loop.add_signal_handler(signal.SIGURG, lambda: None)

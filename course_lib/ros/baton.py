@@ -46,6 +46,10 @@ class Baton:
         me = self._threads.get(_thread.get_ident())
         return me is not None and self._holder is me
 
+    def has_visitors(self) -> bool:
+        """Return whether ordinary threads wait for robot time."""
+        return any(thread.visits for thread in self._waiting)
+
     def known(self) -> "Known":
         """Turn the calling thread into a program thread for the length of a `with` block."""
         return Known(self)
@@ -127,9 +131,8 @@ class Baton:
     ) -> bool:
         """Block the calling program thread until `ready()` or `until_ns` [ns]; others go on meanwhile.
 
-        `what` is named in a deadlock; `events_help` says whether events alone can end the wait (they never
-        release a lock). Returns what `ready` says in the end; raises a DeadlockError in the main thread if
-        nothing can happen.
+        `what` is named in a deadlock; `events_help` says whether events alone can end the wait. Returns what
+        `ready` says in the end; raises a DeadlockError in the main thread if nothing can happen.
         """
         if ready():
             return True
@@ -180,10 +183,7 @@ class Baton:
             self.wait(_never, until_ns=None, what="the others' ends")
 
     def interrupt(self, thread: threading.Thread) -> None:
-        """Raise KeyboardInterrupt in a thread of the program, in its present wait or its next one.
-
-        The end of a run has done that.
-        """
+        """Raise KeyboardInterrupt in a thread of the program, as the end of a run does."""
         found = self._threads.get(thread.ident or 0)
         if found is not None and not current_graph().ended:
             found.raises = CtrlC()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
 from course_lib.ros import pace
+from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted
 
@@ -67,6 +68,28 @@ def wait_for(ready: Callable[[], bool], *, seconds: float | None) -> bool:
     from rclpy.executors import wait_driving_live_nodes
 
     return wait_driving_live_nodes(ready, seconds=seconds)
+
+
+def drive_in_cell(seconds: float) -> bool:
+    """Drive live nodes and threads of cells for a while, [s]; return whether there are any.
+
+    Threads need no context: they also wait before `rclpy.init()` and after `rclpy.shutdown()`.
+    """
+    from rclpy.context import get_default_context
+
+    if seconds < 0 or not (running_nodes() or baton.has_visitors()):
+        return False
+    if get_default_context().is_valid:
+        wait_for(_never, seconds=seconds)
+        return True
+    graph = current_graph()
+    with baton.known(), pace.kept(graph):
+        baton.wait(_never, until_ns=graph.now_ns + round(seconds * 1e9), what=f"time.sleep({seconds:g})")
+    return True
+
+
+def _never() -> bool:
+    return False
 
 
 def running_nodes() -> list["HandledNode"]:

@@ -7,8 +7,9 @@ where the text alone does not tell.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 
-from course_lib.ros.messages.definitions import type_names
+from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.not_offered import not_offered
 
@@ -24,6 +25,7 @@ class Hint:
     mistake: Mistake | None = None
 
 
+_NAMED = "super().__init__('a_name'), in def __init__ with two underscores on each side"
 _HINTS: Mapping[str, tuple[Hint, ...]] = {
     "AttributeError": (
         Hint(
@@ -31,6 +33,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             "call super().__init__('a_name') first in {1}.__init__().",
         ),
         Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", Mistake.NO_STATUS),
+        Hint("'Viewer' object .* '(show|display|render)'", "write viewer alone as the last line."),
         Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", Mistake.STAMP),
         Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
         Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
@@ -39,6 +42,7 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
             "end the callback with: return SetParametersResult(successful=True).",
         ),
         Hint("'NoneType' .* 'to_label'", "end the callback with: return TransitionCallbackReturn.SUCCESS."),
+        Hint("^'(list|tuple)' object", "it holds several: take one, like [0], or go through it with for."),
         Hint(r"property 'enabled' of '\w+' object has no setter", 'write display["Enabled"] = False.'),
     ),
     "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),
@@ -50,15 +54,26 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         ),
     ),
     "TypeError": (
-        Hint(r"Node.__init__\(\) missing .* 'node_name'", "name the node: super().__init__('a_name')."),
+        Hint(r"Node.__init__\(\) missing .* 'node_name'", f"name the node: {_NAMED}."),
         Hint(
             "'NoneType' object is not callable",
-            "give the function itself, without ().",
+            "give the function itself, without (): self.tick, not self.tick().",
             Mistake.NO_CALLBACK,
         ),
-        Hint(r"Expected <class '.*\.(\w+)'>, got <class 'str'>", "put it into a message: {1}(data=...)."),
+        Hint(
+            r"Expected <class '(?:std_msgs|example_interfaces)\..*\.(\w+)'>, got <class '(?:str|int|float)'>",
+            "put it into a message: {1}(data=...).",
+        ),
+        Hint(
+            r"Expected <class '.*\.(\w+)'>, got <class '(?:str|int|float|bool|list|NoneType)'>",
+            "publish a message: make one with {1}(), and fill in its fields.",
+        ),
         Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
         Hint(r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make a publisher for the other type."),
+        Hint(
+            "rclpy_resolve_name",
+            "the type first, then the name in quotes: create_publisher(Marker, '/a_topic', 10).",
+        ),
         Hint("missing .* 'qos_profile'", "say how many messages are kept, like 10, as the last argument."),
         Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
         Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
@@ -68,6 +83,13 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", Mistake.GOAL),
         Hint("positional arg", "write def answer(self, request, response).", Mistake.SERVICE_CALLBACK),
         Hint("missing", "a timer gives no argument: write def tick(self).", Mistake.TIMER_CALLBACK),
+        Hint(
+            "must be a string or a real number",
+            "first the period in seconds, then the function: create_timer(1.0, self.tick).",
+            Mistake.PERIOD,
+        ),
+        Hint("requires a 'super' object", "write super().__init__('a_name'), with () after super."),
+        Hint("'Viewer' object does not support item assignment", 'write viewer.fixed_frame = "map".'),
         Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
         Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
         Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
@@ -101,20 +123,37 @@ _HINTS: Mapping[str, tuple[Hint, ...]] = {
         Hint("severity cannot be changed between calls", "write one line for each severity."),
     ),
     "AssertionError": (
-        Hint("'([rgba])' field must be of type 'float'", "colours go from 0.0 to 1.0."),
+        Hint(
+            "'([rgba])' field must be of type 'float'",
+            "colours go from 0.0 to 1.0: write 1.0, not 1.",
+        ),
         Hint("field must be of type 'float'", "write the number with a point: 1.0, or float(x)."),
+        Hint("'(type|action)' field must be of type 'int'", "give a constant, like Marker.CUBE."),
         Hint("field must be of type 'int'", "write int(x), or round(x)."),
+        Hint("'frame_id' field must be of type 'str'", 'write the name of the frame in quotes: "map".'),
         Hint("field must be of type 'str'", "write str(x), or an f-string."),
         Hint("'level' field must be of type 'bytes'", "write DiagnosticStatus.OK, WARN, ERROR or STALE."),
         Hint("sub message of type '.*_Result'", "end the callback with return MyAction.Result()."),
-        Hint("sub message of type 'Time'", "write node.get_clock().now().to_msg()."),
+        Hint(
+            "sub message of type 'Time'",
+            "write self.get_clock().now().to_msg(), where self is the node.",
+        ),
+        Hint(
+            "sub message of type 'Duration'", "write Duration(seconds=1.0).to_msg(), with rclpy's Duration."
+        ),
         Hint("sub message of type 'Quaternion'", "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))."),
         Hint(r"sub message of type '(\w+)'", "make one, with names: {1}(x=1.0, ...)."),
         Hint("each value of type 'float'", "write floats into the list: 0.0 instead of 0."),
         Hint("each value of type '(int|str|bool|bytes)'", "give a list of {1}s."),
         Hint(r"each value of type '(\w+)'", "give a list of them: [{1}(x=1.0, ...)]."),
         Hint("Invalid arguments passed to constructor: dict_keys", "it takes depth, reliability, ..."),
-        Hint("Invalid arguments passed to constructor", "%ros2 interface show lists them."),
+        Hint(
+            "Invalid arguments passed to constructor",
+            "the message has no such field: %ros2 interface show lists them.",
+        ),
+    ),
+    "FileNotFoundError": (
+        Hint(r"'[^']*\.rviz'", "save the layout there first: viewer.save_rviz('a_name.rviz'), or Ctrl+S."),
     ),
     "NotImplementedError": (Hint("Service classes can not", "make its request: AddTwoInts.Request(a=1)."),),
     "InvalidArgumentException": (
@@ -185,8 +224,8 @@ def hint(error: BaseException) -> str:
     if type(error).__name__ in _OF_TYPE:
         return _OF_TYPE[type(error).__name__]
     if types := _types_named(text):
-        return f"%ros2 interface show {' or '.join(types)} lists its fields."
-    return ""
+        return f"{_meant(text, types)}%ros2 interface show {' or '.join(types)} lists its fields."
+    return _of_own_class(error, text)
 
 
 def _text(error: BaseException) -> str:
@@ -199,5 +238,30 @@ def _text(error: BaseException) -> str:
 
 def _types_named(text: str) -> list[str]:
     """Return the types of messages that have the name of which an error complains."""
-    named = re.match(r"'(\w+)' object has no attribute|name '(\w+)' is not defined", text)
+    named = re.match(
+        r"(?:type object )?'(\w+)' (?:object )?has no attribute|name '(\w+)' is not defined", text
+    )
     return [name for name in type_names() if named and name.endswith(f"/{named[1] or named[2]}")]
+
+
+def _meant(text: str, types: list[str]) -> str:
+    """Return a question for the field or constant nearest to the one that is not there, or ""."""
+    wanted = text.rpartition("attribute '")[2].partition("'")[0]
+    found = [definition(name) for name in types]
+    inner = [f"{field.name}.{wanted}" for one in found for field in one.fields if _has(field, wanted)]
+    names = [name for one in found for name in (*one.constants, *(field.name for field in one.fields))]
+    close = inner or get_close_matches(wanted, names)
+    return f"did you mean {close[0]}? " if close else ""
+
+
+def _has(field: FieldDefinition, wanted: str) -> bool:
+    """Return whether a field is a message with a field of this name."""
+    scalar = field.is_message and field.container == "scalar"
+    return scalar and any(inner.name == wanted for inner in definition(field.base).fields)
+
+
+def _of_own_class(error: BaseException, text: str) -> str:
+    """Return the hint for an attribute that an object of the program's own class has not."""
+    named = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
+    own = named and getattr(type(getattr(error, "obj", None)), "__module__", "") == "__main__"
+    return f"set self.{named[2]} in {named[1]}.__init__, spelled the same." if named and own else ""

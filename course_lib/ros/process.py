@@ -2,7 +2,6 @@
 
 import ast
 import contextvars
-import json
 import sys
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -12,8 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.graph import NodesOfProgram, current_graph, program
+from course_lib.ros.idle_loops import IdleLoops, compiled
 from course_lib.ros.packages import python_package, python_path, source
 from course_lib.ros.program_thread import AtEnd, ShutDown, StoppedProgram, StoppedThread
 from course_lib.ros.tracebacks import print_error
@@ -83,7 +84,7 @@ class Program(Process):
         super().__init__(file, args)
         try:
             source = file.read_bytes()
-            self._code = compile(source, str(file), "exec")
+            self._code = compiled(source, str(file))
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
@@ -135,7 +136,7 @@ class NotebookProgram(Process):
         super().__init__(file)
         self._folder = str(file.resolve().parent)  # before the working directory changes
         try:
-            cells = json.loads(file.read_bytes())["cells"]
+            cells = read_json(file.read_bytes())["cells"]
             self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         except OSError as error:
             raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
@@ -152,6 +153,14 @@ class NotebookProgram(Process):
             if not shell.run_cell(cell).success:  # type: ignore[no-untyped-call]  # IPython annotates little
                 self.exit_code = 1
                 return
+
+
+class NothingKept(dict[int, list[Any]]):
+    """In place of IPython's list of each cell's outputs, which an endless loop would let grow without end."""
+
+    def __missing__(self, cell: int) -> list[Any]:
+        """Return a list that nothing else holds."""
+        return []
 
 
 class Processes:
@@ -255,4 +264,8 @@ def make_shell() -> "InteractiveShell":
     config.HistoryManager.enabled = False
     config.InteractiveShell.colors = "nocolor"
     InteractiveShell.clear_instance()  # that of another notebook in this process
-    return Shell.instance(config=config)
+    shell = Shell.instance(config=config)
+    shell.ast_transformers.append(IdleLoops())
+    if shell.history_manager is not None:  # it never is
+        shell.history_manager.outputs = NothingKept()
+    return shell

@@ -17,7 +17,7 @@ from course_lib.ros.package_programs import Executables, RunProgram
 from course_lib.ros.packages import LAUNCH_IN_WORDS
 from course_lib.ros.process import NotebookProgram, Process, Processes, Program
 from course_lib.ros.seeding import seeded
-from course_lib.ros.tracebacks import print_error_of_thread
+from course_lib.ros.tracebacks import is_own, name_line, print_error_of_thread
 
 
 def run_files(
@@ -102,6 +102,12 @@ def _ends_at_the_second() -> Callable[[int, FrameType | None], None]:
             sys.stderr.write("Stopped at once.\n")
             sys.stderr.flush()
             os._exit(130)
+        if frame is not None and is_own(frame.f_code.co_filename):
+            line = name_line(frame.f_code.co_filename, frame.f_lineno)
+            sys.stderr.write(
+                f"interrupted in {line}\nhint: robot time passes only in calls of ROS, in time.sleep and in "
+                "loops that do nothing. A loop that waits needs a line like time.sleep(0.01).\n"
+            )
         signal.default_int_handler(number, frame)
 
     return handle

@@ -16,8 +16,9 @@ from collections.abc import Callable
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.ros import wall
+from course_lib.ros import idle_loops, wall
 from course_lib.ros.baton import baton
+from course_lib.ros.cells import cell
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import current_graph, program
 from course_lib.ros.own_signals import get_handler, set_handler
@@ -61,6 +62,7 @@ def install() -> None:
     )
     for owner, name, replacement in replacements:
         setattr(owner, name, replacement)
+    idle_loops.install()
     streams = sys.modules.get("ipykernel.iostream")
     if streams is not None:  # a kernel's output is sent by a thread of Jupyter's
         streams.OutStream.flush = _by_the_wall_clock(streams.OutStream.flush)
@@ -83,7 +85,7 @@ def _robot_clock(real: Callable[[], Any], origin_ns: int, unit: float) -> Callab
 
 def _sleep(seconds: float, /) -> None:
     if not baton.governs():
-        wall.sleep(seconds)
+        cell.rest(seconds)
         return
     if seconds < 0:
         raise ValueError("sleep length must be non-negative")

@@ -30,6 +30,15 @@ def run(cells: str, folder: Path) -> str:
     return done.stdout + done.stderr
 
 
+def test_an_error_of_a_message_s_constructor_shows_the_student_s_line_and_not_the_generated_one(
+    tmp_path: Path,
+) -> None:
+    shown = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')", tmp_path)
+    assert "String(dta='hello')" in shown
+    assert "Invalid arguments passed to constructor: dta" in shown
+    assert "in __init__" not in shown
+
+
 def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(tmp_path: Path) -> None:
     shown = run(CELLS, tmp_path)
     assert "NotImplementedError: nothing is published yet" in shown

@@ -68,7 +68,7 @@ def test_there_are_sixty_of_them_most_with_a_hint() -> None:
 def test_a_mistake_gets_ros_2_s_words_and_a_hint(
     robot: Node, capfd: pytest.CaptureFixture[str], program: str, said: str, hint: str
 ) -> None:
-    names = {"rclpy": rclpy, "node": robot, "transform": transform}
+    names = {"__name__": "__main__", "rclpy": rclpy, "node": robot, "transform": transform}
     exec(CODE, names)
     with baton.known():
         try:

@@ -13,7 +13,7 @@ NODES = [
     (
         "class Robot(Node):\n    def __init__(self):\n        super().__init__()\nRobot()",
         "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'",
-        "name the node: super().__init__('a_name').",
+        "name the node: super().__init__('a_name'), in def __init__ with two underscores on each side.",
     ),
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
@@ -74,12 +74,31 @@ NODES = [
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
         "TypeError: 'NoneType' object is not callable",
-        "give the function itself, without ().",
+        "give the function itself, without (): self.tick, not self.tick().",
     ),
     (
         "node.create_timer(-0.1, lambda: None)",
         "rclpy.exceptions.RCLError: failed to create timer: timer period must be non-negative",
         "give the period in seconds, like 0.1 for 10 Hz.",
+    ),
+    (
+        "node.create_timer(print, 0.1)",
+        "TypeError: float() argument must be a string or a real number, not 'builtin_function_or_method'",
+        "first the period in seconds, then the function: create_timer(1.0, self.tick).",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super.__init__('a')\nRobot()",
+        "TypeError: descriptor '__init__' requires a 'super' object but received a 'str'",
+        "write super().__init__('a_name'), with () after super.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('a')\n"
+        "        self.pub = self.create_publisher(String, 'chatter', 10)\n"
+        "Robot().publisher",
+        "AttributeError: 'Robot' object has no attribute 'publisher'",
+        "set self.publisher in Robot.__init__, spelled the same.",
     ),
     (
         "node.create_timer('0.1 s', lambda: None)",

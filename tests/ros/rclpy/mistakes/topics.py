@@ -30,6 +30,16 @@ TOPICS = [
         "put it into a message: String(data=...).",
     ),
     (
+        "node.create_publisher(Marker, 'cubes', 10).publish('marker')",
+        "TypeError: Expected <class 'visualization_msgs.msg._marker.Marker'>, got <class 'str'>",
+        "publish a message: make one with Marker(), and fill in its fields.",
+    ),
+    (
+        "node.create_publisher('chatter', String, 10)",
+        "TypeError: rclpy_resolve_name(): incompatible function arguments.",
+        "the type first, then the name in quotes: create_publisher(Marker, '/a_topic', 10).",
+    ),
+    (
         "node.create_publisher(String, 'chatter', 10).publish(String)",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'type'>",
         "make an object: String(), with ().",

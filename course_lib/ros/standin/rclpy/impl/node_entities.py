@@ -150,7 +150,7 @@ class Node(node_graph.Node):
         """Create a timer that calls back every `timer_period_sec` [s], first after one period."""
         try:
             period_ns = int(float(timer_period_sec) * S_TO_NS)
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             mark(error, Mistake.PERIOD)
             raise
         group = callback_group or self.default_callback_group

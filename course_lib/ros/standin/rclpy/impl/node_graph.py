@@ -134,6 +134,8 @@ class Node:
 
     def _resolve(self, name: str, kind: names.Kind, only_expand: bool) -> str:
         node = self.handle
+        if not isinstance(name, str):
+            raise TypeError("rclpy_resolve_name(): incompatible function arguments.")
         full = names.expand_name(name, node.name, node.namespace, kind)
         return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
 

@@ -1,0 +1,185 @@
+import ast
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from course_lib import extension
+from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.idle_loops import IdleLoops
+from course_lib.ros.process import make_shell
+from course_lib.ros.program import run_files
+
+NODE = """
+import threading
+import time
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+class Waits(Node):
+    def __init__(self):
+        super().__init__("waits")
+        self.got_it = False
+        publisher = self.create_publisher(String, "word", 10)
+        self.create_subscription(String, "word", self.hear, 10)
+        self.create_timer(0.5, lambda: publisher.publish(String(data="now")))
+
+    def hear(self, message):
+        self.got_it = True
+
+rclpy.init()
+node = Waits()
+"""
+SPIN = "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n"
+SECONDS = "print(round(node.get_clock().now().nanoseconds * 1e-9 - 1.7e9, 2))\n"
+WAITS = {
+    "a variable": "while not node.got_it:\n    pass\n",
+    "a branch": "while True:\n    'waiting'\n    if node.got_it:\n        break\n    continue\n",
+    "a call": "while not all([node.got_it]): ...\n",
+}
+IN_A_THREAD = """
+def work():
+    while not node.got_it:
+        pass
+    print("worker")
+
+worker = threading.Thread(target=work)
+worker.start()
+while worker.is_alive():
+    rclpy.spin_once(node, timeout_sec=0.1)
+"""
+IN_A_CALLBACK = """
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+
+def wait():
+    timer.cancel()
+    while not node.got_it:
+        pass
+    print("callback")
+    rclpy.shutdown()
+
+timer = node.create_timer(0.1, wait, callback_group=ReentrantCallbackGroup())
+executor = MultiThreadedExecutor(num_threads=2)
+executor.add_node(node)
+executor.spin()
+"""
+SLEEPS = """
+import threading
+import time
+threading.Thread(target=lambda: [time.sleep(0.02) for _ in range(5)], daemon=True).start()
+"""
+STUCK = NODE + "print('begins', flush=True)\nrounds = 0\nwhile not node.got_it:\n    rounds += 1\n"
+
+
+@pytest.mark.parametrize("loop", WAITS.values(), ids=WAITS)
+def test_a_program_waits_for_a_variable_that_another_thread_sets(
+    loop: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "waits.py").write_text(NODE + SPIN + loop + SECONDS)
+    with use_graph(Graph()):
+        assert run_files([tmp_path / "waits.py"], seed=0) == 0
+    assert capsys.readouterr().out == "0.5\n"
+
+
+@pytest.mark.parametrize(("code", "said"), [(IN_A_THREAD, "worker\n"), (IN_A_CALLBACK, "callback\n")])
+def test_other_threads_and_callbacks_wait_for_a_variable_too(
+    code: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "waits.py").write_text(NODE + code)
+    with use_graph(Graph()) as graph:
+        graph.end_ns = graph.now_ns + 2 * 10**9
+        assert run_files([tmp_path / "waits.py"], seed=0) == 0
+    assert capsys.readouterr().out == said
+
+
+def test_a_module_that_a_program_imports_waits_too_and_leaves_no_cache(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "waiting_module.py").write_text("def wait_for(node):\n    while not node.got_it: pass\n")
+    (tmp_path / "waits.py").write_text(
+        NODE + SPIN + "from waiting_module import wait_for\nwait_for(node)\n" + SECONDS
+    )
+    with use_graph(Graph()):
+        assert run_files([tmp_path / "waits.py"], seed=0) == 0
+    assert capsys.readouterr().out == "0.5\n"
+    assert not (tmp_path / "__pycache__").exists()
+
+
+def test_alone_it_waits_in_vain_until_the_end_of_the_run(tmp_path: Path) -> None:
+    (tmp_path / "waits.py").write_text(NODE + WAITS["a variable"])
+    with use_graph(Graph()) as graph:
+        graph.end_ns = graph.now_ns + 2 * 10**9
+        assert run_files([tmp_path / "waits.py"], seed=0) == 0
+        assert graph.now_ns == graph.end_ns
+
+
+@pytest.fixture
+def shell() -> Iterator[InteractiveShell]:
+    """An interpreter whose cells are not known to the baton, as a kernel's are not."""
+    shell = make_shell()
+    shell.ast_transformers.clear()
+    extension.load(shell)
+    yield shell
+    InteractiveShell.clear_instance()
+
+
+@pytest.mark.parametrize("loop", ["pass", "time.sleep(0.1)"])
+@pytest.mark.parametrize("driven", [SPIN, "from course_lib import run_live\nrun_live(node)\n"])
+def test_a_cell_waits_for_a_variable_of_a_thread_or_of_a_live_node(
+    shell: InteractiveShell,
+    loop: str,
+    driven: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with use_graph(Graph(notebook=True)) as graph:
+        begun_ns = graph.now_ns
+        cell = NODE + driven + f"node.got_it = False\nwhile not node.got_it:\n    {loop}\nprint('got it')"
+        assert shell.run_cell(cell).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        assert graph.now_ns > begun_ns
+    assert capsys.readouterr().out.endswith("got it\n")
+
+
+@pytest.mark.parametrize("left", [NODE + SPIN + "rclpy.shutdown()", SLEEPS], ids=["shutdown", "no init"])
+@pytest.mark.parametrize("rests", ["time.sleep(0.1)", "!sleep 0.1; echo rested"])
+def test_a_cell_rests_while_a_thread_is_left_and_no_context_is_there(
+    shell: InteractiveShell, left: str, rests: str
+) -> None:
+    with use_graph(Graph(notebook=True)) as graph:
+        for cell in (left, "import time", rests):
+            begun_ns = graph.now_ns
+            assert shell.run_cell(cell).success, cell  # type: ignore[no-untyped-call]  # not annotated
+        assert graph.now_ns > begun_ns
+
+
+def test_loops_that_do_something_or_have_no_end_stay_as_they_are() -> None:
+    for loop in (
+        "while i < 5: i += 1",
+        "while True:\n        if step(): return",
+        "while True: step()",
+        "while not done(): await step()",
+        "while not await done(): pass",
+        "while True: pass",
+        "while 1:\n        if node.got_it: continue",
+    ):
+        tree = ast.parse(f"async def f():\n    {loop}")
+        before = ast.dump(tree)
+        assert ast.dump(IdleLoops().visit(tree)) == before, loop
+
+
+def test_ctrl_c_names_the_line_of_a_loop_that_lets_no_time_pass(tmp_path: Path) -> None:
+    (tmp_path / "stuck.py").write_text(STUCK)
+    command = [sys.executable, "-m", "course_lib", "run", str(tmp_path / "stuck.py")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begins\n"
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted in stuck.py, line 2" in said
+    assert "time.sleep(0.01)" in said
