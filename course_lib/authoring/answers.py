@@ -39,6 +39,10 @@ class Variant:
             raise CourseError("expected miss (a wrong answer) or way (a right one)")
         if self.miss and not (self.says or self.raises):
             raise CourseError(f"{self.miss!r}: expected says, what a public check says of it")
+        try:
+            re.compile(self.says)
+        except re.error as error:
+            raise CourseError(f"says: {self.says!r} is not a regular expression: {error}") from error
         if not self.change or not all(len(pair) == 2 for pair in self.change):
             raise CourseError("change: expected pairs of old and new text, [[old, new]]")
 
@@ -117,7 +121,7 @@ def changed(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]
         cells: Of the solution.
 
     Raises:
-        CourseError: A text that is to be replaced is not in exactly one cell with that name.
+        CourseError: A text that is to be replaced is not in exactly one place of one cell with that name.
     """
     made: dict[int, str] = {}
     for old, new in variant.change:
@@ -125,5 +129,8 @@ def changed(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]
         there = [i for i, cell in enumerate(now) if old in cell and re.search(rf"\b{name}\b", cell)]
         if len(there) != 1:
             raise CourseError(f"{old!r} is in {len(there)} cells of the solution with {name}, expected 1")
+        if (count := now[there[0]].count(old)) != 1:
+            more = "take more of its line into the pair"
+            raise CourseError(f"{old!r} is {count} times in the cell with {name}, expected once: {more}")
         made[there[0]] = now[there[0]].replace(old, new)
     return made

@@ -28,6 +28,7 @@ class Edit:
         cells: What the cells are then, by their places.
         hidden: Whether the hidden scenarios are run.
         look: Returns what is wrong with the result.
+        is_right: Whether it is another right answer.
     """
 
     task: str
@@ -35,6 +36,7 @@ class Edit:
     cells: Mapping[int, str]
     hidden: bool
     look: Look
+    is_right: bool = False
 
 
 def said(result: TaskResult, *, hidden: bool | None = None) -> str:
@@ -81,9 +83,16 @@ def edits_of(
             yield Flaw("wrong", f"there is no task {variant.task!r}, known: {', '.join(by_id)}", place)
             continue
         yield _variant_edit(variant, by_id[variant.task], place, cells)
+    for unknown in answers.same.keys() - by_id.keys():
+        text = f"[same]: there is no task {unknown!r}, known: {', '.join(by_id)}"
+        yield Flaw("wrong", text, str(answers.path))
     for task in tasks:
-        usable = [operator for operator in among if operator.name not in answers.same.get(task.id, ())]
-        yield from _mutant_edits(task, cells, usable, answers.path)
+        same = answers.same.get(task.id, ())
+        made = list(_mutant_edits(task, cells, among, answers.path))
+        yield from (edit for operator, edit in made if operator.name not in same)
+        for name in set(same) - {operator.name for operator, _ in made}:
+            text = f"[same] {task.id.split('.')[1]}: no mutant {name!r} is made of it: leave it out"
+            yield Flaw("wrong", text, place_of(answers.path, name))
 
 
 def _variant_edit(variant: Variant, task: Task, place: str, cells: Sequence[str]) -> Edit | Flaw:
@@ -93,7 +102,7 @@ def _variant_edit(variant: Variant, task: Task, place: str, cells: Sequence[str]
     except CourseError as error:
         return Flaw("wrong" if variant.miss else "second", f"{name}: {error}", place)
     look = partial(_missed, variant, task, place) if variant.miss else partial(_full, variant, place)
-    return Edit(variant.task, name, new, bool(variant.way), look)
+    return Edit(variant.task, name, new, bool(variant.way), look, is_right=bool(variant.way))
 
 
 def _missed(variant: Variant, task: Task, place: str, result: TaskResult) -> Iterator[Flaw]:
@@ -131,14 +140,16 @@ def _full(variant: Variant, place: str, result: TaskResult) -> Iterator[Flaw]:
         )
 
 
-def _mutant_edits(task: Task, cells: Sequence[str], among: Sequence[Operator], path: Path) -> Iterator[Edit]:
+def _mutant_edits(
+    task: Task, cells: Sequence[str], among: Sequence[Operator], path: Path
+) -> Iterator[tuple[Operator, Edit]]:
     defined = re.compile(rf"^(class|def) {task.name}\b", re.MULTILINE)
     place = next((i for i, cell in enumerate(cells) if defined.search(cell)), None)
     if place is None:
         return  # a value, a text: its wrong answers are in the week's file
     for operator, code in mutants(cells[place], among):
         name = f"{task.id}: mutant {operator.name!r}"
-        yield Edit(task.id, name, {place: code}, True, partial(_caught, operator, name, path))
+        yield operator, Edit(task.id, name, {place: code}, True, partial(_caught, operator, name, path))
 
 
 def _caught(operator: Operator, name: str, path: Path, result: TaskResult) -> Iterator[Flaw]:

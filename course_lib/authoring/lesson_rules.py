@@ -8,6 +8,7 @@ from course_lib.authoring.page import NotebookPage
 from course_lib.authoring.rules import Rule
 from course_lib.course.exercise import source
 from course_lib.course.questions import Question, read_questions
+from course_lib.errors import did_you_mean
 
 MINUTES = re.compile(r"^## .*\((\d+) min\)$", re.MULTILINE)
 PARTS = ("When it goes wrong", "Recap", "Quiz", "Your turn")
@@ -107,8 +108,7 @@ def minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
 def predictions(page: NotebookPage) -> Iterator[str]:
     """Yield predictions that are not asked and compared, or whose answer is shown too early."""
     name = page.week if "your_review" not in page.path.stem else page.path.stem.replace("_your", "")
-    asked = re.findall(r'predict\(\s*"([^"]+)"', page.code)
-    compared = re.findall(r'compare\(\s*"([^"]+)"', page.code)
+    asked, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
     quizzes = page.exercises / "quizzes"
     known = {f"{name}.{q.key}": q for q in _predictions(quizzes / f"{name}.toml")}
     if asked != compared:
@@ -116,10 +116,24 @@ def predictions(page: NotebookPage) -> Iterator[str]:
     if set(asked) != set(known):
         yield f"it asks to predict {sorted(asked)}, but {name}.toml has {sorted(known)}"
     for key in (key for key in asked if key in known and "your_review" not in page.path.stem):
-        quoted = re.escape(f'"{key}"')
+        quoted = f"[\"']{re.escape(key)}[\"']"
         between = re.search(rf"predict\(\s*{quoted}.*?compare\(\s*{quoted}[^\n]*", page.code, re.DOTALL)
         if between and known[key].right.text in between[0]:
             yield f"a cell before the comparison shows the answer to {key}: {known[key].right.text!r}"
+
+
+def unknown_questions(page: NotebookPage) -> Iterator[str]:
+    """Yield quizzes and predictions that the code asks for, and that no file has."""
+    for call, name in page.questions:
+        file, _, key = name.partition(".")
+        path = page.exercises / "quizzes" / f"{file}.toml"
+        if not path.is_file():
+            yield f"it asks {call}({name!r}): there is no {file}.toml"
+        elif call != "quiz":
+            known = [question.key for question in _predictions(path)]
+            if key not in known:
+                meant = did_you_mean(key, known)
+                yield f"it asks {call}({name!r}): {file}.toml has no prediction with key = {key!r}{meant}"
 
 
 def _predictions(path: Path) -> tuple[Question, ...]:

@@ -8,6 +8,7 @@ from contextlib import suppress
 from course_lib.authoring.verify import EXTRAS, WeekReport, lines, page_flaws, verify, weeks_of
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.grading.records import Course, kit_digest
 
 MEMORY = ".verified.json"  # beside exercises/; the digests of weeks without flaws
@@ -54,6 +55,6 @@ def digest_of_week(course: Course, week: str) -> str:
 
 def _known(course: Course) -> list[str]:
     with suppress(OSError, ValueError):
-        stored = json.loads((course.exercises.parent / MEMORY).read_text(encoding="utf-8"))
-        return [digest for digest in stored if isinstance(digest, str)]
+        stored = read_json((course.exercises.parent / MEMORY).read_text(encoding="utf-8"))
+        return [one for one in stored if isinstance(one, str)] if isinstance(stored, list) else []
     return []

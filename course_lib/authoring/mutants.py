@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -112,12 +112,20 @@ def operators(solutions: Path) -> tuple[Operator, ...]:
         rows = tomllib.loads(path.read_text(encoding="utf-8")).get("mutant", [])
         own = tuple(Operator(**row) for row in rows)
         for operator in own:
-            re.compile(operator.pattern), re.compile(operator.names)
-    except (TypeError, ValueError, re.error) as error:
+            re.compile(operator.names)
+            re.sub(operator.pattern, operator.replacement, "")  # which compiles both
+    except (TypeError, ValueError, LookupError, re.error) as error:
         raise CourseError(
             f"{path}: {error}; expected [[mutant]] with name, pattern, replacement, names"
         ) from error
     return (*GENERAL, *own)
+
+
+def idle_operators(solutions: Path, cells: Sequence[str]) -> Iterator[str]:
+    """Yield the names of the course's own operators that change no cell."""
+    for operator in operators(solutions)[len(GENERAL) :]:
+        if not any(re.search(operator.pattern, cell) for cell in cells):
+            yield operator.name
 
 
 def mutants(code: str, among: Iterable[Operator]) -> Iterator[tuple[Operator, str]]:

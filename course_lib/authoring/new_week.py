@@ -67,6 +67,16 @@ def check_title(title: str) -> None:
         )
 
 
+def unchanged_files(week: str, course: Course) -> list[Path]:
+    """Return the files of a week that are still what `new_week` wrote, other than notebooks."""
+    try:
+        title = read_course_file(course.exercises / "course.toml").weeks[week].title
+    except (CourseError, KeyError):  # there may be check files only
+        return []
+    made = ((path, data) for path, data in _files(week, title, course) if path.suffix != ".ipynb")
+    return [path for path, data in made if path.is_file() and path.read_bytes() == data]
+
+
 def slug(title: str) -> str:
     """Return a title as a part of a file's name: "occupancy_maps"."""
     return re.sub(r"\W+", "_", title.lower()).strip("_")
@@ -103,9 +113,13 @@ def _files(week: str, title: str, course: Course) -> Iterator[tuple[Path, bytes]
 def lesson(kind: str, values: Mapping[str, object], about: Mapping[str, object]) -> bytes:
     """Return the lesson of a template, with the picture of its first cell."""
     notebook = notebook_of(filled(kind, "lesson.py", values), about)
-    picture = base64.b64encode(template(TEMPLATE, PICTURE).read_bytes()).decode()
-    notebook["cells"][0]["attachments"] = {PICTURE: {"image/png": picture}}
+    notebook["cells"][0]["attachments"] = {PICTURE: {"image/png": template_picture()}}
     return notebook_text(notebook).encode()
+
+
+def template_picture() -> str:
+    """Return the picture of a new lesson, as notebooks hold it."""
+    return base64.b64encode(template(TEMPLATE, PICTURE).read_bytes()).decode()
 
 
 def notebook_of(text: str, about: Mapping[str, object]) -> Notebook:

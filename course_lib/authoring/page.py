@@ -1,12 +1,24 @@
 """A notebook as the rules for lessons see it."""
 
+import ast
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from course_lib.course.exercise import Notebook, read_notebook, source
+
+QUESTIONS = ("quiz", "predict", "compare")
+
+
+def parsed(cell: str) -> ast.Module:
+    """Return the syntax tree of a cell, in which lines of magics are comments.
+
+    Raises:
+        SyntaxError: It is not Python.
+    """
+    return ast.parse(re.sub(r"^%", "# %", cell, flags=re.MULTILINE))
 
 
 @dataclass(frozen=True)
@@ -48,6 +60,11 @@ class NotebookPage:
         return "\n".join(self.code_cells)
 
     @cached_property
+    def questions(self) -> list[tuple[str, str]]:
+        """The questions of the code, in order: ("predict", "week01.top"), ("quiz", "week01")."""
+        return [question for cell in self.code_cells for question in _questions(cell)]
+
+    @cached_property
     def headings(self) -> list[tuple[int, str]]:
         """The headings with their levels."""
         return [(len(m[1]), m[2]) for m in re.finditer(r"^(#+) (.+)$", self.markdown, re.MULTILINE)]
@@ -56,3 +73,15 @@ class NotebookPage:
     def week(self) -> str:
         """The first word of its name, "week01"."""
         return self.path.stem.split("_")[0]
+
+
+def _questions(cell: str) -> Iterator[tuple[str, str]]:
+    try:
+        tree = parsed(cell)
+    except SyntaxError:  # a rule names it
+        return
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    for call in sorted(calls, key=lambda node: (node.lineno, node.col_offset)):
+        match call:
+            case ast.Call(ast.Name(name), [ast.Constant(str(asked)), *_]) if name in QUESTIONS:
+                yield name, asked

@@ -1,11 +1,10 @@
 """Rules for all notebooks of a course: layout, headings, sentences, pictures."""
 
-import ast
 import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
-from course_lib.authoring.page import NotebookPage
+from course_lib.authoring.page import NotebookPage, parsed
 from course_lib.course.exercise import notebook_text
 
 Rule = Callable[[NotebookPage], Iterator[str]]
@@ -53,7 +52,7 @@ def parses(page: NotebookPage) -> Iterator[str]:
     """Yield code cells that are not Python with magics."""
     for cell in page.code_cells:
         try:
-            ast.parse(re.sub(r"^%", "# %", cell, flags=re.MULTILINE))
+            parsed(cell)
         except SyntaxError as error:
             yield f"the cell {_first(cell)!r}, line {error.lineno}: SyntaxError: {error.msg}"
 

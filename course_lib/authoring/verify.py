@@ -1,25 +1,34 @@
 """`course verify`: everything of a week that a command can see before students do."""
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING
 
 from course_lib.authoring.fields import unbuildable
 from course_lib.authoring.flaw import ASPECTS, Flaw
-from course_lib.authoring.lesson_rules import FOR_EXTRAS, FOR_LESSONS, FOR_REVIEWS, WITH_EXERCISE
+from course_lib.authoring.lesson_rules import (
+    FOR_EXTRAS,
+    FOR_LESSONS,
+    FOR_REVIEWS,
+    WITH_EXERCISE,
+    unknown_questions,
+)
+from course_lib.authoring.mutants import idle_operators
+from course_lib.authoring.new_week import template_picture, unchanged_files
 from course_lib.authoring.page import NotebookPage
+from course_lib.authoring.rehearsal import cells_of
 from course_lib.authoring.rules import FOR_ALL, Rule
 from course_lib.authoring.taught import untaught
 from course_lib.authoring.week import WeekRehearsals, missing_files
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.course.questions import read_questions
-from course_lib.errors import CourseError, counted, did_you_mean
+from course_lib.errors import CourseError, counted, did_you_mean, place_of
 from course_lib.grading.executors import executors
 from course_lib.grading.records import Course, catalog_of
 
@@ -27,7 +36,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 LEFT = "REPLACE"  # in the texts of templates
-EXTRAS = "extras"  # the row of pages that belong to no week
+EXTRAS = "extras"  # the row of what belongs to no week
+OF_EXTRAS = {"lesson", "quiz", "wrong"}  # aspects
 UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
 
 
@@ -40,12 +50,14 @@ class WeekReport:
         flaws: What is wrong.
         unknown: Aspects that could not be looked at.
         left: Files with places of a template, and how many each has.
+        kept: By wrong answer, its share of the task's points.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
     left: Mapping[str, int] = field(default_factory=dict)
+    kept: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def replace(self) -> int:
@@ -78,8 +90,8 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
             yield replace(_report(week, course, pool), left=_left_of_template(week, course))
-    if not weeks and (found := list(page_flaws(EXTRAS, course))):
-        yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - {"lesson"})
+    if not weeks and (found := [*page_flaws(EXTRAS, course), *_idle_mutants(course)]):
+        yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - OF_EXTRAS)
 
 
 def weeks_of(course: Course) -> list[str]:
@@ -98,8 +110,9 @@ def _report(week: str, course: Course, pool: Executor) -> WeekReport:
         broken = list(missing_files(week, course))
         broken += _inputs(week, course)
         if not broken:
-            found += WeekRehearsals(week, course, pool).flaws()
-            return WeekReport(week, tuple(found))
+            rehearsals = WeekRehearsals(week, course, pool)
+            found += rehearsals.flaws()
+            return WeekReport(week, tuple(found), kept=rehearsals.kept)
     except CourseError as error:
         broken = [Flaw("files", str(error))]
     return WeekReport(week, (*broken, *found), UNKNOWN)
@@ -135,12 +148,14 @@ def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
             yield from _obeys(path, course, FOR_ALL)
     if solution.is_file():
         known = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
-        with suppress(CourseError, SyntaxError):  # the rules have named that
+        with suppress(CourseError, SyntaxError):  # the rules name that
             yield from (Flaw("lesson", text, str(solution)) for text in untaught(solution, known))
 
 
 def _obeys(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
     page = NotebookPage(path, course.exercises)
+    with suppress(CourseError):  # what cannot be read is named elsewhere
+        yield from (Flaw("quiz", text, str(path)) for text in unknown_questions(page))
     try:
         for rule in rules:
             yield from (Flaw("lesson", text, str(path)) for text in rule(page))
@@ -155,15 +170,15 @@ def _quizzes(week: str, course: Course) -> Iterator[Flaw]:
                 read_questions(path, kind)
             except CourseError as error:
                 yield Flaw("quiz", str(error))
-    for lesson in sorted(course.lessons.glob(f"{week}_*.ipynb")):
-        with suppress(CourseError):
-            for name in _asked(NotebookPage(lesson, course.exercises)):
-                if not (course.exercises / "quizzes" / f"{name}.toml").is_file():
-                    yield Flaw("quiz", f"it asks quiz({name!r}): there is no {name}.toml", str(lesson))
 
 
-def _asked(page: NotebookPage) -> list[str]:
-    return re.findall(r'^quiz\("(\w+)"\)', page.code, re.MULTILINE)
+def _idle_mutants(course: Course) -> Iterator[Flaw]:
+    """Yield mutants of the course's own that change no solution."""
+    path = course.solutions / "answers" / "mutants.toml"
+    with suppress(CourseError):  # each week names what cannot be read
+        cells = [cell for one in course.solutions.glob("*_solution.ipynb") for cell in cells_of(one)]
+        for name in idle_operators(course.solutions, cells):
+            yield Flaw("wrong", f"the pattern of the mutant {name!r} is in no solution", place_of(path, name))
 
 
 def _fresh(week: str, course: Course) -> Iterator[Flaw]:
@@ -193,16 +208,19 @@ def table(reports: Sequence[WeekReport]) -> "Table":
 
 
 def _left_of_template(week: str, course: Course) -> dict[str, int]:
-    """Return how often each file says REPLACE; a page of JupyterLab does not show a notebook's metadata."""
+    """Return how often each file says REPLACE, or is the template's; JupyterLab does not show metadata."""
     tops = [course.lessons, course.exercises / "quizzes", course.exercises / "mistakes", course.solutions]
     tops += [course.exercises / "checks", course.solutions / "checks", course.solutions / "answers"]
     files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
-    found: dict[str, int] = {}
+    found = dict[str, int]()
     for path in files:
         text = path.read_text(encoding="utf-8", errors="replace")
         cells, _, metadata = text.rpartition('\n "metadata": {')
         found[f"{path}, in its metadata"] = metadata.count(LEFT) if cells else 0
         found[str(path)] = (cells or metadata).count(LEFT)
+        found[f"{path}, its picture, which is the template's"] = text.count(template_picture())
+    whole = (path for path in unchanged_files(week, course) if not found[str(path)])
+    found |= {f"{path}, which is the template's": 1 for path in whole}
     return {place: count for place, count in found.items() if count}
 
 
@@ -217,8 +235,17 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
         if r.replace
     ]
     found += [f"{place}: {count} {LEFT}".replace(top, "") for r in reports for place, count in r.left.items()]
+    found += [_kept_line(report) for report in reports if report.kept]
     meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     said = [f"{aspect}: {text}" for aspect, text in meant.items()]
     bad = sum(bool(report.flaws) for report in reports)
     end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
     return [*found, *["What must hold:"] * bool(said), *said, end]
+
+
+def _kept_line(report: WeekReport) -> str:
+    """Return what wrong answers of a week still earn, and the one that earns most."""
+    most = max(report.kept, key=lambda name: report.kept[name])
+    count, middle = counted(len(report.kept), "wrong answer"), median(report.kept.values())
+    top = f"{report.kept[most]:.2f} ({most})"
+    return f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, at most {top}"

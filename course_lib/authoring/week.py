@@ -39,6 +39,7 @@ class WeekRehearsals:
         self._exercise = course.exercises / f"{week}_exercise.ipynb"
         self._cells = cells_of(self._solution)
         self._answers = read_answers(course.solutions, week)
+        self.kept: dict[str, float] = {}  # by wrong answer, its share of the task's points
         self._failed: set[Key] = set()
         self._checks: dict[Key, CheckResult] = {}
         self._places = {
@@ -146,6 +147,7 @@ class WeekRehearsals:
             place = place_of(self._answers.path, says or "")
             if says is None:
                 continue
+            self.kept[f"{result.task}: {name}"] = result.fraction
             if result.errors or result.score >= result.points or not said(result, hidden=True):
                 came = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
                 text = f"{result.task}: {name}: {came}, expected a loss by public and by hidden checks"
@@ -157,11 +159,14 @@ class WeekRehearsals:
     def _look_at_edits(self, group: Sequence[Edit], made: Rehearsed) -> Iterator[Flaw]:
         """Yield what is wrong with each edit of a notebook; alone, as others may have disturbed it."""
         for edit, result in zip(group, made.results, strict=True):
-            found = list(edit.look(result))
+            found, last = list(edit.look(result)), result
             if found and len(group) > 1:
                 (alone,) = self._made([rehearsal_of([edit], self._cells, self._week)])
                 self._note(alone.results)
-                found = list(edit.look(alone.results[0]))
+                (last,) = alone.results
+                found = list(edit.look(last))
+            if not edit.is_right:
+                self.kept[edit.name] = last.fraction
             yield from found
 
     def _never_failing(self) -> Iterator[Flaw]:

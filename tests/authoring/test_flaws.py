@@ -4,12 +4,16 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 
+from course_lib.authoring.answers import read_answers
+from course_lib.authoring.edits import edits_of
 from course_lib.authoring.flaw import Flaw
 from course_lib.authoring.memory import refuse_broken
-from course_lib.authoring.new_week import new_week
-from course_lib.authoring.verify import WeekReport, page_flaws, verify
+from course_lib.authoring.mutants import GENERAL, operators
+from course_lib.authoring.new_week import new_week, template_picture
+from course_lib.authoring.rehearsal import cells_of
+from course_lib.authoring.verify import WeekReport, lines, verify
 from course_lib.errors import CourseError
-from course_lib.grading.records import Course
+from course_lib.grading.records import Course, catalog_of
 from tests.authoring.conftest import Break, empty_course, write
 
 TOML = "exercises/course.toml"
@@ -49,7 +53,12 @@ RUN: list[Row] = [
     ("second", [(ANSWERS, "color.b = 1.0\\n", "color.r = 1.0\\n")], "another name: ", ANSWERS),
     ("wrong", [(ANSWERS, '"too low"', '"too high"')], "expected a message with 'too high'", ANSWERS),
     ("wrong", [(ANSWERS, "Marker.CUBE", "Marker.CUBES")], "a box: the code raises", ANSWERS),
-    ("wrong", [(ANSWERS, '"position.z = height / 2"', '"position.y = 1"')], "is in 0 cells", ANSWERS),
+    (
+        "wrong",
+        [(HIDDEN, 'FORMAL = (expect_frame(TOPIC, "map"), ', "FORMAL = (")],
+        "mutant 'frame': the hidden checks pass it",
+        ANSWERS,
+    ),
     ("wrong", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "(1.0, 1.0)}")], "the height of the lesson: ", ANSWERS),
     (
         "can fail",
@@ -82,18 +91,21 @@ def _nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.authoring.verify.WeekRehearsals.flaws", lambda _: iter(()))
 
 
+MUTANTS = tuple(operator for operator in GENERAL if operator.name == "frame")
 WEEKS = [f"week{number:02}" for number in range(9, 9 + len(RUN))]  # each fault of RUN has a week of its own
 
 
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, WeekReport]:
-    """All faults of RUN, verified at once: to start what runs answers costs more than a week does."""
+    """All faults of RUN, verified at once with one mutant each: a week of the template has 13."""
     course = empty_course(tmp_path_factory.mktemp("faults"))
     for week, (_, changes, _, _) in zip(WEEKS, RUN, strict=True):
         new_week(week, "Occupancy maps", course)
         for name, old, new in changes:
             write(course, *(part.replace("week09", week) for part in (name, old, new)))
-    return {report.week: report for report in verify(course, WEEKS, jobs=2)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("course_lib.authoring.week.operators", lambda _: MUTANTS)
+        return {report.week: report for report in verify(course, WEEKS, jobs=2)}
 
 
 @pytest.mark.slow
@@ -143,49 +155,69 @@ def test_a_fault_that_shows_when_files_are_read_is_found(
     assert [flaw for flaw in found if text in flaw.text and place in flaw.place], list(map(str, found))
 
 
-# what stands in the lesson, what somebody writes instead, and what is said of it
-LESSONS = [
-    ("attachment:picture.png", "picture.png", "the first cell has no picture"),
-    ("**After this lesson you can**", "**You can**", "missing: **After this lesson you can**"),
-    ("**A true story.**", "**A story.**", "above '## Do you remember?'"),
-    ("> Source:", "> From:", "has no line '> Source: …'"),
-    ("## Do you remember?", "## Once more", "the first section must be"),
-    ('quiz(\\"week09_recall\\")', "pass", "the cells with quizzes are"),
-    ("## 3. Show it (3 min)", "## 3. Look (3 min)", "expected the headings 'Show it'"),
-    ("my_files/my_week9.html", "my_week9.html", "expected a file in my_files/"),
-    ("(https://docs", "(http://docs", "at least 3 links"),
-    ("<summary>Answer</summary>", "<summary>A</summary>", "has no <details>"),
-    ("> **On the robot**", "> **There**", "missing: '> **On the robot**'"),
-    ("(8 min)", "(9 min)", "the sections sum to 34 min"),
-    ('"minutes": 32', '"minutes": 30', "course.minutes is 30"),
-    ('compare(\\"week09.top\\"', 'print(\\"x\\"', "it asks to predict ['week09.top'], but compares []"),
-    ("week09.top", "week09.height", "but week09.toml has ['week09.top']"),
-    ("run_live(PostNode())", 'run_live(PostNode()); \\"1.0 m\\"', "shows the answer to week09.top"),
-    ("%load_ext course_lib", "import course_lib", "must begin with: %load_ext course_lib"),
-    (
-        "import Viewer, ",
-        "import Viewer, load_robot, ",
-        "load_robot is imported from course_lib, but",
-    ),
-    ("rclpy.init()", "rclpy.init(", "SyntaxError"),
-    ("## 4. Recap", "#### 4. Recap", "is of level 4, below one of level 2"),
-    ("# Week 9: Occupancy", "## Week 9: Occupancy", "expected one title"),
-    ("Understanding topics, an official ROS 2 tutorial", "here", "the link 'here' needs words"),
-    ('"outputs": []', '"outputs": [{"output_type": "stream", "name": "stdout", "text": []}]', "have outputs"),
-    ('"nbformat": 4,', '"nbformat":4,', "its JSON has another layout"),
-    ("Nothing is marked.", f"Nothing {'is it and ' * 12} marked.", "a sentence has"),
-    ("rclpy.init()", "rclpy.init()" + 25 * "\\nprint()", "expected at most 25"),
-    ("my_values", "my_value", "an answer uses my_values, which no lesson up to this week shows"),
+# what stands in the answers, what somebody writes instead, and what is said of it without a run
+CHANGES = [
+    ('"position.z = height / 2"', '"position.y = 1"', "'position.y = 1' is in 0 cells of the solution"),
+    ('"scale.z = height"', '"height"', "times in the cell with PostNode, expected once: take more"),
+    ("# Wrong answers", "[same]\npots = []\n# Wrong", "[same]: there is no task 'week09.pots'"),
+    ("# Wrong answers", "[same]\npost = ['lifetime: none']\n# Wrong", "no mutant 'lifetime: none'"),
+    ('says = "too low"', 'says = "too (low"', "'too (low' is not a regular expression"),
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "text"), LESSONS, ids=[row[2][:40] for row in LESSONS])
-def test_a_lesson_against_a_rule_is_named(
+@pytest.mark.parametrize(("old", "new", "text"), CHANGES, ids=[row[2][:40] for row in CHANGES])
+def test_an_answer_that_changes_something_else_than_meant_is_named(
     course: Course, change: Break, old: str, new: str, text: str
 ) -> None:
-    change(LESSON, old, new)
-    found = [str(flaw) for flaw in page_flaws("week09", course)]
-    assert [line for line in found if text in line], found
+    change(ANSWERS, old, new)
+    cells = cells_of(course.solutions / "week09_solution.ipynb")
+    try:
+        answers = read_answers(course.solutions, "week09")
+        found = edits_of(catalog_of(course).of_week("week09"), answers, cells, GENERAL)
+        said = [str(flaw) for flaw in found if isinstance(flaw, Flaw)]
+    except CourseError as error:
+        said = [str(error)]
+    assert [line for line in said if text in line and "week09.toml" in line], said
+
+
+MUTANT = "[[mutant]]\nname = 'no alpha'\npattern = 'color.a = (1).0'\nreplacement = '{}'\nnames = 'color'\n"
+
+
+@pytest.mark.usefixtures("_nothing_runs")
+def test_a_mutant_that_changes_no_solution_is_named(course: Course) -> None:
+    file = course.solutions / "answers" / "mutants.toml"
+    file.write_text(MUTANT.format("pass"))
+    assert [report.week for report in verify(course, jobs=1)] == ["week09"]
+    file.write_text(MUTANT.format("pass").replace("color.a", "colour.a"))
+    _, extras = verify(course, jobs=1)
+    assert [str(flaw) for flaw in extras.flaws] == [
+        f"{file} line 2: the pattern of the mutant 'no alpha' is in no solution"
+    ]
+
+
+def test_a_mutant_whose_replacement_names_no_group_is_refused(course: Course) -> None:
+    (course.solutions / "answers" / "mutants.toml").write_text(MUTANT.format(r"\2"))
+    with pytest.raises(CourseError, match=r"mutants\.toml: invalid group reference 2"):
+        operators(course.solutions)
+
+
+@pytest.mark.usefixtures("_nothing_runs")
+def test_what_is_left_of_the_template_is_named_until_it_is_replaced(course: Course, change: Break) -> None:
+    picture = f"{LESSON}, its picture, which is the template's: 1 REPLACE"
+    hints = "exercises/mistakes/week09.toml, which is the template's: 1 REPLACE"
+    said = lines(list(verify(course, jobs=1)), course)
+    assert {picture, hints} <= set(said)
+    change(LESSON, template_picture(), "iVBORw0KGgo=")
+    change("exercises/mistakes/week09.toml", "The foot is", "The lower end is")
+    said = lines(list(verify(course, jobs=1)), course)
+    assert not [line for line in said if "its picture" in line or "exercises/mistakes" in line]
+
+
+def test_the_wrong_answer_that_keeps_most_points_is_named(course: Course) -> None:
+    report = WeekReport("week09", (), kept={"week09.post: red": 0.9, "a": 0.1, "b": 0.2})
+    (line,) = [line for line in lines([report], course) if "wrong answers" in line]
+    assert line.startswith("week09: 3 wrong answers keep 0.20 of their task's points in the median, ")
+    assert line.endswith("at most 0.90 (week09.post: red)")
 
 
 @pytest.mark.usefixtures("_nothing_runs")

@@ -1,0 +1,81 @@
+"""The rules for lessons, and for what notebooks ask: each is broken once, and named."""
+
+import pytest
+
+from course_lib.authoring.verify import page_flaws
+from course_lib.grading.records import Course
+from tests.authoring.conftest import Break
+
+SOLUTION, LESSON = "solutions/week09_solution.ipynb", "notebooks/week09_occupancy_maps.ipynb"
+
+# the notebook, what stands in it, what somebody writes instead, and what is said of it
+ASKED = [
+    (LESSON, 'quiz(\\"week09\\")', "quiz('week08')", "it asks quiz('week08'): there is no week08.toml"),
+    (
+        LESSON,
+        'predict(\\"week09.top',
+        'predict(\\"week09.tip',
+        "has no prediction with key = 'tip'. Did you mean top",
+    ),
+    (
+        LESSON,
+        'compare(\\"week09.top\\"',
+        "compare('week09.tip'",
+        "it asks compare('week09.tip'): week09.toml",
+    ),
+    (SOLUTION, "rclpy.init()", "predict('week07.x')", "it asks predict('week07.x'): there is no week07.toml"),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "text"), ASKED, ids=[row[3][:40] for row in ASKED])
+def test_a_question_that_no_file_has_is_named(
+    course: Course, change: Break, file: str, old: str, new: str, text: str
+) -> None:
+    change(file, old, new)
+    found = [flaw for flaw in page_flaws("week09", course) if flaw.aspect == "quiz"]
+    assert [flaw for flaw in found if text in flaw.text and file in flaw.place], list(map(str, found))
+
+
+# what stands in the lesson, what somebody writes instead, and what is said of it
+LESSONS = [
+    ("attachment:picture.png", "picture.png", "the first cell has no picture"),
+    ("**After this lesson you can**", "**You can**", "missing: **After this lesson you can**"),
+    ("**A true story.**", "**A story.**", "above '## Do you remember?'"),
+    ("> Source:", "> From:", "has no line '> Source: …'"),
+    ("## Do you remember?", "## Once more", "the first section must be"),
+    ('quiz(\\"week09_recall\\")', "pass", "the cells with quizzes are"),
+    ("## 3. Show it (3 min)", "## 3. Look (3 min)", "expected the headings 'Show it'"),
+    ("my_files/my_week9.html", "my_week9.html", "expected a file in my_files/"),
+    ("(https://docs", "(http://docs", "at least 3 links"),
+    ("<summary>Answer</summary>", "<summary>A</summary>", "has no <details>"),
+    ("> **On the robot**", "> **There**", "missing: '> **On the robot**'"),
+    ("(8 min)", "(9 min)", "the sections sum to 34 min"),
+    ('"minutes": 32', '"minutes": 30', "course.minutes is 30"),
+    ('compare(\\"week09.top\\"', 'print(\\"x\\"', "it asks to predict ['week09.top'], but compares []"),
+    ("week09.top", "week09.height", "but week09.toml has ['week09.top']"),
+    ("run_live(PostNode())", 'run_live(PostNode()); \\"1.0 m\\"', "shows the answer to week09.top"),
+    ("%load_ext course_lib", "import course_lib", "must begin with: %load_ext course_lib"),
+    (
+        "import Viewer, ",
+        "import Viewer, load_robot, ",
+        "load_robot is imported from course_lib, but",
+    ),
+    ("rclpy.init()", "rclpy.init(", "SyntaxError"),
+    ("## 4. Recap", "#### 4. Recap", "is of level 4, below one of level 2"),
+    ("# Week 9: Occupancy", "## Week 9: Occupancy", "expected one title"),
+    ("Understanding topics, an official ROS 2 tutorial", "here", "the link 'here' needs words"),
+    ('"outputs": []', '"outputs": [{"output_type": "stream", "name": "stdout", "text": []}]', "have outputs"),
+    ('"nbformat": 4,', '"nbformat":4,', "its JSON has another layout"),
+    ("Nothing is marked.", f"Nothing {'is it and ' * 12} marked.", "a sentence has"),
+    ("rclpy.init()", "rclpy.init()" + 25 * "\\nprint()", "expected at most 25"),
+    ("my_values", "my_value", "an answer uses my_values, which no lesson up to this week shows"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "text"), LESSONS, ids=[row[2][:40] for row in LESSONS])
+def test_a_lesson_against_a_rule_is_named(
+    course: Course, change: Break, old: str, new: str, text: str
+) -> None:
+    change(LESSON, old, new)
+    found = [str(flaw) for flaw in page_flaws("week09", course)]
+    assert [line for line in found if text in line], found
