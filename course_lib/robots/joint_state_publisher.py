@@ -146,15 +146,16 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
 def _row(name: str, joint: FreeJoint) -> "HBox":
     import ipywidgets
 
+    from course_lib.controls.slider import Slider  # here: anywidget is slow to load
+
     lower, upper = sorted((joint.lower, joint.upper))
-    slider = ipywidgets.FloatSlider(
-        joint.position,
+    slider = Slider(
+        value=joint.position,
         min=lower,
         max=upper,
-        step=(upper - lower) / 1000 or 1.0,  # where both limits are one, any step will do
+        step=(upper - lower) / 1000,
         description=name,
-        readout_format=".3f",
-        style={"description_width": "14em"},
+        description_width="14em",
         layout={"width": "34em"},
     )
     slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")

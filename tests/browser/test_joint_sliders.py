@@ -6,6 +6,7 @@ from math import pi
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
@@ -39,20 +40,34 @@ def elbow_comes_to(notebook: Notebook, position: float, within: float) -> None:
     wait_until(is_there, notebook.page)
 
 
+def test_sliders_serve_keyboard_and_screen_reader(notebook: Notebook) -> None:
+    cell = notebook.cell("joint_sliders(publisher)")
+    expect(cell.get_by_role("slider")).to_have_count(6)
+    cell.evaluate("cell => cell.querySelector('.jp-OutputArea').id = 'looked-at'")
+    assert faults(notebook.page, "#looked-at") == []
+
+
 def test_a_slider_moves_by_arrow_keys_in_steps_of_a_thousandth(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
     expect(cell.get_by_text("-3.142 … 3.142 rad")).to_be_visible()
-    cell.locator(".widget-slider", has_text="elbow_joint").locator(".noUi-handle").focus()
-    for _ in range(5):
-        notebook.page.keyboard.press("ArrowRight")
+    elbow = cell.get_by_role("slider", name="elbow_joint")
+    elbow.focus()
+    for key in ("ArrowRight",) * 4 + ("ArrowUp",) * 2 + ("ArrowLeft",):
+        notebook.page.keyboard.press(key)
     elbow_comes_to(notebook, 5 * 2 * pi / 1000, within=1e-3)
+    expect(elbow).to_be_focused()  # JupyterLab has not taken ArrowUp for itself
+    expect(elbow).to_have_attribute("aria-valuetext", "0.031")
 
 
 def test_a_position_may_be_typed_and_taken_back(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
-    number = cell.locator(".widget-slider", has_text="elbow_joint").locator(".widget-readout")
+    number = cell.get_by_role("spinbutton", name="elbow_joint, as a number")
     number.fill("-1.25")
     number.press("Enter")
-    elbow_comes_to(notebook, -1.25, within=2 * pi / 1000)
+    elbow_comes_to(notebook, -1.25, within=0.0)
+    number.fill("99")
+    number.press("Enter")
+    elbow_comes_to(notebook, pi, within=1e-3)
     cell.get_by_role("button", name="Center").click()
     elbow_comes_to(notebook, 0.0, within=0.0)
+    expect(number).to_have_value("0.000")

@@ -27,7 +27,7 @@ class BagView(RqtView):
 
     def build(self) -> None:
         """Read the bag; raises a CourseError if there is none."""
-        from ipywidgets import FloatSlider
+        from course_lib.controls.slider import Slider  # here: anywidget is slow to load
 
         if len(self.words) != 1:
             raise CourseError("Say which bag: %rqt bag FOLDER, the folder that ros2 bag record has written.")
@@ -40,9 +40,8 @@ class BagView(RqtView):
         self._at = 0.0  # [s] of the cursor
         self._task: asyncio.Task[None] | None = None
         length = (self._recording.end_ns - self._recording.start_ns) * 1e-9
-        slider = FloatSlider(0, min=0, max=max(length, 1e-3), step=max(length / 1000, 1e-3))
-        slider.description, slider.layout.width, slider.readout_format = "Time [s]", "480px", ".3f"
-        self.add(slider, self._move)
+        limits = {"max": max(length, 1e-3), "step": max(length / 1000, 1e-3)}
+        self.add(Slider(**limits, description="Time [s]", layout={"width": "480px"}), self._move)
         self.add_check("Play", action=self._play)
         self.add_check("Publish", on=True)
         self.add_choice("Message of", list(self._topics), None)

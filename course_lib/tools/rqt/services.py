@@ -2,6 +2,7 @@
 
 from collections.abc import Collection
 from html import escape
+from math import ceil, isfinite, log10
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
@@ -218,11 +219,23 @@ def _editor(name: str, value: Any, about: Any) -> Any:
     is_int = isinstance(value, int)
     for limits in about.integer_range if is_int else about.floating_point_range:
         low, high = limits.from_value, limits.to_value
-        step = limits.step or (1 if is_int else (high - low) / 1000)
-        slider, form = (widgets.IntSlider, "d") if is_int else (widgets.FloatSlider, ".4g")
-        settings |= {"min": low, "max": high, "step": step, "readout_format": form}
-        return slider(value, continuous_update=False, **settings)
+        if isfinite(high - low):
+            return _slider(is_int, limits.step, value=value, min=low, max=high, description=name)
     return (widgets.IntText if is_int else widgets.FloatText)(value, **settings)
+
+
+def _slider(is_int: bool, step: float, **settings: Any) -> Any:
+    """Return a slider for a range, whose step may be 0; a value is set once somebody lets go of it."""
+    from course_lib.controls.slider import IntSlider, Slider  # here: anywidget is slow to load
+
+    if is_int:
+        settings["step"] = step or 1
+    else:
+        settings["step"] = step = step or (settings["max"] - settings["min"]) / 1000
+        settings["decimals"] = max(0, ceil(1 - log10(step or 1)))
+    width = _EDITOR_STYLE["description_width"]
+    kind = IntSlider if is_int else Slider
+    return kind(**settings, is_live=False, description_width=width, layout=_EDITOR_LAYOUT)
 
 
 def _shown(value: Any) -> str:

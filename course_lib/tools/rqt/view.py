@@ -42,6 +42,7 @@ class RqtView:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._late: asyncio.TimerHandle | None = None
         self._drawn = 0.0  # [s] of the wall clock
+        self._offering = False  # a control changes for its new options, nobody has chosen anything
         self._stops: list[Callable[[], None]] = []
         self._frame: Any = None
         self.closed = False
@@ -72,8 +73,10 @@ class RqtView:
     def add(self, control: Any, action: Callable[[], None] | None = None) -> Any:
         """Add a control under its description; a change of its value runs the action, or a refresh."""
         self.controls[control.description] = control
-        control.style.description_width = "initial"
-        control.observe(lambda _: self.soon(action or self.refresh), "value")
+        if control.has_trait("style"):  # of ipywidgets
+            control.style.description_width = "initial"
+        act = action or self.refresh
+        control.observe(lambda _: None if self._offering else self.soon(act), "value")
         return control
 
     def add_check(self, name: str, *, on: bool = False, action: Callable[[], None] | None = None) -> None:
@@ -102,8 +105,12 @@ class RqtView:
         """Replace the options of a choice; its value stays if it is among them."""
         control, kept = self.controls[name], self[name]
         if control.options != tuple(options):
-            control.options = tuple(options)
-            control.value = kept if kept in options else None
+            wanted = kept if kept in options else None
+            self._offering = True
+            control.options = tuple(options)  # selects the first one
+            self._offering = wanted == kept
+            control.value = wanted
+            self._offering = False
 
     def button(self, name: str, icon: str, action: Callable[[], None]) -> Any:
         """Return a button that runs an action and a refresh."""

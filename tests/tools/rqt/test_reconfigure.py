@@ -5,6 +5,7 @@ import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from course_lib.controls.slider import Slider
 from course_lib.errors import CourseError
 from course_lib.ros.driving import spin_for
 from course_lib.ros.graph import Graph
@@ -26,7 +27,7 @@ def row(view: ReconfigureView, name: str) -> tuple[Any, str, str]:
 
 def test_controls_suit_types_and_ranges(view: ReconfigureView) -> None:
     slider, note, _ = row(view, "gain")
-    assert isinstance(slider, ipywidgets.FloatSlider)
+    assert isinstance(slider, Slider)
     assert (slider.min, slider.max, slider.value) == (0.0, 5.0, 1.5)
     assert "0 … 5 · How fast" in note
     assert isinstance(row(view, "use_sim_time")[0], ipywidgets.Checkbox)

@@ -62,10 +62,12 @@ def test_a_wrong_name_names_the_near_one(view: ServiceCallerView, graph: Graph) 
 def test_services_that_come_later_are_offered_and_the_choice_stays(
     view: ServiceCallerView, planner: Node
 ) -> None:
-    planner.create_service(AddTwoInts, "more", lambda _, response: response)
+    said = call(view, "{a: 20, b: 22}")
+    planner.create_service(AddTwoInts, "a_new_one", lambda _, response: response)
     view.refresh()
-    assert "/more" in view.controls["Service"].options
+    assert "/a_new_one" in view.controls["Service"].options
     assert view["Service"] == "/add"
+    assert (view.request.value, view.screen.value) == ("{a: 20, b: 22}", said)
 
 
 def test_while_robot_time_is_paused_nobody_is_asked(

@@ -1,0 +1,1 @@
+"""Controls of cells that ipywidgets has none of its own for."""
