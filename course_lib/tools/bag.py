@@ -1,6 +1,5 @@
 """`ros2 bag record` and `ros2 bag info`, and the options that they share with `ros2 bag play`."""
 
-import re
 import time
 from argparse import ArgumentTypeError, Namespace
 from functools import partial
@@ -13,7 +12,7 @@ from course_lib.ros.sim_time import CLOCK
 from course_lib.tools.sources import RecordingSource, Source, is_hidden
 from course_lib.tools.tf2 import log_line
 from course_lib.tools.topic.lookup import full_name
-from course_lib.tools.verb import Option, Verb, Write, flag, value
+from course_lib.tools.verb import Option, Verb, Write, flag, pattern, value
 
 
 def existing(text: str) -> Path:
@@ -21,14 +20,6 @@ def existing(text: str) -> Path:
     if not Path(text).exists():
         raise ArgumentTypeError(f"Bag path '{text}' does not exist!")
     return Path(text)
-
-
-def pattern(text: str) -> re.Pattern[str]:
-    """Read a regular expression."""
-    try:
-        return re.compile(text)
-    except re.error as error:
-        raise ArgumentTypeError(f"{text!r} is not a regular expression: {error}") from error
 
 
 def several(*flags: str, help: str, metavar: str = "Topic", exclusive: str = "") -> Option:  # noqa: A002  # argparse's own word

@@ -11,10 +11,10 @@ from course_lib.ros import pace
 from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.interrupts import until_interrupted
 from course_lib.ros.sim_time import CLOCK, tick
-from course_lib.tools.bag import READER, pattern, several
+from course_lib.tools.bag import READER, several
 from course_lib.tools.sources import PLAYER, Source
 from course_lib.tools.tf2 import log_line
-from course_lib.tools.verb import Verb, Write, flag, positive, value
+from course_lib.tools.verb import Verb, Write, flag, pattern, positive, seconds, value
 
 GRACE = 0.1  # [s] at the end, for the last message to arrive
 
@@ -176,8 +176,8 @@ _PLAY = (
         default=0.0,
         help="Sleep before play (each loop), in seconds",
     ),
-    value("--start-offset", type=float, default=0.0, help="Start so many seconds into the bag"),
-    value("--playback-duration", type=float, default=-1.0, help="Stop after so many seconds of the bag"),
+    value("--start-offset", type=seconds, default=0.0, help="Start so many seconds into the bag"),
+    value("--playback-duration", type=seconds, default=-1.0, help="Stop after so many seconds of the bag"),
     flag("-p", "--start-paused", help="Wait until the viewer's Time panel lets time go on"),
 )
 BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, _play_bag)

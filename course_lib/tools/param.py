@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.tools.sources import Source, answer, own_node
-from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, value
+from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, pattern, value
 
 if TYPE_CHECKING:
     from rclpy.task import Future
@@ -17,7 +17,7 @@ ANSWER_LIMIT = 5.0  # [s] for an answer
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    wanted, pattern = arguments.node_name, re.compile(arguments.filter or "")
+    wanted, pattern = arguments.node_name, arguments.filter or re.compile("")
     for node_name in [found_node(source, wanted)] if wanted else parameter_nodes(source):
         with asked(source, node_name) as ask:
             names = ask("list_parameters", arguments.param_prefixes).result.names
@@ -187,7 +187,7 @@ _WAIT = value(
 _LIST = (
     *NODE_OPTIONS,
     value("node_name", nargs="?", help="Name of the ROS node"),
-    value("--filter", help="Only parameters matching the regex expression will be showed"),
+    value("--filter", type=pattern, help="Only parameters matching the regex expression will be showed"),
     value("--param-prefixes", nargs="+", default=[], help="Only list parameters with these prefixes"),
     flag("--param-type", help="Print parameter types with parameter names"),
 )

@@ -15,22 +15,33 @@ from course_lib.errors import CourseError
 from course_lib.tools.verb import Write
 
 SHELLS = ("sh", "cmd")  # every machine has one of them; the root in which notebooks are graded has none
-_PARTS = re.compile(r""""(?:\\.|[^"\\])*"|'[^']*'|\\.|(>>|>|\|)""")  # what is quoted, and what parts a line
+_QUOTED = r""""(?:\\.|[^"\\])*"|'[^']*'|\\."""
+_PARTS = re.compile(rf"{_QUOTED}|(>>|>|\||&+|;)")  # what is quoted, and what parts a line
+_ERRORS = re.compile(  # where a shell puts them; here they are raised
+    rf"{_QUOTED}|((?<!\S)2>(?:&1|>?\s*[^\s|>&;]+))"
+)
 
 
 def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
     """Split a line into the commands between `|`, and the mode and path of the file behind `>` or `>>`.
 
     Raises:
-        CourseError: There is nothing on one side of `|` or `>`.
+        CourseError: There is nothing on one side of `|` or `>`, or a sign is a shell's.
         ValueError: A quotation mark is not closed.
     """
+    line = _ERRORS.sub(lambda found: "" if found[1] else found[0], line)
     pieces, signs, start = [], [], 0
     for found in _PARTS.finditer(line):
         if found[1]:
             pieces.append(line[start : found.start()])
             signs.append(found[1])
             start = found.end()
+    for sign in signs:
+        if sign[0] in "&;":
+            raise CourseError(
+                f"A line is one command, without {sign}: write each in a line of its own, and what goes on "
+                "while the next cells run with run_live or %ros2 launch."
+            )
     commands = [shlex.split(piece) for piece in (*pieces, line[start:])]
     if signs and not all(commands):
         raise CourseError(

@@ -209,16 +209,20 @@ def own_node(source: Source, name: str = NODE_NAME, *, use_sim_time: bool = Fals
     """Run a node of the tool's own, together with the live ones, within a `with` block.
 
     Raises:
-        CourseError: The source is a recording.
+        CourseError: The source is a recording, or the name is not one of nodes.
     """
     if not source.live:
         raise CourseError("A recording gives no answers. Ask nodes that run: course ros2 --run program.py …")
     source.wait(lambda: True, 0.0)  # raises if rclpy is not started
+    from rclpy.exceptions import InvalidNodeNameException
     from rclpy.node import Node
     from rclpy.parameter import Parameter
 
     time = Parameter("use_sim_time", value=use_sim_time)
-    node = Node(name, start_parameter_services=False, enable_rosout=False, parameter_overrides=[time])
+    try:
+        node = Node(name, start_parameter_services=False, enable_rosout=False, parameter_overrides=[time])
+    except InvalidNodeNameException as error:
+        raise CourseError(str(error)) from error
     running_nodes().append(node)
     try:
         yield node

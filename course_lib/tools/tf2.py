@@ -13,7 +13,7 @@ from course_lib.ros.qos import Qos
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_transform import Transform, TransformException
 from course_lib.tools.sources import Listening, Source
-from course_lib.tools.verb import Verb, Write, value
+from course_lib.tools.verb import Verb, Write, positive, value
 
 TF = "tf2_msgs/msg/TFMessage"
 TOPICS = {
@@ -107,17 +107,10 @@ def _joined(numbers: tuple[float, ...]) -> str:
     return ", ".join(f"{number:.3f}" for number in numbers)
 
 
-def _rate(text: str) -> float:
-    rate = float(text)
-    if not 0 < rate <= 1000:
-        raise ValueError
-    return rate
-
-
 _ECHO = (
     value("source_frame", help="Frame that the transform is expressed in"),
     value("target_frame", help="Frame whose pose it is"),
-    value("echo_rate", nargs="?", type=_rate, default=1.0, help="How often to print it [Hz]"),
+    value("echo_rate", nargs="?", type=positive(float), default=1.0, help="How often to print it [Hz]"),
 )
 TF2_ECHO = Verb(
     "run tf2_ros", "tf2_echo", "Print how target_frame lies in source_frame, once a second", _ECHO, _echo

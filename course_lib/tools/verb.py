@@ -1,5 +1,6 @@
 """Verbs of the `ros2` command line, their options, and those that several commands share."""
 
+import re
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from course_lib.tools.sources import Source
 Write = Callable[[str], object]  # takes text, line ends included
 Run = Callable[[Source, Namespace, Write], None]
 Types = Mapping[str, list[str]]  # of topics, services or actions, by name
+MOST = 1e9  # [s] or [Hz]: what is beyond does not fit a clock's nanoseconds
 FindTypes = Callable[[Source, bool], Types]  # the flag adds hidden names
 
 
@@ -68,13 +70,39 @@ def positive(kind: type[int] | type[float]) -> Callable[[str], float]:
         if not number > 0:
             expected = "a positive integer" if kind is int else "positive"
             raise ArgumentTypeError(f"{'value' if kind is int else 'Value'} must be {expected}")
+        if kind is float and not 1 / MOST <= number <= MOST:
+            raise ArgumentTypeError(f"Value must be in {1 / MOST:g} … {MOST:g}")
         return number
 
     return read
 
 
+def seconds(text: str) -> float:
+    """Read a time, of either sign: an argparse type."""
+    number = float(text)
+    if not abs(number) <= MOST:
+        raise ArgumentTypeError(f"{text!r} is not a time in seconds, {-MOST:g} … {MOST:g}")
+    return number
+
+
+def unsigned(text: str) -> int:
+    """Read an integer from 0 on, with ros2cli's complaint."""
+    number = int(text) if text.strip().isdecimal() else -1
+    if number < 0:
+        raise ArgumentTypeError("value must be non-negative integer")
+    return number
+
+
+def pattern(text: str) -> re.Pattern[str]:
+    """Read a regular expression."""
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise ArgumentTypeError(f"{text!r} is not a regular expression: {error}") from error
+
+
 NODE_OPTIONS = (  # of verbs that look at the graph (ros2cli.node.strategy)
-    value("--spin-time", type=float, default=0.0, help="Spin time in seconds to wait for discovery"),
+    value("--spin-time", type=seconds, default=0.0, help="Spin time in seconds to wait for discovery"),
     flag("-s", "--use-sim-time", help="Enable ROS simulation time"),
     flag("--no-daemon", help="Do not spawn nor use an already running daemon; here there is none"),
 )

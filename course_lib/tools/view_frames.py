@@ -13,7 +13,7 @@ from course_lib.ros import tf2_core
 from course_lib.ros.graph import current_graph
 from course_lib.tools.sources import Source
 from course_lib.tools.tf2 import TransformStream, log_line
-from course_lib.tools.verb import Verb, Write, value
+from course_lib.tools.verb import Verb, Write, seconds, value
 
 _WIDTH, _HEIGHT = 2.3, 1.7  # [in] of a frame with what leads to it
 _IMAGE = '<img style="max-width: 100%" alt="{}" src="data:image/svg+xml;base64,{}">'  # as wide as the cell
@@ -128,7 +128,7 @@ def _label(about: Mapping[str, Any], end: str) -> str:
 
 
 _OPTIONS = (
-    value("-t", "--wait-time", type=float, default=5.0, help="Listen for this many seconds"),
+    value("-t", "--wait-time", type=seconds, default=5.0, help="Listen for this many seconds"),
     value("-o", "--output", help="Output filename"),
 )
 VIEW_FRAMES = Verb("run tf2_tools", "view_frames", "Draw the tree of frames", _OPTIONS, _view_frames)

@@ -39,6 +39,8 @@ def output(line: str) -> str:
         ("topic list|head -n 1", "/camera/image\n"),
         ("topic list | sort -r | uniq | head -2 | tail -n 1", "/perception/boxes\n"),
         ("topic list | grep '|'", ""),
+        ("topic list 2>&1 | wc -l", "4\n"),
+        ("topic list 2> /dev/null | grep -v '2>&1; &' | wc -l 2>/dev/null", "4\n"),
         ("topic list | grep nothing | wc -l", "0\n"),
         ("topic type /chatter | ros2 interface show -", "shows std_msgs/msg/String\n"),
         ("topic type /chatter | ros2 interface show - | wc -w", "2\n"),
@@ -46,6 +48,19 @@ def output(line: str) -> str:
 )
 def test_the_machine_s_tools_see_what_ros2_prints(line: str, text: str) -> None:
     assert [row.strip() for row in output(line).splitlines()] == text.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("line", "sign"),
+    [("topic list && echo hi", "&&"), ("topic list; echo hi", ";"), ("topic echo /a > b.txt &", "&")],
+)
+def test_a_shells_signs_are_named_and_write_no_file(
+    line: str, sign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CourseError, match=f"^A line is one command, without {sign}: write each in a line"):
+        output(line)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_arrow_writes_a_file_and_two_add_to_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,7 +72,11 @@ def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: 
     [
         ("topic echo", "the following arguments are required: topic_name"),
         ("topic echo /a --ounce", "unrecognized arguments: --ounce. Did you mean --once"),
-        ("topic echo /a --truncate-length x", "invalid int value: 'x'"),
+        ("topic echo /a --truncate-length x", "value must be non-negative integer"),
+        ("topic echo /a --truncate-length -5", "value must be non-negative integer"),
+        ("topic echo /a --qos-depth x", "invalid int value: 'x'"),
+        ("topic echo /a --timeout inf", "Value must be in 1e-09 … 1e.09"),
+        ("topic echo /a --spin-time nan", "'nan' is not a time in seconds"),
     ],
 )
 def test_a_wrong_argument_is_one_line_after_the_usage(line: str, text: str) -> None:

@@ -12,7 +12,7 @@ from course_lib.ros.messages import RosMessage, message_class
 from course_lib.tools.message_yaml import fill, kind_of
 from course_lib.tools.sources import NODE_NAME, Source, own_node
 from course_lib.tools.topic.lookup import PRESETS, asked_qos, qos_options
-from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, value
+from course_lib.tools.verb import NODE_OPTIONS, Verb, Write, flag, positive, unsigned, value
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -109,9 +109,16 @@ _OPTIONS = (
     flag("--stdin", help="Read values from standard input"),
     value("-r", "--rate", metavar="N", type=positive(float), default=1.0, help="Publishing rate in Hz"),
     value("-p", "--print", metavar="N", type=int, default=1, help="Only print every N-th message"),
-    flag("-1", "--once", help="Publish one message and exit"),
-    value("-t", "--times", type=positive(int), default=0, help="Publish this number of times and exit"),
-    value("-w", "--wait-matching-subscriptions", type=int, help="Wait for so many subscriptions"),
+    flag("-1", "--once", help="Publish one message and exit", exclusive="count"),
+    value(
+        "-t",
+        "--times",
+        type=unsigned,
+        default=0,
+        help="Publish this number of times and exit",
+        exclusive="count",
+    ),
+    value("-w", "--wait-matching-subscriptions", type=unsigned, help="Wait for so many subscriptions"),
     value("--max-wait-time-secs", type=positive(float), help="The longest wait for them in seconds"),
     value(
         "--keep-alive",

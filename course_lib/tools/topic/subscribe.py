@@ -24,7 +24,7 @@ from course_lib.tools.topic.lookup import (
     silence,
     type_of,
 )
-from course_lib.tools.verb import NODE_OPTIONS, Option, Verb, Write, flag, positive, value
+from course_lib.tools.verb import NODE_OPTIONS, Option, Verb, Write, flag, positive, unsigned, value
 
 SILENCE_LIMIT = 10.0  # [s] of robot time without a message
 
@@ -102,8 +102,8 @@ _ECHO = (
     value("--timeout", type=positive(float), metavar="N", help="Set a timeout in seconds for waiting"),
     flag("--csv", help="Output all recursive fields separated by commas"),
     flag("--flow-style", help="Print collections in one line"),
-    flag("-f", "--full-length", help="Output all elements of arrays, bytes and strings"),
-    value("-l", "--truncate-length", type=int, default=128, help="The length to truncate them to"),
+    flag("--full-length", "-f", help="Output all elements of arrays, bytes and strings"),
+    value("--truncate-length", "-l", type=unsigned, default=128, help="The length to truncate them to"),
     flag("--no-arr", help="Don't print array fields of messages"),
     flag("--no-str", help="Don't print string fields of messages"),
     flag("--no-lost-messages", help="Don't report when a message is lost"),
