@@ -14,7 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.robots.kinematics import Motions, configuration, link_poses, motions_of
 from course_lib.robots.rigid_motions import crossed, inverse, twist_jacobian, twist_of
 from course_lib.robots.robot import Robot
-from course_lib.robots.urdf import MOVING, Joint
+from course_lib.robots.urdf import MOVING, Joint, Urdf
 
 ACCURACY = 1e-10  # [m], [rad]
 STEPS, LONGEST_STEP = 200, 0.5  # [rad]
@@ -28,7 +28,7 @@ def joints_for(
     """Return joint positions that bring a link to a pose.
 
     Damped least squares from `start` on, within the limits of all joints. Of several solutions it is one near
-    `start`; if none is found from there, one from elsewhere.
+    `start`; if none is found from there, one from elsewhere. Mimic joints stand where their joint puts them.
 
     Args:
         robot: What `load_robot` returns; joints that one number does not place stand still.
@@ -42,16 +42,16 @@ def joints_for(
     """
     arm = arm_of(robot, link)
     goal, tries = _checked(transform_link_to_root), []
-    random, positions = np.random.default_rng(0), configuration(robot, start or {})
-    lower, upper = np.maximum(arm.lower, -np.pi)[arm.chain], np.minimum(arm.upper, np.pi)[arm.chain]
+    random, positions = np.random.default_rng(0), arm.settled(configuration(robot, start or {}))
+    lower, upper = np.maximum(arm.lower, -np.pi)[arm.driven], np.minimum(arm.upper, np.pi)[arm.driven]
     for _ in range(STARTS):
         positions, gap = _descend(arm, goal, positions)
         if np.abs(gap).max() < ACCURACY:
             found = zip(arm.motions.joints, map(float, positions), strict=True)
             return {joint.name: position for joint, position in found if joint.kind in MOVING}
         tries.append(gap)
-        positions = positions.copy()
-        positions[arm.chain] = random.uniform(lower, upper)
+        positions[arm.driven] = random.uniform(lower, upper)
+        positions = arm.settled(positions)
     near = min(tries, key=lambda gap: float(np.linalg.norm(gap)))
     meters, degrees = np.linalg.norm(near[:3]), np.degrees(np.linalg.norm(near[3:]))
     place = ", ".join(f"{value:.2f}" for value in goal[:3, 3])
@@ -75,13 +75,24 @@ class Arm:
     Args:
         motions: Of the robot's n joints.
         chain: The numbers of the joints that carry the link, the last one at the link.
-        lower, upper: Limits of all positions, shape (n,), [rad] or [m].
+        driven: The numbers of the joints that move these: themselves, or those that they mimic.
+        lower, upper: Limits of all positions, shape (n,), [rad] or [m]; those of mimic joints do not count.
+        factors, offsets: The positions of all joints are `factors @ positions + offsets`, where columns of
+            mimic joints are 0; shapes (n, n) and (n,).
     """
 
     motions: Motions
     chain: list[int]
+    driven: list[int]
     lower: Floats
     upper: Floats
+    factors: Matrix
+    offsets: Floats
+
+    def settled(self, positions: Floats) -> Floats:
+        """Return positions with mimic joints where their joints put them."""
+        settled: Floats = self.factors @ positions + self.offsets
+        return settled
 
     def poses(self, positions: Floats) -> Matrix:
         """Return the poses of the root and the chain's children in the root, shape (1 + its length, 4, 4)."""
@@ -112,7 +123,22 @@ def arm_of(robot: Robot, link: str) -> Arm:
         chain.insert(0, at)
         at = motions.above[at]
     limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
-    return Arm(motions, chain, limits[:, 0], limits[:, 1])
+    factors, offsets = _mimicry(robot.tree, motions)
+    driven = [int(one) for number in chain for one in np.flatnonzero(factors[number])]
+    return Arm(motions, chain, list(dict.fromkeys(driven)), limits[:, 0], limits[:, 1], factors, offsets)
+
+
+def _mimicry(tree: Urdf, motions: Motions) -> tuple[Matrix, Floats]:
+    """Return the factors and offsets of an arm."""
+    factors, offsets = np.eye(len(motions.joints)), np.zeros(len(motions.joints))
+    for number, joint in enumerate(motions.joints):
+        follow = tree.followed(joint)
+        if joint.kind in MOVING and follow.joint != joint.name:
+            leads = tree.joints[follow.joint].kind in MOVING
+            factors[number, number] = 0.0
+            factors[number, motions.numbers[follow.joint]] = follow.factor if leads else 0.0
+            offsets[number] = follow.offset
+    return factors, offsets
 
 
 def _limits(joint: Joint) -> tuple[float, float]:
@@ -128,11 +154,11 @@ def _descend(arm: Arm, goal: Matrix, positions: Floats) -> tuple[Floats, Floats]
         gap = twist_of(inverse(poses[-1]) @ goal)
         if np.abs(gap).max() < ACCURACY:
             break
-        jacobian = twist_jacobian(gap) @ arm.jacobian(poses)
+        jacobian = twist_jacobian(gap) @ arm.jacobian(poses) @ arm.factors
         damping = (0.01 * gap @ gap + 1e-12) * np.eye(6)
         step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + damping, gap)
         step *= LONGEST_STEP / np.abs(step).max(initial=LONGEST_STEP)
-        positions = np.clip(positions + step, arm.lower, arm.upper)
+        positions = arm.settled(np.clip(positions + step, arm.lower, arm.upper))
     return positions, gap
 
 
@@ -169,8 +195,11 @@ def straight_line(
 
 
 def _trajectory(robot: Robot, joints: Sequence[Mapping[str, float]], times: Floats) -> JointTrajectory:
-    """Return joint positions at times [s] as a trajectory that starts and ends at rest."""
-    names = list(joints[-1])
+    """Return joint positions at times [s] as a trajectory that starts and ends at rest.
+
+    Controllers take no commands for mimic joints, so it has none.
+    """
+    names = [name for name in joints[-1] if not robot.tree.joints[name].mimic]
     positions = np.array([[one.get(name, 0.0) for name in names] for one in joints])
     velocities = np.gradient(positions, times, axis=0)
     velocities[[0, -1]] = 0.0

@@ -215,7 +215,7 @@ def data_file(inside: str) -> Path:
 
 
 def rest_of(model: Model, joints: Collection[str]) -> Posture:
-    """Return the posture that a robot rests in; the file names joints that it may not have."""
+    """Return the posture that a robot rests in, by its joints that move; the file also names others."""
     if not model.srdf:
         return Posture()
     states = ET.parse(data_file(model.srdf)).getroot().findall("group_state")

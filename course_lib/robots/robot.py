@@ -12,7 +12,7 @@ from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 from course_lib.robots.models import Posture, data_file, model_of, rest_of
 from course_lib.robots.resources import is_installed, package_roots, resolve
-from course_lib.robots.urdf import Urdf, links_of, parse_urdf
+from course_lib.robots.urdf import MOVING, Urdf, links_of, parse_urdf
 from course_lib.ros.xacro_program import expanded
 from course_lib.viewer.mesh_files import MeshFileError, load_mesh
 
@@ -112,7 +112,8 @@ def _from_example_robot_data(name: str) -> Robot:
     def shapes(_: "pin.Model") -> Shapes:
         return whole().collision_model, whole().visual_model
 
-    rest = rest_of(model, parse_urdf(text).joints)
+    moving = [joint.name for joint in parse_urdf(text).joints.values() if joint.kind in MOVING]
+    rest = rest_of(model, moving)
     return Robot(name, text, path, lambda: (whole().model, whole().q0), shapes, rest)
 
 

@@ -85,14 +85,16 @@ class CameraDriver(RobotPart):
         self.add_post_set_parameters_callback(self._start)
         self._timer: Any = None
         if not serial:
-            self._start([])
+            self._start([self.get_parameter("frame_rate")])
 
     def begin(self) -> None:
         """Apply the size and the rate of the images."""
         self._width = self._own(WIDTHS)
         self.set_parameters([Parameter("frame_rate", value=self._own(RATES))])
 
-    def _start(self, _: Any) -> None:
+    def _start(self, changed: Sequence[Parameter]) -> None:
+        if not any(parameter.name == "frame_rate" for parameter in changed):
+            return
         if self._timer is not None:
             self.destroy_timer(self._timer)
         rate = self.get_parameter("frame_rate").value
@@ -102,8 +104,7 @@ class CameraDriver(RobotPart):
     def _take(self) -> None:
         wide, high = self._width, self._width * 3 // 4
         pixels = np.full((high, wide, 3), (40, 60, 90), np.uint8)
-        at = self._count % wide
-        pixels[:, at : at + 6] = (240, 160, 40)
+        pixels[:, self._count % wide :][:, :6] = (240, 160, 40)
         self._count += 1
         image = Image(height=high, width=wide, encoding="rgb8", step=3 * wide, data=pixels.tobytes())
         image.header.frame_id = self.get_parameter("frame_id").value

@@ -3,15 +3,16 @@ import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.inverse_kinematics import arm_of, joints_for
+from course_lib.robots.inverse_kinematics import arm_of, joints_for, straight_line
 from course_lib.robots.kinematics import configuration, link_poses, motions_of
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
 from course_lib.robots.robot import load_robot
 from course_lib.robots.urdf import MOVING
 from tests.robots import by_pinocchio
-from tests.robots.urdfs import ALL_KINDS
+from tests.robots.urdfs import ALL_KINDS, LIMIT, joint, links, robot
 
 WRIST = "ur10wrist_3_link"
+WIDE = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
 
 
 @pytest.mark.parametrize(("name", "link"), [("ur10", "tool0"), ("panda", "panda_link8"), ("ur5", "ee_link")])
@@ -43,8 +44,8 @@ def test_jacobians_agree_with_pinocchio_for_every_link_of_each_kind_of_robot() -
             jacobian = arm.jacobian(arm.poses(configuration(robot, positions)))
             frame = model.getFrameId(link, pin.FrameType.BODY)
             expected = pin.computeFrameJacobian(model, data, values, frame, pin.LOCAL)
-            for index, joint in enumerate(joints):
-                column = expected[:, columns[joint.name]] if joint.name in columns else np.zeros(6)
+            for index, one in enumerate(joints):
+                column = expected[:, columns[one.name]] if one.name in columns else np.zeros(6)
                 np.testing.assert_allclose(jacobian[:, index], column, rtol=0, atol=1e-9)
 
 
@@ -77,10 +78,74 @@ def test_a_link_that_is_not_there_is_named() -> None:
 
 def test_a_robot_with_wheels_and_joints_of_no_number_has_an_arm_too() -> None:
     robot = load_robot(ALL_KINDS)
-    wanted = {"lift": 0.3, "finger": 0.4}  # [m], [rad]
+    wanted = {"lift": 0.3}  # [m]
     found = joints_for(robot, "finger", link_poses(robot, wanted)["finger"])
-    assert {name: found[name] for name in wanted} == pytest.approx(wanted)
+    assert {name: found[name] for name in ("lift", "finger")} == pytest.approx({"lift": 0.3, "finger": 1.1})
     assert found.keys() == {"drive", "lift", "finger", "thumb"}
+
+
+# The middle joint drives the first one, backwards, and the last one, twice as far.
+MIMICS = robot(
+    links("base", "one", "two", "three"),
+    joint("first", "base", "one", inner=WIDE + '<mimic joint="middle" multiplier="-0.5" offset="0.3"/>'),
+    joint("middle", "one", "two", inner=WIDE + '<origin xyz="1 0 0"/><axis xyz="0 1 0"/>'),
+    joint(
+        "last",
+        "two",
+        "three",
+        "prismatic",
+        inner=LIMIT + '<origin xyz="0 0 1"/><mimic joint="middle" multiplier="2"/>',
+    ),
+)
+
+
+def test_mimic_joints_are_one_degree_of_freedom_with_their_joint() -> None:
+    arm = load_robot(MIMICS)
+    for middle in (-1.2, 0.0, 0.7):  # [rad]
+        goal = link_poses(arm, {"middle": middle})["three"]
+        found = joints_for(arm, "three", goal, {"first": 0.1})
+        assert found == pytest.approx({"first": 0.3 - 0.5 * middle, "middle": middle, "last": 2 * middle})
+        np.testing.assert_allclose(link_poses(arm, found)["three"], goal, atol=1e-9)
+    goal = link_poses(arm, {"middle": 0.5, "last": 0.5})["three"]  # no position of `middle` leads there
+    with pytest.raises(CourseError, match="three cannot be brought to"):
+        joints_for(arm, "three", goal)
+
+
+def test_mimic_joints_turn_as_in_pinocchios_model_with_mimic() -> None:
+    follower = (
+        WIDE + '<origin xyz="1 0 0"/><axis xyz="0 0 1"/><mimic joint="lead" multiplier="-2" offset="0.1"/>'
+    )
+    urdf = robot(
+        links("base", "near", "far"),
+        joint("lead", "base", "near", inner=WIDE + '<axis xyz="0 1 0"/>'),
+        joint("follower", "near", "far", inner=follower),
+    )
+    model, position = by_pinocchio.pin.buildModelFromXML(urdf, mimic=True), 0.7  # [rad]
+    data = model.createData()
+    by_pinocchio.pin.framesForwardKinematics(model, data, np.array([position]))
+    goal = data.oMf[model.getFrameId("far", by_pinocchio.pin.FrameType.BODY)].homogeneous
+    found = joints_for(load_robot(urdf), "far", goal)
+    assert found == pytest.approx({"lead": position, "follower": 0.1 - 2 * position})
+
+
+def test_a_mimic_outside_of_the_chain_is_driven_by_its_joint_and_one_of_a_fixed_joint_stands() -> None:
+    hand = robot(
+        links("base", "left", "right", "stiff"),
+        joint("left", "base", "left", "prismatic"),
+        joint("right", "base", "right", "prismatic", LIMIT + '<mimic joint="left" multiplier="-1"/>'),
+        joint("stiff", "right", "stiff", inner=LIMIT + '<mimic joint="glued" offset="0.2"/>'),
+        links("cap"),
+        joint("glued", "base", "cap", "fixed", ""),
+    )
+    arm, goal = load_robot(hand), link_poses(load_robot(hand), {"left": 0.4})["stiff"]
+    assert joints_for(arm, "stiff", goal) == pytest.approx({"left": 0.4, "right": -0.4, "stiff": 0.2})
+
+
+def test_a_trajectory_commands_no_mimic_joints() -> None:
+    start = {"drive": 0.0, "lift": 0.1}
+    robot_of_all = load_robot(ALL_KINDS)
+    goal = link_poses(robot_of_all, start)["mast"][:3, 3]
+    assert straight_line(robot_of_all, "mast", start, goal, seconds=1.0).joint_names == ["drive", "lift"]
 
 
 def test_the_root_is_where_it_is() -> None:

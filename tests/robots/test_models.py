@@ -3,6 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from course_lib.robots.kinematics import link_poses
 from course_lib.robots.models import MODELS, rest_of
 from course_lib.robots.robot import load_robot
 from tests.robots import by_pinocchio
@@ -31,3 +32,10 @@ def test_every_robot_has_a_posture() -> None:
     for name, model in MODELS.items():
         joints = load_robot(name).tree.joints
         assert rest_of(model, joints).positions.keys() <= joints.keys(), name
+
+
+def test_a_posture_that_names_fixed_joints_can_be_shown() -> None:
+    robot = load_robot("borinot")  # its file has a position of the fixed joint at its hand
+    assert link_poses(robot, robot.rest.positions).keys() == {robot.tree.root} | {
+        joint.child for joint in robot.tree.joints.values()
+    }

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 import rclpy
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Image
@@ -133,3 +134,13 @@ def test_its_camera_follows_its_parameter_and_refuses_what_is_too_much(graph: Gr
     assert measured(camera).topics[0].rate == pytest.approx(5.0)
     (result,) = camera.set_parameters([rclpy.parameter.Parameter("frame_rate", value=61.0)])
     assert not result.successful
+
+
+def test_the_camera_announces_a_new_rate_and_no_other_parameter(
+    graph: Graph, capfd: pytest.CaptureFixture[str]
+) -> None:
+    camera = next(node for node in unknown_robot(0) if node.get_name() == "camera_driver")
+    capfd.readouterr()
+    for name, value in (("frame_id", "lens"), ("use_sim_time", False), ("frame_rate", 15.0)):
+        assert camera.set_parameters([Parameter(name, value=value)])[0].successful
+    assert capfd.readouterr().err.count("images per second") == 1
