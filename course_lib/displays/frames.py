@@ -10,6 +10,7 @@ import numpy as np
 
 from course_lib.arrays import Matrix
 from course_lib.displays.statuses import Level
+from course_lib.errors import CourseError
 from course_lib.ros.tf2_core import BufferCore
 from course_lib.ros.tf2_transform import Transform, TransformException
 
@@ -17,12 +18,24 @@ NS = 1_000_000_000  # [ns] in a second
 FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is
 
 
+def frame_name(frame: str) -> str:
+    """Return the name of a frame without the leading slash that tf2 does not know.
+
+    Raises:
+        CourseError: If it is not text: the built-in function `map` where the quotes of "map" were forgotten.
+    """
+    if not isinstance(frame, str):
+        given = getattr(frame, "__name__", repr(frame))
+        raise CourseError(f'the fixed frame {given} is not text. Write its name in quotes: fixed_frame="map"')
+    return frame.removeprefix("/")
+
+
 class Frames:
     """The transforms that have arrived, and the frame everything is shown in."""
 
     def __init__(self, fixed_frame: str) -> None:
         self.buffer = BufferCore()
-        self._fixed_frame = fixed_frame
+        self._fixed_frame = frame_name(fixed_frame)
         self._known: dict[tuple[str, int], Matrix | None] = {}  # answers, until transforms arrive
 
     @property
@@ -32,7 +45,7 @@ class Frames:
 
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
-        self._fixed_frame = frame
+        self._fixed_frame = frame_name(frame)
         self._known.clear()
 
     def take(self, transforms: Iterable[Any], is_static: bool) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from course_lib.displays.display import (
     reaches,
     silence,
 )
-from course_lib.displays.frames import Frames
+from course_lib.displays.frames import Frames, frame_name
 from course_lib.displays.layout import Layout, Options, text_at
 from course_lib.displays.own_topics import OwnTopics
 from course_lib.displays.panel.tools import all_tools, load_tools
@@ -90,9 +90,9 @@ class RvizSession:
 
     @fixed_frame.setter
     def fixed_frame(self, frame: str) -> None:
-        if frame.removeprefix("/") == self.fixed_frame:
+        if frame_name(frame) == self.fixed_frame:
             return
-        self.context.frames.fixed_frame = frame.removeprefix("/")
+        self.context.frames.fixed_frame = frame
         for display in self.displays:
             display.reset()
         self.refresh()

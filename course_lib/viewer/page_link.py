@@ -4,11 +4,11 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast, get_args
 
 from course_lib.arrays import Vector
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.stream import Content, Send, Stream, running_loop
+from course_lib.viewer.stream import Content, Send, Sight, Stream, running_loop
 from course_lib.viewer.wire import MessageError, from_json
 
 
@@ -54,13 +54,18 @@ class PageLink:
 
     @property
     def ready(self) -> bool:
-        """A page shows the scene, and is not hidden behind others."""
-        return any(page.views and not page.hidden for page in tuple(self._flow.pages.values()))
+        """A page shows the scene, and is not hidden behind others; its views may be out of sight."""
+        return bool(self._sights() & {"ready", "away"})
+
+    @property
+    def watched(self) -> bool:
+        """A view is in sight: only then changes are sent."""
+        return "ready" in self._sights()
 
     @property
     def hidden(self) -> bool:
-        """A page shows the scene, but is hidden behind others."""
-        return any(page.views and page.hidden for page in tuple(self._flow.pages.values()))
+        """Pages show the scene, but all of them are hidden behind others."""
+        return self._sights() == {"hide"}
 
     def listen(self, kind: str, callback: Callable[[Content], None]) -> None:
         """Register a callback for every message of a kind that a page sends."""
@@ -71,7 +76,7 @@ class PageLink:
 
         Pages answer some of them: those that went without a word are found out, though the scene may rest.
         """
-        asks = {"ask": True} if self.ready and self._stream.asks() else {}
+        asks = {"ask": True} if self.watched and self._stream.asks() else {}
         self._send(content | asks, list(buffers))
 
     def receive(self, content: Content, buffers: Sequence[Any] = ()) -> None:
@@ -106,6 +111,13 @@ class PageLink:
         """Send what has changed now, not with the next batch."""
         self._stream.flush()
 
+    def catch_up(self) -> None:
+        """Send what has changed now, to pages out of sight too: they shall draw the scene."""
+        if self.watched:
+            self._stream.flush()
+        else:
+            self._stream.reset()
+
     def close(self) -> None:
         """Stop following the scene."""
         self._flow.pages.clear()
@@ -114,20 +126,23 @@ class PageLink:
     def _follow(self, page: str, number: int, kind: str) -> None:
         """Note how far a page has come, and send it the scene if it has another one.
 
-        While all pages are hidden, nothing is sent; each gets the scene when it is seen again.
+        While no page is seen, nothing is sent; each gets the scene when it is seen again.
         """
         is_new = self._flow.heard(page, number)
         known = self._flow.pages[page]
-        is_new |= known.hidden and kind == "ready"
-        if kind in ("hide", "ready"):
-            self._flow.hide(page, kind == "hide")
-        if known.hidden:
-            if not self.ready:
+        is_new |= known.sight != "ready" and kind == "ready"
+        if kind in get_args(Sight):
+            self._flow.look(page, cast(Sight, kind))
+        if known.sight != "ready":
+            if not self.watched:
                 self._stream.disconnect()
             return
         is_equal = not is_new or self._stream.connect(number)
         if kind == "resync" or not is_equal:
             self._stream.reset(page)
+
+    def _sights(self) -> set[Sight]:
+        return {page.sight for page in tuple(self._flow.pages.values()) if page.views}
 
     def _count(self, page: str, count: int) -> None:
         if count:

@@ -16,6 +16,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketHandler
 
 from course_lib.errors import CourseError
+from course_lib.foreign import read_json
 from course_lib.surroundings import address, hub_prefix, need_way_out
 from course_lib.viewer.html import live_page
 from course_lib.viewer.page_link import PageLink
@@ -77,7 +78,7 @@ class SocketHandler(_SceneHandler, WebSocketHandler):
     def on_message(self, message: str | bytes) -> None:
         """Handle a message of the page."""
         try:
-            content = json.loads(message)
+            content = read_json(message)
         except ValueError:
             self.close(1003, "not JSON")
             return

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,10 @@ _BATCHES, _BYTES = 4, 1 << 18  # of what is sent, pages are asked to answer
 _QUESTIONS = 3  # may be open at a time
 
 
+# A page's word on itself: it is seen, its views are scrolled out of sight, it is behind another tab.
+Sight: TypeAlias = Literal["ready", "away", "hide"]
+
+
 @dataclass
 class Page:
     """The progress of a page."""
@@ -25,7 +29,7 @@ class Page:
     number: int  # of the last batch that it has
     heard: int = 0  # how many questions had been asked when it was heard last
     views: int = 1
-    hidden: bool = False  # behind another tab, or in a minimized window
+    sight: Sight = "ready"
 
 
 class Flow:
@@ -58,9 +62,9 @@ class Flow:
         self.pages.pop(name, None)
         self._settle()
 
-    def hide(self, name: str, hidden: bool) -> None:
-        """Note whether a page is hidden; nobody waits for hidden ones, which may sleep."""
-        self.pages[name].hidden = hidden
+    def look(self, name: str, sight: Sight) -> None:
+        """Note whether a page is seen; nobody waits for others, which may sleep."""
+        self.pages[name].sight = sight
         self._settle()
 
     def sent(self, number: int, size: int) -> bool:
@@ -89,7 +93,7 @@ class Flow:
         self._open.clear()
 
     def _settle(self) -> None:
-        pages = [page for page in tuple(self.pages.values()) if not page.hidden]
+        pages = [page for page in tuple(self.pages.values()) if page.sight == "ready"]
         slowest = min((page.number for page in pages), default=-1)
         longest = min((page.heard for page in pages), default=-1)  # since one was heard
         while self._open and self._open[0][0] <= slowest and self._open[0][1] <= longest:

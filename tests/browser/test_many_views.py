@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 
 from tests.browser.jupyterlab import Lab, Notebook, write_notebook
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
+ENDED = "The kernel of this view has ended."
 CELLS = (
     """\
 %load_ext course_lib
@@ -128,6 +130,19 @@ def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(note
     notebook.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
     notebook.wait_idle()
     assert are_all(notebook, 2)
+    expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
     notebook.run_all()
     wait_until(lambda: are_all(notebook, 0), notebook.page)
+    expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
     assert notebook.errors() == []
+
+
+def test_views_of_a_killed_kernel_say_that_it_has_ended_and_those_of_a_busy_one_do_not(
+    notebook: Notebook,
+) -> None:
+    notebook.kernel("import time; time.sleep(2)")
+    expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
+    kill = "session.kernel.requestExecute({ code: 'import os; os.kill(os.getpid(), 9)' }).done.catch(() => 0)"
+    notebook.page.evaluate(f"() => void jupyterapp.shell.currentWidget.context.sessionContext.{kill}")
+    expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
+    notebook.page.get_by_role("dialog").get_by_role("button", name="Ok").click()

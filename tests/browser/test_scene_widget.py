@@ -91,6 +91,27 @@ def test_a_hidden_page_gets_nothing_and_shows_the_scene_when_it_is_seen_again(ho
     assert count(host.pixels(), BLUE) > 1000
 
 
+def test_a_view_scrolled_out_of_sight_gets_nothing_and_the_scene_when_it_is_seen_again(host: Host) -> None:
+    scene = from_above()
+    widget = shown(host, scene)
+    scene.set_object("box", box(RED))
+    widget.flush()
+    host.carry()
+    host.page.evaluate("document.body.style.paddingBottom = '3000px'; scrollTo(0, 2000)")
+    host.wait_until(lambda: not widget.link.watched)
+    assert widget.link.ready
+    scene.set_object("box", box(GREEN))
+    widget.flush()
+    assert host.sent == []
+    host.page.evaluate("scrollTo(0, 0)")
+    host.wait_until(lambda: count(host.pixels(), GREEN) > 1000)
+    scene.set_object("box", box(BLUE))
+    widget.flush()
+    host.carry()
+    assert count(host.pixels(), BLUE) > 1000
+    host.page.evaluate("document.body.style.paddingBottom = ''")
+
+
 def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)

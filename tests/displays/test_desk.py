@@ -70,11 +70,12 @@ def test_rows_come_after_their_parents(page: Page) -> None:
         known.add(row["key"])
 
 
-def test_a_hidden_page_is_told_nothing_and_when_it_is_seen_again_what_has_changed(
-    page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("sight", ["hide", "away"])
+def test_a_page_that_nobody_sees_is_told_nothing_and_when_it_is_seen_again_what_has_changed(
+    sight: str, page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
-    page.link.receive({"type": "hide", "page": "one", "number": 0})
+    page.link.receive({"type": sight, "page": "one", "number": 0})
     viewer.add("Axes")
     assert "Axes" not in [row["label"] for row in page.rows()]
     page.link.receive({"type": "ready", "page": "one", "number": 0})

@@ -1,3 +1,4 @@
+import gc
 import json
 from typing import Any
 
@@ -50,6 +51,25 @@ def test_its_film_has_the_last_seconds(graph: Graph) -> None:
     assert decoded(viewer.freeze(1.5).film)["end"] == 1.5
     assert decoded(viewer.freeze(100.0).film)["end"] == 4.0
     viewer.close()
+
+
+def test_its_film_can_be_written_with_fewer_pictures_while_its_viewer_lives(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    for x in range(8):
+        publish(graph, "/m", marker(pose=at(float(x))))
+        wait(graph, 0.5)
+        viewer.look()
+    view = viewer.freeze(3.0)
+    wait(graph, 1.0)
+    viewer.look()
+    few, all_of_them = decoded(view.packed(1.0)), decoded(view.film)
+    assert (few["start"], few["end"]) == (all_of_them["start"], all_of_them["end"])
+    assert 1 < len(few["batches"]) < len(all_of_them["batches"])
+    viewer.close()
+    del viewer
+    gc.collect()
+    assert view.packed(1.0) == view.film
 
 
 def test_it_ends_with_the_last_page_that_shows_it(graph: Graph) -> None:

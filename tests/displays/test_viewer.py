@@ -1,6 +1,6 @@
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import meshcat.geometry
 import numpy as np
@@ -19,6 +19,15 @@ from course_lib.ros.graph import Graph
 from tests.displays.bench import marker
 from tests.displays.stage import LATCHED, publish, shown
 from tests.displays.test_layout import LAYOUT
+
+
+def test_a_fixed_frame_without_its_quotes_is_refused_before_anything_waits_for_it(graph: Graph) -> None:
+    viewer, no_name = Viewer(), cast(Any, map)
+    for refused in (lambda: Viewer(fixed_frame=no_name), lambda: setattr(viewer, "fixed_frame", no_name)):
+        with pytest.raises(CourseError, match=r'the fixed frame map is not text\. .* fixed_frame="map"'):
+            refused()
+    publish(graph, "/markers", marker())
+    assert viewer.fixed_frame == "map"
 
 
 def test_a_new_viewer_shows_a_grid_in_its_fixed_frame(graph: Graph) -> None:
@@ -160,6 +169,49 @@ def test_a_robot_can_be_drawn_by_pinocchios_vector(graph: Graph) -> None:
     np.testing.assert_allclose(tip, link_poses(robot, {"elbow_joint": 1.0})["wrist_3_link"])
     with pytest.raises(CourseError, match=r"shape \(2,\), expected \(6,\), or a dict"):
         viewer.show_robot(robot, [0.0, 1.0])
+
+
+@pytest.mark.parametrize("name", ["talos", "solo12", "tiago"])
+def test_pinocchios_vector_places_every_link_where_pinocchio_has_it(graph: Graph, name: str) -> None:
+    pin = pytest.importorskip("pinocchio")
+    viewer, robot = Viewer(), load_robot(name)
+    model, data = robot.model, robot.model.createData()
+    vector = pin.integrate(model, robot.q0, np.random.default_rng(0).uniform(-0.5, 0.5, model.nv))
+    pin.framesForwardKinematics(model, data, vector)
+    viewer.show_robot(robot, vector)
+    drawn = [path for path in viewer.scene.objects() if path.startswith(f"robots/{name}/")]
+    assert len(drawn) > 8
+    for path in drawn:
+        frame = model.getFrameId(path.split("/")[2], pin.FrameType.BODY)
+        link = viewer.scene.world_transform("/".join(path.split("/")[:4]))
+        np.testing.assert_allclose(link, data.oMf[frame].homogeneous, atol=1e-12)
+
+
+def test_links_that_pinocchios_model_lacks_go_along_with_the_root(graph: Graph) -> None:
+    pytest.importorskip("pinocchio")
+    viewer, robot = Viewer(), load_robot("talos_legs")  # a model without the body above the legs
+    viewer.show_robot(robot)
+    base, torso = (f"robots/talos_legs/{name}/visual" for name in ("base_link", "torso_2_link"))
+    before = viewer.scene.world_transform(torso) - viewer.scene.world_transform(base)
+    vector = robot.q0.copy()
+    vector[:3] += 1.0  # [m]
+    viewer.show_robot(robot, vector)
+    after = viewer.scene.world_transform(torso) - viewer.scene.world_transform(base)
+    np.testing.assert_allclose(after, before, atol=1e-12)
+
+
+def test_a_free_flyer_stands_where_the_vector_says(graph: Graph) -> None:
+    pytest.importorskip("pinocchio")
+    viewer, robot = Viewer(), load_robot("solo12")
+    vector = robot.q0.copy()
+    vector[:7] = [1.0, 2.0, 3.0, 0.0, 0.0, 2.0, 0.0]  # [m], and half a turn about z, not of length 1
+    viewer.show_robot(robot, vector)
+    base = viewer.scene.world_transform("robots/solo12/base_link/visual")
+    expected = np.diag([-1.0, -1.0, 1.0, 1.0])
+    expected[:3, 3] = 1.0, 2.0, 3.0
+    np.testing.assert_allclose(base, expected, atol=1e-12)
+    with pytest.raises(CourseError, match="has numbers that are not finite"):
+        viewer.show_robot(robot, vector * np.nan)
 
 
 def test_a_robot_at_rest_stands_on_its_feet(graph: Graph) -> None:

@@ -9,50 +9,11 @@ import pytest
 
 from course_lib.viewer import stream
 from course_lib.viewer.drawables import Solids
-from course_lib.viewer.page_link import Click, PageLink
-from course_lib.viewer.scene import Scene
+from course_lib.viewer.page_link import Click
+from tests.viewer.page_wire import Wire
 
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
 IN_FLIGHT = stream._QUESTIONS * stream._BATCHES  # that a page may leave unanswered
-
-
-class Wire:
-    """Carries what a link sends, to nobody."""
-
-    def __init__(self) -> None:
-        self.scene = Scene()
-        self.sent: list[dict[str, Any]] = []
-        self.fails: BaseException | None = None
-        self.link = PageLink(self.scene, self.carry)
-
-    def carry(self, content: dict[str, Any], buffers: list[bytes]) -> None:
-        if self.fails is not None:
-            error, self.fails = self.fails, None
-            raise error
-        self.sent.append(content)
-
-    def kinds(self) -> list[str]:
-        return [content["type"] for content in self.sent]
-
-    def hear(self, kind: str, page: str = "a", **fields: Any) -> None:
-        fields.setdefault("number", max((c["number"] for c in self.sent if "number" in c), default=0))
-        self.link.receive({"type": kind, "page": page, **fields})
-
-    def change(self, times: int = 1) -> None:
-        for _ in range(times):
-            self.scene.set_transform("box", np.eye(4))
-            self.link.flush()
-
-
-@pytest.fixture
-def wire() -> Wire:
-    return Wire()
-
-
-@pytest.fixture
-def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Batches are sent by `flush` alone."""
-    monkeypatch.setattr(stream.Stream, "_send_batches", lambda self: None)
 
 
 def until(condition: Callable[[], bool]) -> None:
@@ -153,51 +114,6 @@ def test_a_running_cell_that_hears_nobody_is_not_held_up(monkeypatch: pytest.Mon
         assert len(wire.sent) == 100 + IN_FLIGHT
 
     asyncio.run(cell())
-
-
-@pytest.mark.usefixtures("by_hand")
-def test_a_hidden_page_gets_nothing_and_when_it_is_seen_again_the_whole_scene(wire: Wire) -> None:
-    wire.hear("ready")
-    wire.hear("hide")
-    wire.change(100)
-    wire.hear("ack")  # for what it had got before
-    wire.change()
-    assert (wire.sent, wire.link.ready) == ([], False)
-    wire.hear("ready", number=0)
-    wire.change()
-    assert (wire.kinds(), wire.link.ready) == (["reset", "batch"], True)
-
-
-@pytest.mark.usefixtures("by_hand")
-def test_a_hidden_page_whose_scene_stands_still_gets_nothing_when_it_is_seen_again(wire: Wire) -> None:
-    wire.hear("ready")
-    wire.change()
-    wire.hear("hide")
-    wire.hear("ready")
-    wire.change()
-    assert wire.kinds() == ["batch", "batch"]
-
-
-def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
-    counts: list[int] = []
-    wire.link.on_views = counts.append
-    wire.hear("ready", "a")
-    wire.change(100)  # more than it answers
-    wire.hear("hide", "a")
-    time.sleep(0.5)
-    assert counts == []
-
-
-@pytest.mark.usefixtures("by_hand")
-def test_nobody_waits_for_a_hidden_page(wire: Wire) -> None:
-    wire.hear("ready", "a")
-    wire.hear("hide", "a")
-    wire.hear("ready", "b")
-    for _ in range(50):
-        wire.change()
-        wire.hear("ack", "b")
-    assert wire.kinds() == ["batch"] * 50
 
 
 @pytest.mark.usefixtures("by_hand")

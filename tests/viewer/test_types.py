@@ -4,11 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from course_lib import controls
 from course_lib.grading import marking
 from course_lib.viewer import assets
 from tests.viewer import declarations
 
-FOLDERS = (Path(assets.__file__).parent / "js", Path(marking.__file__).parent / "page")
+FOLDERS = (
+    Path(assets.__file__).parent / "js",
+    Path(marking.__file__).parent / "page",
+    Path(controls.__file__).parent,
+)
 COMPILER = shutil.which("tsc")
 
 

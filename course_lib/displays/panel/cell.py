@@ -100,7 +100,7 @@ class ViewerCell:
         answers: list[dict[str, Any]] = []
         for link in (link for link in self._links() if link.ready):
             link.at_once["picture"] = answers.append
-            link.flush()
+            link.catch_up()
             link.post({"type": "capture", "width": size[0], "height": size[1]})
             deadline = wall.monotonic() + _ANSWER
             while not answers and wall.monotonic() < deadline:

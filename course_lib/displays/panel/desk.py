@@ -86,7 +86,7 @@ class Desk:
 
     def refresh(self) -> None:
         """Post changes, now or a little later; called after every frame, by any thread."""
-        if not self._link.ready:
+        if not self._link.watched:
             return
         if wall.monotonic() - self._posted >= PERIOD:
             self.post()

@@ -1,6 +1,7 @@
 """A view at rest: what a viewer has shown, to be played again in the page."""
 
 import json
+import weakref
 from dataclasses import fields, replace
 from typing import Any
 
@@ -29,9 +30,15 @@ class RestingView(SceneWidget):
     def __init__(self, session: RvizSession, film: Film, seconds: float) -> None:
         self._words = str(StatusTable(session.rows()))
         panels = json.dumps(_panels(session))
+        self._source, self._span = weakref.ref(film), (seconds, film.time)
         super().__init__(
             copied(film.scene), label="RViz view at rest", film=film.packed(seconds), panels=panels
         )
+
+    def packed(self, interval: float) -> bytes:
+        """Write its film with pictures that are at least so many [s] apart, as long as its viewer lives."""
+        film = self._source()
+        return film.packed(*self._span, interval) if film else self.film
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         data, metadata = super()._repr_mimebundle_(**kwargs)

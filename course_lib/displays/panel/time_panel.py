@@ -163,7 +163,7 @@ class TimePanel:
 
     def refresh(self) -> None:
         """Post the time if it has changed and the last reading is older than PERIOD."""
-        is_due = self._link.ready and wall.monotonic() - self._posted >= PERIOD
+        is_due = self._link.watched and wall.monotonic() - self._posted >= PERIOD
         if is_due and self._source.time() != self._shown:
             self._post()
 

@@ -119,12 +119,8 @@ export function buildPoints({ points, colors, size, pixels, spot, grow }) {
 /** @param {any} text */
 export function buildText(text) {
   const mask = new THREE.DataTexture(text.mask, text.columns, text.rows, THREE.LuminanceFormat);
-  mask.flipY = true;
-  mask.unpackAlignment = 1;
-  mask.magFilter = THREE.LinearFilter;
-  mask.minFilter = THREE.LinearMipmapLinearFilter;
-  mask.generateMipmaps = true;
-  mask.needsUpdate = true;
+  Object.assign(mask, { magFilter: THREE.LinearFilter, minFilter: THREE.LinearMipmapLinearFilter });
+  Object.assign(mask, { flipY: true, unpackAlignment: 1, generateMipmaps: true, needsUpdate: true });
   const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
   const shape = square().translate(0, text.below ? -0.5 : 0, 0);
   const mesh = instances(material("spot", true, "TEXTURED"), shape, { size, inPixels: false, grow: false, mask }, {

@@ -2,20 +2,13 @@
 
 /**
  * Read msgpack with the decoder inside meshcat's bundle, which does not export it.
- * @param {Uint8Array} bytes @returns {any}
+ * @param {DataView | Uint8Array | ArrayBuffer} buffer whatever a front-end made of the bytes @returns {any}
  */
-export function decode(bytes) {
+export function decode(buffer) {
   let value;
   const catcher = { handle_command: (/** @type {any} */ decoded) => (value = decoded) };
-  MeshCat.Viewer.prototype.handle_command_bytearray.call(catcher, bytes);
+  const bytes = buffer instanceof ArrayBuffer ? new DataView(buffer) : buffer;
+  const plain = new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  MeshCat.Viewer.prototype.handle_command_bytearray.call(catcher, plain);
   return value;
-}
-
-/**
- * Look at a buffer as bytes, whatever a front-end made of it.
- * @param {DataView | Uint8Array | ArrayBuffer} buffer @returns {Uint8Array}
- */
-export function bytesOf(buffer) {
-  if (buffer instanceof ArrayBuffer) return new Uint8Array(buffer);
-  return new Uint8Array(buffer.buffer, buffer.byteOffset, buffer.byteLength);
 }

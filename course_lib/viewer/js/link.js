@@ -1,4 +1,4 @@
-import { bytesOf, decode } from "./decode.js";
+import { decode } from "./decode.js";
 import { encode } from "./encode.js";
 import { Film } from "./film.js";
 import { Mirror } from "./mirror.js";
@@ -11,6 +11,9 @@ import { View } from "./view.js";
 
 const LOOKS = ["OpenPanels", "LookAgain", "TurnView", "HomeView", "SelectObject"]; // orders that change no display
 const SAVE_AFTER = 3000; // [ms] after a change; others may come meanwhile
+const AWAY_AFTER = 3000; // [ms] without a view in sight: somebody may only scroll past
+const ENDED = "The kernel of this view has ended. Restart it and run the cells again.";
+const OVER = ["dead", "terminating", "restarting", "autorestarting"]; // JupyterLab's words on a kernel
 
 /**
  * Keeps a mirror equal to the scene in the kernel.
@@ -35,13 +38,13 @@ export class Link {
       reset: ({ number, page }, [scene]) => {
         if ((page ?? this.page) !== this.page) return;
         [this.number, this.lostAt] = [number, 0];
-        this.mirror.reset(bytesOf(scene));
+        this.mirror.reset(decode(scene));
       },
       batch: ({ number }, [changes]) => {
         if (number > this.number + 1) return this.resync();
         const isNext = number === this.number + 1;
         this.number = Math.max(this.number, number);
-        if (isNext) this.mirror.apply(bytesOf(changes));
+        if (isNext) this.mirror.take(decode(changes));
       },
       status: ({ text }) => this.say(text),
       desk: (news) => this.desk.take(news),
@@ -58,10 +61,16 @@ export class Link {
     /** @type {Player | null} of a view at rest */
     this.player = null;
     this.attempt(() => this.start());
-    this.wake = () => this.send({ type: document.hidden ? "hide" : "ready" }); // a laptop may have slept, too
+    this.seen = true; // some view is in sight
+    this.looking = 0; // a timer
+    this.wake = () => this.send({ type: document.hidden ? "hide" : this.seen ? "ready" : "away" });
     document.addEventListener("visibilitychange", this.wake);
     model.on("msg:custom", this.receive);
-    model.on("comm_live_update", () => model.comm_live || this.undock());
+    model.on("comm_live_update", () => model.comm_live || this.end());
+    this.session = model.widget_manager?.context?.sessionContext; // JupyterLab's
+    /** @param {any} _ @param {string} status */
+    this.watch = (_, status) => OVER.includes(status) && this.end();
+    this.session?.statusChanged.connect(this.watch);
     this.wake();
     const panels = model.get("panels"); // of a view at rest
     this.desk = new DeskState((order) => (panels ? this.refuse(order) : this.send(order)), Boolean(panels));
@@ -71,8 +80,8 @@ export class Link {
   /** Show the scene, or the end of a film that can be played. */
   start() {
     const film = this.model.get("film");
-    const content = film?.byteLength ? decode(bytesOf(film)) : {};
-    if (!content.batches) return this.mirror.apply(bytesOf(this.model.get("snapshot")));
+    const content = film?.byteLength ? decode(film) : {};
+    if (!content.batches) return this.mirror.take(decode(this.model.get("snapshot")));
     this.player = new Player(new Film(content, this.mirror), (time) => this.timeBars.forEach((update) => update(time)));
   }
 
@@ -109,10 +118,10 @@ export class Link {
     this.send({ type: "resync" });
   }
 
-  /** @param {string} text shown in all views for a while */
-  say(text) {
-    this.said = text;
-    for (const view of this.mirror.views) view.say(text);
+  /** @param {string} text shown in all views for a while, or until it is over */
+  say(text, lasts = false) {
+    if (lasts) this.mirror.lasting = text;
+    for (const view of this.mirror.views) view.say(text, lasts);
   }
 
   /** @param {HTMLElement} element @returns {() => void} removes the view */
@@ -122,7 +131,7 @@ export class Link {
     const label = this.model.get("label");
     /** @param {import("./protocol.js").Click} click */
     const onClick = (click) => desk.panels?.gestures.click(click) || this.send({ type: "click", ...click });
-    const view = new View(host, this.mirror, { label, onClick });
+    const view = new View(host, this.mirror, { label, onClick, onSight: () => this.look() });
     const desk = new Desk(element, host, view, this.desk);
     const endTime = timeBelow(this, desk.frame);
     const place = new Place(this, element, desk.frame, host);
@@ -136,8 +145,9 @@ export class Link {
     };
   }
 
-  /** Close the panel of a kernel that has gone: its pictures stand still in their cells again. */
-  async undock() {
+  /** The kernel has gone: its pictures stand still, in their cells again. A view at rest needs none. */
+  async end() {
+    if (!this.model.get("panels")) this.say(ENDED, true);
     const name = this.model.get("panel");
     if (name) (await this.model.widget_manager.get_model(name)).close(true);
   }
@@ -145,10 +155,22 @@ export class Link {
   /** Tell how many views this page has, so that what nobody sees can end. */
   count() {
     this.send({ type: "views", count: this.mirror.views.size });
+    this.look();
+  }
+
+  /** Tell whether a view is in sight, after a while if none is. */
+  look() {
+    const seen = [...this.mirror.views].some((view) => view.seen);
+    if (seen === this.seen) return;
+    this.seen = seen;
+    clearTimeout(this.looking);
+    this.looking = setTimeout(this.wake, seen ? 0 : AWAY_AFTER);
   }
 
   close() {
     clearTimeout(this.saving);
+    clearTimeout(this.looking);
+    this.session?.statusChanged.disconnect(this.watch);
     document.removeEventListener("visibilitychange", this.wake);
     this.model.off("msg:custom", this.receive);
     for (const view of [...this.mirror.views]) view.dispose();

@@ -2,7 +2,6 @@
 import { buildLines, buildPoints, buildText } from "./billboards.js";
 import { buildInset } from "./insets.js";
 import { buildMesh, buildSheet, buildSolids, writeMatrix } from "./surfaces.js";
-import { decode } from "./decode.js";
 
 /** The page's copy of a scene: one three.js tree that all views of it look at. */
 export class Mirror {
@@ -16,6 +15,7 @@ export class Mirror {
     this.views = new Set();
     /** @type {Set<any>} groups that are pictures in the views' corner */
     this.insets = new Set();
+    this.lasting = ""; // what the views say until it is over
     this.background = [48, 48, 48];
     this.camera = null; // as Python describes it
     this.mixer = null;
@@ -49,11 +49,6 @@ export class Mirror {
     };
   }
 
-  /** @param {Uint8Array} bytes a batch of changes */
-  apply(bytes) {
-    this.take(decode(bytes));
-  }
-
   /** @param {any} batch of changes, decoded */
   take(batch) {
     /** @type {Error | null} */
@@ -72,10 +67,10 @@ export class Mirror {
     if (fault) throw fault;
   }
 
-  /** @param {Uint8Array} bytes a whole scene, in place of the one that is here */
-  reset(bytes) {
+  /** @param {any} batch a whole scene, decoded, in place of the one that is here */
+  reset(batch) {
     this.clear("");
-    this.apply(bytes);
+    this.take(batch);
   }
 
   /** @returns {any} the batch that makes this scene out of nothing */

@@ -12,7 +12,7 @@ const fromBase64 = (text) => Uint8Array.from(atob(text), (sign) => sign.charCode
 /** @param {string} text a scene, a film or a part of one, zipped, in base64 */
 export async function unpacked(text) {
   const stream = new Blob([fromBase64(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return decode(new Uint8Array(await new Response(stream).arrayBuffer()));
+  return decode(await new Response(stream).arrayBuffer());
 }
 
 /** Show every scene that is written into the page and not shown yet. */
@@ -48,6 +48,6 @@ function play(film, host, keys) {
  */
 export function picture(scene, width, height) {
   const mirror = new Mirror();
-  mirror.apply(fromBase64(scene));
+  mirror.take(decode(fromBase64(scene)));
   return pictureOf(mirror, width, height);
 }

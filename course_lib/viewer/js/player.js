@@ -19,17 +19,11 @@ export class Player {
   /** @param {import("./protocol.js").TimeChange} change what somebody does with the bar */
   act(change) {
     if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
-    if (change.step) this.step(change.step);
+    if (change.step) [this.paused, this.now] = [true, this.film.beside(this.now, change.step)];
     if (change.rate) this.rate = change.rate;
     if (change.loop !== undefined) this.loop = change.loop;
     if (change.paused !== undefined) this.play(!change.paused);
     this.show();
-  }
-
-  /** @param {number} count of frames */
-  step(count) {
-    this.paused = true;
-    this.now = this.film.beside(this.now, count);
   }
 
   /** @param {boolean} on */

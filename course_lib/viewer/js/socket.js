@@ -17,11 +17,9 @@ export function follow(host) {
     on: (/** @type {string} */ name, /** @type {typeof hear} */ told) => name === "msg:custom" && (hear = told),
     send: (/** @type {any} */ content) => connected?.readyState === 1 && connected.send(JSON.stringify(content)),
   };
-  const status = Object.assign(document.createElement("div"), { role: "status", hidden: true });
-  status.style.cssText = "padding:4px 8px;background:#fd8;color:#000;font:13px system-ui,sans-serif";
-  host.before(status);
   /** @type {Link | null} */
   let link = null;
+  const say = (/** @type {string} */ text) => (link ? link.say(text, true) : (host.textContent = text));
   /** @param {any} message @param {DataView[]} buffers */
   const take = (message, buffers) => {
     if (link) return hear(message, buffers);
@@ -35,11 +33,11 @@ export function follow(host) {
     socket.onmessage = ({ data }) => take(...unframed(new Uint8Array(data)));
     socket.onopen = () => {
       connected = socket;
-      [status.hidden, status.textContent] = [true, ""];
+      say("");
       link?.count();
     };
     socket.onclose = () => {
-      [status.hidden, status.textContent] = [false, GONE];
+      say(GONE);
       setTimeout(open, AGAIN);
     };
   };

@@ -20,8 +20,8 @@ const ARROWS = { ArrowLeft: [-16, 0], ArrowRight: [16, 0], ArrowUp: [0, -16], Ar
 export class View {
   /**
    * @param {HTMLElement} host is filled by the view @param {import("./mirror.js").Mirror} mirror
-   * @param {{label: string, alone?: boolean, onClick?: (click: import("./protocol.js").Click) => void}} options `alone`: nothing else
-   *   on the page wants the wheel
+   * @param {{label: string, alone?: boolean, onSight?: () => void, onClick?: (click: import("./protocol.js").Click) => void}} options
+   *   `alone`: nothing else on the page wants the wheel; `onSight`: called when the view comes into sight, or leaves it
    */
   constructor(host, mirror, options) {
     this.mirror = mirror;
@@ -38,15 +38,12 @@ export class View {
     /** @type {HTMLCanvasElement} */
     this.canvas = part("canvas", { tabIndex: 0, role: "img", ariaLabel: options.label });
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
-    this.words = part("output", { hidden: true }); // what went wrong, for a while
-    this.words.style.cssText = `${CORNER};left:0;bottom:0;pointer-events:none`;
+    this.words = part("output", { style: `${CORNER};left:0;bottom:0;pointer-events:none` }); // what went wrong
     this.full = button(icon("full"), "Full screen (F)", () => this.toggleFull());
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
     host.style.position = "relative";
-    this.areApart = false;
     this.apart = button(icon("apart"), "Labels do not overlap: nearer ones hide others", () => {
-      this.areApart = !this.areApart;
-      this.apart.ariaPressed = String(this.areApart);
+      this.apart.ariaPressed = String(this.apart.ariaPressed === "false");
       this.invalidate();
     });
     this.apart.ariaPressed = "false";
@@ -60,10 +57,12 @@ export class View {
     this.sight = new IntersectionObserver((entries) => {
       this.seen = entries[entries.length - 1].isIntersecting;
       this.invalidate();
+      options.onSight?.();
     });
     this.sight.observe(this.canvas);
     mirror.views.add(this);
     views.add(this);
+    this.say(mirror.lasting, true);
     this.invalidate();
   }
 
@@ -77,11 +76,11 @@ export class View {
     for (const part of [this.canvas, this.words, this.full, this.apart]) part.remove();
   }
 
-  /** @param {string} text shown in a corner, and read aloud by screen readers */
-  say(text) {
-    [this.words.textContent, this.words.hidden] = [text, false];
+  /** @param {string} text shown in a corner for a while, or until it is over; screen readers read it aloud */
+  say(text, lasts = false) {
+    [this.words.textContent, this.words.hidden] = [text, !text];
     clearTimeout(this.silence);
-    this.silence = setTimeout(() => (this.words.hidden = true), SAY_FOR);
+    if (!lasts) this.silence = setTimeout(() => this.say(this.mirror.lasting, true), SAY_FOR);
   }
 
   toggleFull() {
@@ -109,7 +108,7 @@ export class View {
     const texts = textsOf(this.mirror.scene);
     this.apart.hidden = texts.length < 2;
     const pixel = metresPerPixel(camera, height);
-    const showAll = this.areApart ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
+    const showAll = this.apart.ariaPressed === "true" ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
     draw(this.canvas, this.mirror, camera);
     showAll();
     if (goesOn) this.invalidate();

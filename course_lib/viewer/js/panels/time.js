@@ -75,7 +75,6 @@ export class TimeBar {
     event.preventDefault();
     event.stopPropagation();
   }
-
 }
 
 /**

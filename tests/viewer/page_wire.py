@@ -1,0 +1,36 @@
+"""A link to pages that are played by hand."""
+
+from typing import Any
+
+import numpy as np
+
+from course_lib.viewer.page_link import PageLink
+from course_lib.viewer.scene import Scene
+
+
+class Wire:
+    """Carries what a link sends, to nobody."""
+
+    def __init__(self) -> None:
+        self.scene = Scene()
+        self.sent: list[dict[str, Any]] = []
+        self.fails: BaseException | None = None
+        self.link = PageLink(self.scene, self.carry)
+
+    def carry(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+        if self.fails is not None:
+            error, self.fails = self.fails, None
+            raise error
+        self.sent.append(content)
+
+    def kinds(self) -> list[str]:
+        return [content["type"] for content in self.sent]
+
+    def hear(self, kind: str, page: str = "a", **fields: Any) -> None:
+        fields.setdefault("number", max((c["number"] for c in self.sent if "number" in c), default=0))
+        self.link.receive({"type": kind, "page": page, **fields})
+
+    def change(self, times: int = 1) -> None:
+        for _ in range(times):
+            self.scene.set_transform("box", np.eye(4))
+            self.link.flush()
