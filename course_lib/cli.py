@@ -167,7 +167,7 @@ def view(
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,
-    use_sim_time: Annotated[bool, typer.Option(help="Follow the /clock of --robot.")] = False,
+    use_sim_time: Annotated[bool, typer.Option(help="Follow the robot's /clock.")] = False,
 ) -> None:
     """Show a layout, play a recording or see a robot through it, in a browser's tab."""
     from course_lib.displays import render, robot_view

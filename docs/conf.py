@@ -10,6 +10,9 @@ sys.path.insert(0, str(Path(__file__).parent))  # for generated.py and gallery.p
 extensions = [*settings.extensions, "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generated"]
 html_static_path = [*settings.html_static_path, "_static"]
 html_css_files = [*settings.html_css_files, "kit.css"]
+html_search_scorer = str(
+    Path(__file__).parent / "_static" / "scorer.js"
+)  # Sphinx opens it from where it runs
 default_role = "code"  # of `names` in docstrings
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints_format = "short"

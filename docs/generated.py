@@ -14,7 +14,7 @@ from PIL import Image
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
-from course_lib.course.installation import material_root
+from course_lib.course.installation import extras, lessons, material_root
 
 WEEK = re.compile(r"^\| (.+?) \| (.+?) \|.*<img src=\"docs/(.+?)\".* alt=\"(.+?)\"", re.MULTILINE)
 ARRAY = re.compile(
@@ -51,8 +51,10 @@ def displays(sources: Path) -> str:
     figures = []
     for name, words, png in import_module("gallery").pictures():
         picture = Image.open(BytesIO(png)).quantize(64)  # half as large
-        picture.save(folder / f"{name}.png", optimize=True)
-        figures.append(_figure(f"images/displays/{name}.png", words, name))
+        picture.save(folder / f"{name}.webp", lossless=True, method=6)
+        figures.append(
+            _figure(f"images/displays/{name}.webp", words, f"[{name}](displays.md#{name.lower()})")
+        )
     return _side_by_side(figures)
 
 
@@ -63,9 +65,11 @@ def weeks(sources: Path) -> str:
 
 
 def _rows(text: str) -> Iterator[tuple[str, str, str]]:
-    """Yield picture, words for it and caption of each week."""
+    """Yield picture, words for it and caption of each week; its name leads to the lesson."""
+    pages = {lesson.name.partition("_")[0]: lesson.name for lesson in (*lessons(), *extras())}
     for week, learned, picture, alt in WEEK.findall(text):
-        yield picture, alt, f"**{week}**: {learned}"
+        page = pages[Path(picture).name.partition("_")[0]]
+        yield picture, alt, f"[{week}](lessons/{page}): {learned}"
 
 
 def _figure(picture: str, alt: str, caption: str) -> str:
@@ -90,6 +94,10 @@ def other_pages(sources: Path) -> str:
 
 GENERATED: Mapping[str, Callable[[Path], str]] = {
     "% the help of all commands": command_line,
+    "% the help of all ros2 commands": lambda sources: import_module("lookup").commands(),
+    "% the properties that displays share": lambda sources: import_module("lookup").common_rows(),
+    "% the properties of each display": lambda sources: import_module("lookup").display_rows(),
+    "% the properties of each view": lambda sources: import_module("lookup").view_rows(),
     "% a picture of each display": displays,
     "% the table of weeks in README.md": weeks,
     "% CONTRIBUTING.md": contributing,
@@ -111,4 +119,4 @@ def _short(text: str) -> str:
 def keep_colons(app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
     """Keep napoleon from reading a property's first words as its type."""
     if what in ("property", "attribute"):
-        lines.insert(0, "")
+        lines[:0] = ["..", ""]  # an empty comment: napoleon skips empty lines before it reads a type

@@ -14,9 +14,12 @@ from course_lib.book.compact import compact, script
 from course_lib.course.state import write_whole
 from course_lib.displays.panel.resting_view import RestingView
 from course_lib.displays.viewer import Viewer
+from course_lib.ros.driving import spin_for
+from course_lib.ros.graph import current_graph
+from course_lib.ros.live import live_runs
 from course_lib.viewer import encoding, zbuffer
 from course_lib.viewer.film import copied
-from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene import Scene, summary
 from course_lib.viewer.widget import SceneWidget
 
 HEIGHT = 320  # [px] of a scene in the page
@@ -25,12 +28,12 @@ TONES = 32  # colours of that picture
 SECONDS = 20.0  # [s] of robot time that a scene plays at most
 BEFORE = 10.0  # [s] of it that were before its cell was run
 ROOM = 36_000  # bytes of a scene's script
-STILL = 110_000  # bytes of the film of a view at rest; a larger one becomes its last picture
+WATCHED = 2.0  # [s] of robot time that live nodes go on below a view that was just made
 INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \
 data-label="{label}" data-alone="false">\
-<img src="{folder}/{name}.png" alt="{label}" loading="lazy"></div>"""
+<img src="{folder}/{name}.webp" alt="{label}" loading="lazy"></div>"""
 
 
 @dataclass
@@ -58,6 +61,14 @@ class _Playing:
         return self.viewer.film.packed(seconds, self.until, interval)
 
 
+@dataclass(frozen=True)
+class _Scripts:
+    """The script of a scene, and the large meshes that it shares with others, by name."""
+
+    scene: bytes
+    shared: dict[str, bytes]
+
+
 class Scenes:
     """The scenes of one lesson, in the order of its cells.
 
@@ -74,7 +85,7 @@ class Scenes:
         self._lesson, self._folder, self._link = lesson, folder, link
         self._count = 0
         self._playing: _Playing | None = None
-        self._made: list[tuple[str, bytes, Scene]] = []
+        self._made: list[tuple[str, _Scripts, Scene]] = []
 
     def of_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Begin the scene of a viewer, and return what its cell displays."""
@@ -83,19 +94,28 @@ class Scenes:
         self._playing = _Playing(name, viewer, film.time, film.time, copied(film.scene))
         return self._shown(name, words)
 
+    def of_rest(self, view: RestingView) -> dict[str, Any]:
+        """Keep a view at rest with its film, and return what its cell displays."""
+        return self._at_once(view, _fitting(view.packed))
+
     def of_widget(self, widget: SceneWidget) -> dict[str, Any]:
-        """Keep a view at rest, or a scene without a viewer, and return what its cell displays."""
+        """Keep a scene without a viewer, and return what its cell displays."""
+        return self._at_once(widget, _scripts(encoding.snapshot(widget.scene)))
+
+    def _at_once(self, widget: SceneWidget, scripts: _Scripts) -> dict[str, Any]:
         self.end()
         name = self._next()
-        packed = widget.film
-        if not packed or len(script(compact(packed)[0])) > STILL:
-            packed = encoding.snapshot(widget.scene)
-        self._made.append((name, packed, widget.scene))
-        return self._shown(name, widget.label)
+        self._made.append((name, scripts, widget.scene))
+        return self._shown(name, "\n".join([f"{widget.label}.", *summary(widget.scene)]))
 
     def follow(self, *_: object) -> None:
-        """Extend the scene of the viewer that is shown to the end of this cell."""
+        """Extend the scene of the viewer that is shown to the end of this cell.
+
+        Nodes that run live go on while a reader looks at a new view; here they do so for a while.
+        """
         if self._playing is not None:
+            if not self._playing.viewer.film.duration and live_runs(current_graph()):
+                spin_for(WATCHED)
             self._playing.follow()
 
     def end(self) -> None:
@@ -107,11 +127,11 @@ class Scenes:
     def write(self) -> None:
         """Write all scenes, and their pictures."""
         self.end()
-        for name, packed, scene in self._made:
-            small, shared = compact(packed)
-            for file, content in (shared | {name: small}).items():
-                write_whole(self._folder / f"{file}.js", script(content))
-            write_whole(self._folder / f"{name}.png", _poster(scene))
+        for name, scripts, scene in self._made:
+            write_whole(self._folder / f"{name}.js", scripts.scene)
+            for mesh, content in scripts.shared.items():
+                write_whole(self._folder / f"{mesh}.js", script(content))
+            write_whole(self._folder / f"{name}.webp", _poster(scene))
 
     def _next(self) -> str:
         self._count += 1
@@ -123,20 +143,25 @@ class Scenes:
         return {"text/html": place, "text/plain": words}
 
 
-def _fitting(pack: Callable[[float], bytes]) -> bytes:
+def _scripts(packed: bytes) -> _Scripts:
+    small, shared = compact(packed)
+    return _Scripts(script(small), shared)
+
+
+def _fitting(pack: Callable[[float], bytes]) -> _Scripts:
     """Return a film with as many pictures as there is room for."""
     for interval in INTERVALS:
-        packed = pack(interval)
-        if len(script(compact(packed)[0])) <= ROOM:
+        scripts = _scripts(pack(interval))
+        if len(scripts.scene) <= ROOM:
             break
-    return packed
+    return scripts
 
 
 def _poster(scene: Scene) -> bytes:
-    """Return a picture of a scene, as a small PNG."""
+    """Return a picture of a scene in few colours, as WebP."""
     picture = Image.open(BytesIO(zbuffer.draw(scene, POSTER))).convert("RGB").quantize(TONES)
     small = BytesIO()
-    picture.save(small, "png", optimize=True)
+    picture.save(small, "webp", lossless=True, method=6)  # a fifth smaller than a PNG
     return small.getvalue()
 
 
@@ -147,8 +172,8 @@ def begin(lesson: str, folder: str, link: str) -> None:
     formatter = shell.display_formatter.mimebundle_formatter
     shell.events.register("post_run_cell", scenes.follow)
     formatter.for_type(Viewer, scenes.of_viewer)
-    for kind in (SceneWidget, RestingView):
-        formatter.for_type(kind, scenes.of_widget)
+    formatter.for_type(SceneWidget, scenes.of_widget)
+    formatter.for_type(RestingView, scenes.of_rest)
     _kept.append(scenes)
 
 

@@ -1,4 +1,6 @@
 import json
+import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -43,6 +45,22 @@ def test_a_lesson_that_fails_is_named_with_its_cell_and_error(tmp_path: Path) ->
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
+def test_a_page_says_that_it_is_for_reading_and_names_no_folder_of_this_machine(tmp_path: Path) -> None:
+    lesson = lesson_of(tmp_path, "import sys\nprint(sys.prefix)")
+    content = json.loads(lesson.read_text())
+    text = "# Maps\n\nDo `week08_arms.ipynb` first, then `week09_exercise.ipynb`."
+    content["cells"].insert(0, {"cell_type": "markdown", "id": "c", "source": text, "metadata": {}})
+    lesson.write_text(json.dumps(content))
+    (tmp_path / "week08_arms.ipynb").touch()
+    make_page(lesson, tmp_path / "book", tmp_path / "student")
+    page = (tmp_path / "book" / "lessons" / lesson.name).read_text("utf-8")
+    source = "".join(json.loads(page)["cells"][0]["source"])
+    assert source.startswith("# Maps\n\n:::{note}\n")
+    assert "type `course lab` and open `week09_maps.ipynb`" in source
+    assert "Do [`week08_arms.ipynb`](week08_arms.ipynb) first, then `week09_exercise.ipynb`." in source
+    assert sys.prefix not in page
+
+
 def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "import os", "os._exit(1)")
     with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, 'os._exit\(1\)': its kernel died"):
@@ -80,6 +98,20 @@ def test_a_full_disk_is_an_error_although_sphinx_goes_on(tmp_path: Path, small_d
     (sources / "index.md").write_text("# A course\n")
     with pytest.raises((CourseError, OSError), match="No space left on device"):
         book._run_sphinx(sources, small_disk / "book", tmp_path / "doctrees")
+
+
+def test_the_settings_of_the_kits_own_book_build_a_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("sphinx_book_theme")
+    monkeypatch.chdir(tmp_path)
+    sources = tmp_path / "sources"
+    pages = shutil.ignore_patterns("*.md", "images", "reference", "__pycache__")
+    shutil.copytree(material_root() / "docs", sources, ignore=pages)
+    (sources / "_extra").mkdir()
+    (sources / "index.md").write_text("# A course\n")
+    assert book._run_sphinx(sources, tmp_path / "book", tmp_path / "doctrees") == ()
+    assert "instructor" in (tmp_path / "book" / "_static" / "language_data.js").read_text("utf-8")
 
 
 @pytest.mark.parametrize(

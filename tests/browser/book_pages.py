@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
 from tests.browser.fake_host import chromium
-from tests.browser.waiting import PATIENCE
+from tests.patience import PATIENCE
 
 WIDTHS = (1400, 390)  # [px] a desk's and a telephone's
 HEIGHT = 900  # [px]

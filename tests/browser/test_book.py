@@ -15,7 +15,17 @@ from course_lib.viewer import encoding
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.scene import Scene
 from tests.book.test_compact import ball
-from tests.browser.book_pages import MOST, WIDTHS, dead_links, drawn, look_at, opened, pages_of, size_of
+from tests.browser.book_pages import (
+    HEIGHT,
+    MOST,
+    WIDTHS,
+    dead_links,
+    drawn,
+    look_at,
+    opened,
+    pages_of,
+    size_of,
+)
 from tests.browser.test_page import pixels_of
 from tests.browser.waiting import wait_until
 
@@ -134,6 +144,14 @@ def test_the_time_bar_follows_the_theme_of_the_page(page: Page, lesson: Path) ->
 def test_the_search_finds_a_lesson_in_the_file_system(page: Page, book: Path) -> None:
     page.goto(f"{(book / 'search.html').as_uri()}?q=publishes")
     page.get_by_role("link", name="Week 1: First steps").first.wait_for()
+
+
+def test_a_page_that_was_found_shows_the_word(page: Page, book: Path) -> None:
+    page.goto(f"{(book / 'search.html').as_uri()}?q=publishes")
+    page.get_by_role("link", name="Week 1: First steps").first.click()
+    word = page.locator("article .highlighted").first
+    word.wait_for()
+    wait_until(lambda: 0 < word.evaluate("(word) => word.getBoundingClientRect().top") < HEIGHT, page)
 
 
 def test_a_book_holds_neither_answers_nor_solutions(course: Path, book: Path) -> None:

@@ -9,8 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from course_lib.course.installation import lessons_dir
 from course_lib.displays.registry import REGISTRY
-from docs import gallery
+from course_lib.displays.topic_display import DrawnDisplay
+from course_lib.displays.views import VIEWS
+from course_lib.tools.ros2 import VERBS
+from docs import gallery, lookup
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -50,6 +54,49 @@ def test_the_command_line_page_has_every_command() -> None:
     assert set(re.findall(r"^## `course ([\w-]+)`", page, re.MULTILINE)) == set(get_command(app).commands)  # type: ignore[attr-defined]
 
 
+def test_the_page_of_displays_has_every_property_and_its_first_value() -> None:
+    page = lookup.common_rows() + lookup.display_rows() + lookup.view_rows()
+    sections = dict(re.findall(r"^### (\w+)$(.*?)(?=^### |\Z)", page, re.MULTILINE | re.DOTALL))
+    kinds = {name.rpartition("/")[2]: kind for name, kind in REGISTRY.items()} | VIEWS
+    assert set(sections) == set(kinds)
+    shared = {one.label for one in DrawnDisplay.properties}
+    for name, kind in kinds.items():
+        wanted = {one.label for one in kind.properties}
+        rows = set(re.findall(r"^\| `([^`]+)` \|", sections[name], re.MULTILINE))
+        assert rows <= wanted <= rows | shared, name
+    assert "| `Size (m)` | `0.01` | a number from 0.0001 |" in sections["LaserScan"]
+    assert "| `Topic` | `visualization_marker_array` |" in sections["MarkerArray"]
+
+
+def test_the_page_of_ros2_commands_has_the_help_of_each() -> None:
+    page = lookup.commands()
+    titles = re.findall(r"^## ros2 (.+)$", page, re.MULTILINE)
+    assert sorted(titles) == sorted(" ".join(verb.words) for verb in VERBS)
+    assert "usage: ros2 topic hz [-h] [-w WINDOW]" in page
+
+
+def test_the_order_of_search_results_is_found_from_any_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("sphinx")
+    from docs import conf
+
+    monkeypatch.chdir(tmp_path)
+    assert "var Scorer" in Path(conf.html_search_scorer).read_text("utf-8")
+
+
+def test_the_first_words_of_a_property_are_not_read_as_its_type() -> None:
+    pytest.importorskip("sphinx")
+    from sphinx.ext.napoleon.docstring import GoogleDocstring
+
+    from docs import generated
+
+    lines = ["RViz's Global Options: `viewer.options[...]`."]
+    generated.keep_colons(None, "property", "options", None, None, lines)  # type: ignore[arg-type]  # takes no app
+    read = GoogleDocstring(lines, what="property", name="options").lines()
+    assert read[-1] == "RViz's Global Options: `viewer.options[...]`."
+
+
 def test_the_weeks_and_the_contributors_page_have_no_link_out_of_the_book() -> None:
     pytest.importorskip("sphinx")
     from docs import generated
@@ -59,3 +106,6 @@ def test_the_weeks_and_the_contributors_page_have_no_link_out_of_the_book() -> N
     assert len(pictures) == 10
     links = re.findall(r"\]\((?!https?:|#)([^)#]+)", contributing)
     assert [link for link in (*pictures, *links) if not (DOCS / link).is_file()] == []
+    lessons = re.findall(r"\]\(lessons/([^)]+)\)", weeks)
+    assert len(lessons) == 10
+    assert [name for name in lessons if not (lessons_dir() / name).is_file()] == []

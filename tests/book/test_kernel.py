@@ -1,0 +1,38 @@
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from course_lib.book import compact, kernel
+from course_lib.displays.viewer import Viewer
+from course_lib.ros.graph import Graph, use_graph
+from tests.displays.bench import marker
+from tests.displays.stage import publish
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    with use_graph(Graph()) as made:
+        yield made
+
+
+def test_a_scene_is_made_small_once(graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[bytes] = []
+    usual = compact.compact
+
+    def counted(packed: bytes) -> tuple[bytes, dict[str, bytes]]:
+        made.append(packed)
+        return usual(packed)
+
+    monkeypatch.setattr(kernel, "compact", counted)
+    scenes, viewer = kernel.Scenes("week09", tmp_path, "scenes"), Viewer()
+    publish(graph, "/m", marker())
+    scenes.of_viewer(viewer)
+    scenes.follow()
+    scenes.of_rest(viewer.freeze())
+    scenes.write()
+    assert sorted(path.name for path in tmp_path.glob("week09*.js")) == ["week09-01.js", "week09-02.js"]
+    assert len(made) == 2
+    assert {compact.script(usual(packed)[0]) for packed in made} == {
+        path.read_bytes() for path in tmp_path.glob("week09*.js")
+    }

@@ -1,0 +1,84 @@
+import base64
+import gzip
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+import rclpy
+from geometry_msgs.msg import Point
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from visualization_msgs.msg import Marker
+
+from course_lib import run_live, stop_all
+from course_lib.book.kernel import ROOM, WATCHED, Scenes
+from course_lib.displays.viewer import Viewer
+from course_lib.ros.baton import baton
+from course_lib.ros.graph import Graph, use_graph
+from tests.displays.bench import marker
+from tests.displays.stage import publish, wait
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """A run that `rclpy.init()` has begun."""
+    with use_graph(Graph(notebook=True)) as graph, baton.known():
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        yield graph
+        stop_all()
+
+
+@pytest.fixture
+def viewer(graph: Graph) -> Iterator[Viewer]:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    yield viewer
+    viewer.close()
+
+
+def content_of(path: Path) -> Any:
+    """Read a scene's script."""
+    packed = gzip.decompress(base64.b64decode(path.read_text("utf-8").split('"')[1]))
+    return msgpack.unpackb(packed, strict_map_key=False)
+
+
+def test_a_view_at_rest_with_a_large_film_plays_with_fewer_pictures(
+    graph: Graph, viewer: Viewer, tmp_path: Path
+) -> None:
+    chance = np.random.default_rng(1)
+    for _ in range(40):
+        points = [Point(x=x, y=y, z=z) for x, y, z in chance.random((400, 3)).tolist()]
+        publish(graph, "/m", marker(Marker.POINTS, points=points))
+        wait(graph, 0.1)
+        viewer.look()
+    scenes = Scenes("week09", tmp_path, "_scenes")
+    shown = scenes.of_rest(viewer.freeze())
+    scenes.write()
+    film = tmp_path / "week09-01.js"
+    assert film.stat().st_size < ROOM
+    assert len(content_of(film)["batches"]) > 2
+    assert "400 points" in shown["text/html"]  # its picture in words
+
+
+def test_live_nodes_go_on_below_a_view_that_was_just_made(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    node = Node("talker")
+    publisher = node.create_publisher(Marker, "/m", 10)
+    node.create_timer(0.5, lambda: publisher.publish(marker()))
+    run_live(node)
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    scenes = Scenes("week09", tmp_path, "_scenes")
+    scenes.of_viewer(viewer)
+    scenes.follow()
+    assert viewer.film.duration == pytest.approx(WATCHED)
+    scenes.follow()
+    assert viewer.film.duration == pytest.approx(WATCHED)
+    scenes.write()
+    assert content_of(tmp_path / "week09-01.js")["end"] == pytest.approx(WATCHED)
+    viewer.close()
