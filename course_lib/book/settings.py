@@ -27,7 +27,7 @@ html_theme_options = {
 }
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["book.css"]
-html_js_files = ["found.js"]
+html_js_files = ["pages.js"]
 html_extra_path = ["_extra"]
 html_show_search_summary = False  # it would ask a server for pages
 html_copy_source = False

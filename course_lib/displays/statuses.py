@@ -8,7 +8,7 @@ Level: TypeAlias = Literal["ok", "warn", "error", "hint"]
 
 # Icon and word tell the level without colour; the colours are RViz's, hints are ours.
 LEVELS: Mapping[Level, tuple[str, str, str]] = {
-    "ok": ("✔", "Ok", "inherit"),
+    "ok": ("✔", "Ok", "currentcolor"),
     "warn": ("⚠", "Warn", "rgb(192, 128, 0)"),
     "error": ("✖", "Error", "rgb(192, 32, 32)"),
     "hint": ("➤", "hint", "rgb(32, 96, 160)"),
@@ -17,6 +17,8 @@ LEVELS: Mapping[Level, tuple[str, str, str]] = {
 NOTES: Mapping[str, str] = {
     "Array Topic": "RViz's Marker display also listens to arrays, on its topic's name with _array behind it."
 }
+# Half of the page's own text in a colour: RViz's alone are too pale on some of the grounds of a page.
+_READABLE = "color-mix(in srgb, {} 50%, currentcolor)"
 _HEAD = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align: left'>Text</th></tr>"
 
 
@@ -82,6 +84,6 @@ def _row(row: StatusRow) -> str:
     title = f' title="{note}"' if note else ""
     return (
         f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
-        f'<td style="color: {color}; white-space: nowrap">{icon} {word}</td>'
+        f'<td style="color: {_READABLE.format(color)}; white-space: nowrap">{icon} {word}</td>'
         f'<td style="text-align: left">{escape(row.text)}</td></tr>'
     )

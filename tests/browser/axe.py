@@ -6,7 +6,8 @@ from playwright.sync_api import Page
 
 def faults(page: Page, within: str = "html") -> list[str]:
     """List the faults that axe-core calls serious or critical: rule, reason and element."""
-    found = Axe().run(page, context=within).response["violations"]
+    options = {"preload": not page.url.startswith("file:")}  # it would ask for style sheets anew
+    found = Axe().run(page, context=within, options=options).response["violations"]
     return [
         f"{fault['id']}: {fault['help']}: {node['html'][:200]}"
         for fault in found

@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
+from tests.browser.axe import faults
 from tests.browser.fake_host import chromium
 from tests.patience import PATIENCE
 
@@ -98,7 +99,7 @@ def drawn(host: Locator) -> float:
 
 
 def look_at(page: Page, path: Path, width: int) -> Looked:
-    """Open a page at a width, bring each scene near, and look at its pixels."""
+    """Open a page at a width, bring each scene near, look at its pixels, and ask axe-core."""
     problems: list[str] = []
     page.set_viewport_size({"width": width, "height": HEIGHT})
     page.goto(path.as_uri())
@@ -116,6 +117,7 @@ def look_at(page: Page, path: Path, width: int) -> Looked:
     wide = page.evaluate("document.documentElement.scrollWidth")
     if wide > width:
         problems.append(f"it is {wide} px wide at {width} px")
+    problems += [f"at {width} px: {fault}" for fault in faults(page)]
     return Looked(hosts.count(), films, tuple(problems))
 
 

@@ -6,6 +6,7 @@ from typing import Literal
 import pytest
 from playwright.sync_api import Page
 
+from course_lib.displays.statuses import Level, StatusRow, StatusTable
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
 from course_lib.viewer.html import save_html
@@ -49,6 +50,14 @@ def test_the_result_of_a_check_serves_a_screen_reader(one_page: Page) -> None:
     one_page.set_content(table._repr_mimebundle_()["text/html"])
     assert one_page.get_by_role("row").count() >= 2
     assert faults(one_page, "body > *") == []
+
+
+@pytest.mark.parametrize("ground", ["#fff; color: #111", "#ced6dd; color: #000", "#121212; color: #ddd"])
+def test_a_table_of_statuses_is_readable_on_the_grounds_of_pages(one_page: Page, ground: str) -> None:
+    levels: tuple[Level, ...] = ("ok", "warn", "error", "hint")
+    table = StatusTable(StatusRow("Marker", "Topic", level, "text") for level in levels)
+    one_page.set_content(f"<!doctype html><main style='background: {ground}'>{table._repr_html_()}</main>")
+    assert faults(one_page, "main") == []
 
 
 def test_a_saved_scene_serves_a_screen_reader(one_page: Page, tmp_path: Path) -> None:
