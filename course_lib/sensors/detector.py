@@ -78,10 +78,13 @@ class Detector:
     def detect(self, seconds: float) -> list[Detection]:
         """Detect things at a robot time since the start of the run [s]; times must grow from call to call."""
         chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
-        found, pose, poses = list[Detection](), self._transform_at(seconds), self.world.poses(seconds)
-        for number, thing in enumerate(self.world.things):
+        found, poses = list[Detection](), self.world.poses(seconds)
+        labelled = [number for number, thing in enumerate(self.world.things) if thing.label]
+        shares = self._confidences(labelled, self._transform_at(seconds), poses) if labelled else np.zeros(0)
+        confidences = dict(zip(labelled, shares.tolist(), strict=True))
+        for number in range(len(self.world.things)):
             missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
-            confidence = self._confidence(number, pose, poses) if thing.label else 0.0
+            confidence = confidences.get(number, 0.0)
             if confidence and not missed:
                 found.append(self._detected(number, poses[number], confidence, seconds, errors))
         alarms = chance.poisson(self.false_alarms)
@@ -89,21 +92,25 @@ class Detector:
 
     def confidence(self, number: int, seconds: float) -> float:
         """Return the confidence of a thing, 0 to 1: its visible share, reduced to half at range_max."""
-        return self._confidence(number, self._transform_at(seconds), self.world.poses(seconds))
+        return float(self._confidences([number], self._transform_at(seconds), self.world.poses(seconds))[0])
 
-    def _confidence(self, number: int, transform_sensor_to_world: Floats, poses: Floats) -> float:
-        transform_thing_to_world = poses[number]
-        points = _POINTS * self.world.things[number].shape.size
-        in_world = points @ transform_thing_to_world[:3, :3].T + transform_thing_to_world[:3, 3]
+    def _confidences(self, numbers: list[int], transform_sensor_to_world: Floats, poses: Floats) -> Floats:
+        """Return the confidences of K things, shape (K,): all rays are cast at once."""
+        sizes = np.array([self.world.things[number].shape.size for number in numbers]).reshape(-1, 1, 3)
+        rotations, centers = poses[numbers, :3, :3], poses[numbers, None, :3, 3]
+        in_world = (_POINTS * sizes @ rotations.transpose(0, 2, 1) + centers).reshape(-1, 3)
         rays = transform_sensor_to_world[:3, :3].T @ (in_world - transform_sensor_to_world[:3, 3]).T
         length = np.linalg.norm(rays, axis=0)
-        middle = float(length[len(length) // 2])
-        rays = np.divide(rays, length, out=np.tile([[1.0], [0], [0]], len(length)), where=length > 0)
+        ahead = np.zeros_like(rays)
+        ahead[0] = 1
+        rays = np.divide(rays, length, out=ahead, where=length > 0)
         in_view = (rays[0] >= np.cos(self.field_of_view / 2) - 1e-12) & (length <= self.range_max)
         hits = self.world.cast_among(poses, transform_sensor_to_world, rays, self.range_max)
-        open_sight = (hits.thing == number) | (hits.distance >= length)
-        share = float(np.mean(in_view & open_sight))
-        return share * max(0.0, 1 - 0.5 * middle / self.range_max)
+        open_sight = (hits.thing == np.repeat(numbers, len(_POINTS))) | (hits.distance >= length)
+        share: Floats = np.mean((in_view & open_sight).reshape(-1, len(_POINTS)), axis=1)
+        middle = length.reshape(-1, len(_POINTS))[:, len(_POINTS) // 2]
+        share *= np.maximum(0.0, 1 - 0.5 * middle / self.range_max)
+        return share
 
     def _detected(
         self, number: int, pose: Floats, confidence: float, seconds: float, errors: Floats

@@ -41,6 +41,8 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
     """
 
     def word_of(find: Find[Given]) -> Callable[Given, Check]:
+        signature = inspect.signature(find)
+
         @wraps(find)
         def expect(*args: Given.args, **kwargs: Given.kwargs) -> Check:
             def judge(evidence: Evidence) -> Verdict:
@@ -51,7 +53,7 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
                     return _verdict([problem])
 
             try:
-                values = inspect.signature(find).bind(None, *args, **kwargs)
+                values = signature.bind(None, *args, **kwargs)
             except TypeError as error:
                 raise TypeError(f"{find.__name__}: {error}") from error
             values.apply_defaults()
@@ -61,19 +63,18 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
             full = title.format(**values.arguments, given=listed(list(kwargs)) or "is there")
             return Check(full, judge, origin=origin)
 
-        _describe(expect, find)
+        _describe(expect, signature)
         return expect
 
     return word_of
 
 
-def _describe(expect: Any, find: Callable[..., Any]) -> None:
+def _describe(expect: Any, signature: inspect.Signature) -> None:
     """Show in `help(word)` what an author calls: without the evidence, and with a check as the result."""
-    signature = inspect.signature(find)
     asked = list(signature.parameters.values())[1:]
     expect.__signature__ = signature.replace(parameters=asked, return_annotation=Check)
     expect.__annotations__ = {one.name: one.annotation for one in asked} | {"return": Check}
-    expect.__doc__ = re.sub(r"\n +evidence: .*", "", find.__doc__ or "")
+    expect.__doc__ = re.sub(r"\n +evidence: .*", "", expect.__doc__ or "")
 
 
 def _verdict(problems: Sequence[Problem]) -> Verdict:

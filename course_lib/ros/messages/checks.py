@@ -9,7 +9,7 @@ from array import array
 from collections import UserString
 from collections.abc import Callable, Collection, Sequence, Set
 from math import isinf
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -43,10 +43,10 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
     article = "an" if python is int else "a"
     limits = f"{article} {primitive.range_word} in [{primitive.low}, {primitive.high}]"
 
-    any_fits = needs_type_only(field, primitive)
+    low, high, exact = primitive.low, primitive.high, cast(Any, python)  # mypy would narrow to object
 
     def check_number(value: Any) -> None:
-        if any_fits and type(value) is python:
+        if type(value) is exact and low <= value <= high:  # nearly always
             return
         if not isinstance(value, python):
             raise AssertionError(f"The '{field.name}' field must be of type '{python.__name__}'")

@@ -1,7 +1,7 @@
 """The base of all message classes, and their creation from definitions."""
 
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from inspect import Parameter, Signature
 from operator import attrgetter
@@ -29,6 +29,7 @@ class RosMessage:
     __slots__ = ()
     _TYPE_NAME: ClassVar[str]  # "visualization_msgs/msg/Marker"
     _KINDS: ClassVar[Mapping[str, Kind]]
+    _SLOTS: ClassVar[Sequence[str]]
     _fields_and_field_types: ClassVar[Mapping[str, str]]
     _check_fields: bool
 
@@ -63,7 +64,7 @@ class RosMessage:
         """Copy the slots themselves; Python's general way, by pickling, takes several times as long."""
         made = self.__class__.__new__(self.__class__)
         memo[id(self)] = made
-        for slot in ("_check_fields", *(f"_{name}" for name in self._KINDS)):
+        for slot in self._SLOTS:
             value = getattr(self, slot)
             setattr(made, slot, value if type(value) in _ATOMS else deepcopy(value, memo))
         if hasattr(self, "__dict__"):  # of a subclass
@@ -82,15 +83,17 @@ def make_class(definition: MessageDefinition, message_class: Callable[[str], typ
     """Create the class of a message type; `message_class` returns the classes of its sub messages."""
     name = definition.type_name.rsplit("/", 1)[1]
     fields = [field for field in definition.fields if field.name != PLACEHOLDER]
+    slots = [*("_" + field.name for field in fields), "_check_fields"]
     kinds = {field.name: kind_of(field, message_class) for field in fields}
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
     namespace = {
         "__doc__": _docstring(definition),
         "__signature__": Signature([Parameter(name, Parameter.KEYWORD_ONLY, default=...) for name in kinds]),
         "__module__": home_of(definition.type_name),
-        "__slots__": [*("_" + field.name for field in fields), "_check_fields"],
+        "__slots__": slots,
         "_TYPE_NAME": definition.type_name,
         "_KINDS": kinds,
+        "_SLOTS": slots,
         "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
