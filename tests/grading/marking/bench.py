@@ -121,6 +121,7 @@ class Served:
 
     def __init__(self, course: Course, out: Path, port: int = 0) -> None:
         words = (str(course.exercises.parent), str(out), str(port))
+        self.out = out
         self.process = subprocess.Popen(
             [sys.executable, "-c", SERVE, *words], stdout=subprocess.PIPE, text=True, env=os.environ
         )

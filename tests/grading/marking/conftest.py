@@ -15,6 +15,16 @@ def kinds(tmp_path: Path) -> Course:
     return course
 
 
+@pytest.fixture(scope="module")
+def unmarked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server of the same results for all tests of a file that save nothing: to start one costs most."""
+    top = tmp_path_factory.mktemp("unmarked")
+    course = write_kinds(top / "course")
+    write_results(course, top / "out", ("ada", "bob"))
+    with served(course, top / "out") as running:
+        yield running
+
+
 @pytest.fixture
 def server(kinds: Course, tmp_path: Path) -> Iterator[Served]:
     with served(kinds, tmp_path / "out") as running:

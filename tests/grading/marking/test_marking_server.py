@@ -60,18 +60,18 @@ def test_ctrl_c_ends_the_server_after_reports_have_followed(server: Served, tmp_
 
 
 @pytest.mark.parametrize("path", ["", "marking.js", "api/queue?since=0", "api/item/{key}"])
-def test_without_the_token_there_is_nothing(server: Served, path: str) -> None:
-    path = path.format(key=server.items()[0]["key"])
-    token = server.address.split("/")[3]
+def test_without_the_token_there_is_nothing(unmarked: Served, path: str) -> None:
+    path = path.format(key=unmarked.items()[0]["key"])
+    token = unmarked.address.split("/")[3]
     for other in ("", "x" * len(token), token[:-1], token.upper(), "%ff", "..", "%2e%2e"):
-        answer = server.ask_plainly(server.address.replace(token, other) + path)
+        answer = unmarked.ask_plainly(unmarked.address.replace(token, other) + path)
         assert answer.code in (400, 403, 404)
         assert "ada" not in answer.text
 
 
-def test_a_name_that_leads_to_this_machine_from_outside_is_refused(server: Served) -> None:
-    assert server.ask("api/queue?since=0", Host=f"evil.example:{server.port}").code == 403
-    assert server.ask("api/queue?since=0", Host=f"localhost:{server.port}").code == 200
+def test_a_name_that_leads_to_this_machine_from_outside_is_refused(unmarked: Served) -> None:
+    assert unmarked.ask("api/queue?since=0", Host=f"evil.example:{unmarked.port}").code == 403
+    assert unmarked.ask("api/queue?since=0", Host=f"localhost:{unmarked.port}").code == 200
 
 
 @pytest.mark.parametrize(
@@ -84,11 +84,11 @@ def test_a_name_that_leads_to_this_machine_from_outside_is_refused(server: Serve
         {"Content_Type": "application/x-www-form-urlencoded"},
     ],
 )
-def test_only_the_page_itself_saves(server: Served, tmp_path: Path, headers: dict[str, str]) -> None:
-    item = of(server, "ada", ESSAY)
-    answer = server.ask(f"api/item/{item['key']}", save(item, 5, "Ann", row="1"), **headers)
+def test_only_the_page_itself_saves(unmarked: Served, headers: dict[str, str]) -> None:
+    item = of(unmarked, "ada", ESSAY)
+    answer = unmarked.ask(f"api/item/{item['key']}", save(item, 5, "Ann", row="1"), **headers)
     assert answer.code in (403, 415)
-    assert not (tmp_path / "out/marks").exists()
+    assert not (unmarked.out / "marks").exists()
 
 
 @pytest.mark.parametrize(
@@ -108,8 +108,8 @@ def test_only_the_page_itself_saves(server: Served, tmp_path: Path, headers: dic
         ({"comment": "x" * 10_001}, "10001 characters"),
     ],
 )
-def test_a_bad_save_is_refused_in_words(server: Served, tmp_path: Path, changes: Any, said: str) -> None:
-    item = of(server, "ada", ESSAY)
+def test_a_bad_save_is_refused_in_words(unmarked: Served, changes: Any, said: str) -> None:
+    item = of(unmarked, "ada", ESSAY)
     body = changes
     if isinstance(changes, dict):
         whole = save(item, 5, "Ann", row="1")
@@ -119,10 +119,10 @@ def test_a_bad_save_is_refused_in_words(server: Served, tmp_path: Path, changes:
             | {"marks": [whole["marks"][0] | inner]}
             | {name: changes[name] for name in changes if name == "by"}
         )
-    answer = server.ask(f"api/item/{item['key']}", body)
+    answer = unmarked.ask(f"api/item/{item['key']}", body)
     assert answer.code == 400
     assert said in answer.content["error"]
-    assert not (tmp_path / "out/marks").exists()
+    assert not (unmarked.out / "marks").exists()
 
 
 def test_a_second_grader_gets_a_conflict(server: Served) -> None:
@@ -145,28 +145,28 @@ def test_a_second_grader_gets_a_conflict(server: Served) -> None:
         "api/item/ada",
     ],
 )
-def test_no_path_leads_to_other_files(server: Served, path: str) -> None:
-    assert server.ask(path).code == 404
+def test_no_path_leads_to_other_files(unmarked: Served, path: str) -> None:
+    assert unmarked.ask(path).code == 404
 
 
-def test_a_scene_has_its_own_secret_no_rights_and_no_name(server: Served) -> None:
-    item, other = of(server, "ada", ESSAY), of(server, "bob", ESSAY)
-    scene = server.ask(f"api/item/{item['key']}").content["scene"]
-    base = f"http://127.0.0.1:{server.port}"
-    answer = server.ask_plainly(base + scene)
+def test_a_scene_has_its_own_secret_no_rights_and_no_name(unmarked: Served) -> None:
+    item, other = of(unmarked, "ada", ESSAY), of(unmarked, "bob", ESSAY)
+    scene = unmarked.ask(f"api/item/{item['key']}").content["scene"]
+    base = f"http://127.0.0.1:{unmarked.port}"
+    answer = unmarked.ask_plainly(base + scene)
     policy = answer.headers["Content-Security-Policy"]
     assert answer.code == 200
     assert "sandbox allow-scripts; default-src 'none'" in policy
     assert "'unsafe-inline'" not in policy.split("style-src")[0]
     assert "A person reads and marks this task." in answer.text
     assert "ada" not in answer.text
-    assert server.address.split("/")[3] not in scene
-    assert server.ask_plainly(base + scene.replace(item["key"], other["key"])).code == 403
+    assert unmarked.address.split("/")[3] not in scene
+    assert unmarked.ask_plainly(base + scene.replace(item["key"], other["key"])).code == 403
 
 
-def test_the_page_runs_nothing_but_its_own_files(server: Served) -> None:
+def test_the_page_runs_nothing_but_its_own_files(unmarked: Served) -> None:
     for path in ("", "marking.js", "api/queue?since=0"):
-        headers = server.ask(path).headers
+        headers = unmarked.ask(path).headers
         assert "script-src 'self'; style-src 'self'" in headers["Content-Security-Policy"]
         assert "default-src 'none'" in headers["Content-Security-Policy"]
         assert headers["X-Content-Type-Options"] == "nosniff"
