@@ -9,6 +9,8 @@ from playwright.sync_api import Page
 from course_lib.displays.statuses import Level, StatusRow, StatusTable
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
+from course_lib.ros.graph import Graph
+from course_lib.tools.rqt.monitors import ConsoleView
 from course_lib.viewer.html import save_html
 from tests.browser.axe import faults
 from tests.browser.bench import Bench
@@ -58,6 +60,22 @@ def test_a_table_of_statuses_is_readable_on_the_grounds_of_pages(one_page: Page,
     table = StatusTable(StatusRow("Marker", "Topic", level, "text") for level in levels)
     one_page.set_content(f"<!doctype html><main style='background: {ground}'>{table._repr_html_()}</main>")
     assert faults(one_page, "main") == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_view_of_rqt_on_a_page_without_widgets_serves_a_screen_reader(
+    one_page: Page, scheme: Literal["light", "dark"]
+) -> None:
+    view = ConsoleView(Graph(), [])
+    lines = "".join(f"<p class='rqt-dim'>{number}</p>" for number in range(100))
+    view.picture = lambda: lines  # type: ignore[method-assign]  # what scrolls
+    one_page.emulate_media(color_scheme=scheme)
+    one_page.set_content(
+        f"<!doctype html><style>:root {{ color-scheme: light dark }} main {{ background: #ced6dd }}</style>"
+        f"<main>{view.static()}</main>"
+    )
+    assert faults(one_page, "main") == []
+    one_page.emulate_media(color_scheme=None)
 
 
 def test_a_saved_scene_serves_a_screen_reader(one_page: Page, tmp_path: Path) -> None:

@@ -9,9 +9,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STYLE = """<style>
-.rqt { --rqt-text: var(--jp-ui-font-color1, CanvasText); --rqt-dim: var(--jp-ui-font-color2, GrayText);
+.rqt { --rqt-text: var(--jp-ui-font-color1, CanvasText);
   --rqt-back: var(--jp-layout-color1, Canvas); --rqt-line: var(--jp-border-color1, #8888);
-  border: 1px solid var(--rqt-line); border-radius: 4px; padding: 4px 8px; color: var(--rqt-text); }
+  --rqt-dim: var(--jp-ui-font-color2, color-mix(in srgb, CanvasText 70%, Canvas)); color: var(--rqt-text);
+  background: var(--rqt-back); border: 1px solid var(--rqt-line); border-radius: 4px; padding: 4px 8px; }
 .rqt .rqt-title { font-size: 15px; }
 .rqt .widget-html { flex-shrink: 1; }
 .rqt .widget-html-content { line-height: 1.4; }

@@ -193,7 +193,8 @@ class RqtView:
     def static(self) -> str:
         """Return the view as HTML for pages without widgets."""
         head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
-        return f"{STYLE}<div class='rqt'>{head}<div class='rqt-screen'>{self.picture()}</div></div>"
+        screen = f"<div class='rqt-screen' tabindex='0'>{self.picture()}</div>"  # it scrolls
+        return f"{STYLE}<div class='rqt'>{head}{screen}</div>"
 
     def say(self, text: str) -> None:
         """Show a line of text above the picture; "" removes it."""
