@@ -12,7 +12,6 @@ import tempfile
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
 from typing import Any
 
 from course_lib.course.course_file import Limits
@@ -141,15 +140,23 @@ class TemplateProcess:
             self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
-        shared_template.cache_clear()
+        for files in [files for files, template in _shared.items() if template is self]:
+            del _shared[files]
 
 
-@cache
+_shared: dict[Readable, TemplateProcess] = {}
+
+
 def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
-    """Return the template of this process that hides these paths, started when it is first asked for."""
-    template = TemplateProcess(refused=refused)
-    atexit.register(template.close)
-    return template
+    """Return the template of this process that hides these paths, started when it is first asked for.
+
+    Courses that lie outside of all that Python needs share one: their submissions may read the same.
+    """
+    files = readable(refused)
+    if files not in _shared:
+        _shared[files] = TemplateProcess(refused=refused)
+        atexit.register(_shared[files].close)
+    return _shared[files]
 
 
 def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:

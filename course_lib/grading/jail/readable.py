@@ -136,8 +136,15 @@ def readable(refused: tuple[str, ...] = ()) -> Readable:
     Raises:
         CourseError: Something that is needed is itself refused.
     """
+    folders, needed = _needed()
+    return allow(needed, folders, refused)
+
+
+@cache
+def _needed() -> tuple[list[str], list[str]]:
+    """Return where modules are looked for, and with that all that is needed, whatever is refused."""
     folders = _module_folders()
-    return allow([*_system(), *_interpreter(), *folders, *distribution_files(), KIT], folders, refused)
+    return folders, [*_system(), *_interpreter(), *folders, *distribution_files(), KIT]
 
 
 def allow(needed: Iterable[str], folders: Collection[str], refused: Collection[str]) -> Readable:

@@ -163,6 +163,17 @@ def test_a_template_that_is_killed_while_it_starts_costs_no_evidence(
     assert run(job).evidence == undisturbed
 
 
+def test_courses_outside_of_what_python_needs_share_one_template(tmp_path: Path) -> None:
+    one, other = (shared_template((str(tmp_path / name),)) for name in ("one", "other"))
+    assert one is other
+
+
+def test_the_end_of_one_template_leaves_that_which_is_shared() -> None:
+    shared = shared_template()
+    TemplateProcess((BUBBLEWRAP, "namespaces")).close()
+    assert shared_template() is shared
+
+
 def test_folders_in_folders_are_cleared_away() -> None:
     cells = ["import os\nfor _ in range(1200): os.mkdir('d'); os.chdir('d')\nanswer = 1"]
     with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
