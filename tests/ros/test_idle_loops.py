@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import rclpy
 from IPython.core.interactiveshell import InteractiveShell
 
 from course_lib import extension
+from course_lib.ros.baton import baton
 from course_lib.ros.graph import Graph, use_graph
 from course_lib.ros.idle_loops import IdleLoops
 from course_lib.ros.process import make_shell
@@ -124,27 +126,39 @@ def shell() -> Iterator[InteractiveShell]:
     InteractiveShell.clear_instance()
 
 
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """A kernel's graph, whose threads end with the test."""
+    with use_graph(Graph(notebook=True)) as graph:
+        yield graph
+        rclpy.try_shutdown()
+        with baton.known():
+            baton.sleep_until(graph.now_ns + 10**7, "the ends of threads")
+        assert not baton.has_visitors()
+
+
 @pytest.mark.parametrize("loop", ["pass", "time.sleep(0.1)"])
 @pytest.mark.parametrize("driven", [SPIN, "from course_lib import run_live\nrun_live(node)\n"])
 def test_a_cell_waits_for_a_variable_of_a_thread_or_of_a_live_node(
     shell: InteractiveShell,
+    graph: Graph,
     loop: str,
     driven: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with use_graph(Graph(notebook=True)) as graph:
-        begun_ns = graph.now_ns
-        cell = NODE + driven + f"node.got_it = False\nwhile not node.got_it:\n    {loop}\nprint('got it')"
-        assert shell.run_cell(cell).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
-        assert graph.now_ns > begun_ns
+    begun_ns = graph.now_ns
+    cell = NODE + driven + f"node.got_it = False\nwhile not node.got_it:\n    {loop}\nprint('got it')"
+    assert shell.run_cell(cell).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    assert graph.now_ns > begun_ns
     assert capsys.readouterr().out.endswith("got it\n")
 
 
 @pytest.mark.parametrize("rests", ["time.sleep(0.1)", "!sleep 0.1; echo rested"])
-def test_after_shutdown_a_cell_rests_although_a_thread_is_left(shell: InteractiveShell, rests: str) -> None:
-    with use_graph(Graph(notebook=True)):
-        for cell in (NODE + SPIN + "time.sleep(0.2)\nrclpy.shutdown()", rests):
-            assert shell.run_cell(cell).success, cell  # type: ignore[no-untyped-call]  # not annotated
+def test_after_shutdown_a_cell_rests_although_a_thread_is_left(
+    shell: InteractiveShell, graph: Graph, rests: str
+) -> None:
+    for cell in (NODE + SPIN + "time.sleep(0.2)\nrclpy.shutdown()", rests):
+        assert shell.run_cell(cell).success, cell  # type: ignore[no-untyped-call]  # not annotated
 
 
 def test_loops_that_do_something_or_have_no_end_stay_as_they_are() -> None:
