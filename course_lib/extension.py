@@ -3,13 +3,17 @@
 import asyncio
 import gc
 import signal
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from course_lib.ros import standin_path, virtual_time, wall
+from course_lib.ros.baton import baton
 from course_lib.ros.cells import cell
 from course_lib.ros.driving import drive_in_cell
 from course_lib.ros.graph import current_graph
 from course_lib.ros.idle_loops import IdleLoops
+from course_lib.ros.live import drive_threads
 from course_lib.ros.notices import repeated_lines, replacements
 
 if TYPE_CHECKING:
@@ -44,6 +48,7 @@ def _begin_cell(*_: object) -> None:
 
 def _end_cell(*_: object) -> None:
     cell.runs = False
+    drive_threads()
     repeated_lines.end()
     replacements.tell()
     replacements.waits = False
@@ -52,12 +57,20 @@ def _end_cell(*_: object) -> None:
 def _prepare_jupyters_loop() -> None:
     """Set the loop's clock: its thread, the main one, is on robot time during a call of the kit.
 
+    A thread for which robot time stands still asks the loop to drive it.
+
     Any signal wakes it. ipykernel 7.4's handler for ■ in cells that await only adds to the loop's queue.
     """
     try:
         loop = asyncio.get_running_loop()
     except RuntimeError:  # no kernel: IPython's terminal, or the grader's worker
         return
+    baton.stalled = partial(_drive_soon, loop)
     loop.time = wall.monotonic  # type: ignore[method-assign]  # one loop's clock, not every loop's
     if hasattr(signal, "SIGURG"):  # with a handler asyncio asks for its wake-up; Windows has none
         loop.add_signal_handler(signal.SIGURG, lambda: None)
+
+
+def _drive_soon(loop: asyncio.AbstractEventLoop) -> None:
+    with suppress(RuntimeError):  # the kernel ends
+        loop.call_soon_threadsafe(drive_threads)

@@ -15,7 +15,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros.clock import THREADS
 from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.program_thread import AtEnd, CtrlC, ProgramThread, Wait, always
+from course_lib.ros.program_thread import AtEnd, CtrlC, ProgramThread, Wait, always, never
 
 POLLS_BEFORE_TIME_PASSES = 1_000  # calls without a wait, before looping on them lets time pass
 POLLS_PER_STEP = 10
@@ -36,6 +36,7 @@ class Baton:
         self._holder: ProgramThread | None = None
         self._numbers = itertools.count(1)  # of threads, in the order of their making
         self._mutex = _thread.allocate_lock()
+        self.stalled: Callable[[], object] = lambda: None  # called where the main thread must come in
 
     def governs(self, ident: int | None = None) -> bool:
         """Return whether a thread, by default the calling one, belongs to the program."""
@@ -162,7 +163,7 @@ class Baton:
 
     def sleep_until(self, wake_ns: int, what: str) -> None:
         """Block the calling program thread until robot time `wake_ns`, [ns]."""
-        self.wait(_never, until_ns=wake_ns, what=what)
+        self.wait(never, until_ns=wake_ns, what=what)
 
     def poll(self) -> None:
         """Note a call that does not wait but that a program may loop on; looped on, it lets time pass."""
@@ -180,7 +181,7 @@ class Baton:
         graph, me = current_graph(), self._threads[_thread.get_ident()]
         while any(thread.waits_in(graph) for thread in self._waiting):
             me.waits_after_end = me.sleeps_after_end = 0
-            self.wait(_never, until_ns=None, what="the others' ends")
+            self.wait(never, until_ns=None, what="the others' ends")
 
     def interrupt(self, thread: threading.Thread) -> None:
         """Raise KeyboardInterrupt in a thread of the program, as the end of a run does."""
@@ -198,6 +199,7 @@ class Baton:
             elif graph.ended:
                 return
             elif not any(t.main for t in list(self._threads.values())):  # others may come in meanwhile
+                self.stalled()
                 self._hand_over(me, None)  # time moves only while the main thread is in a call of the kit
             elif not self._events_can_help(graph) or not (graph.advance() or graph.ended):
                 self._name_deadlock(me, graph)
@@ -291,10 +293,6 @@ class Known:
         if me.depth == 0:
             baton._polls_in_cells = me.polls if me.main else baton._polls_in_cells
             baton.leave(me)
-
-
-def _never() -> bool:
-    return False
 
 
 baton = Baton()

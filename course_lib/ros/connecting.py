@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from course_lib.errors import CourseError, counted
 from course_lib.ros.graph import Graph, current_graph, set_graph
-from course_lib.ros.live import drive_link, stop_all
+from course_lib.ros.live import drive_between_cells, stop_all
 from course_lib.ros.notices import say
 from course_lib.ros.zenoh.connect import RobotAddress, link_to
 
@@ -41,7 +41,7 @@ def connect(
         )
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)
-    drive_link(linked)
+    drive_between_cells(linked)
     out = ", ".join(sorted([*send, *call])) or "nothing: read-only"
     say(f"Linked to {linked.link.address}: {counted(len(linked.nodes()), 'node')}. What may go out: {out}.")
 

@@ -9,6 +9,7 @@ from course_lib.ros import pace
 from course_lib.ros.baton import baton
 from course_lib.ros.graph import current_graph
 from course_lib.ros.interrupts import until_interrupted
+from course_lib.ros.program_thread import never
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -80,16 +81,12 @@ def drive_in_cell(seconds: float) -> bool:
     if seconds < 0 or not (running_nodes() or baton.has_visitors()):
         return False
     if get_default_context().is_valid:
-        wait_for(_never, seconds=seconds)
+        wait_for(never, seconds=seconds)
         return True
     graph = current_graph()
     with baton.known(), pace.kept(graph):
-        baton.wait(_never, until_ns=graph.now_ns + round(seconds * 1e9), what=f"time.sleep({seconds:g})")
+        baton.wait(never, until_ns=graph.now_ns + round(seconds * 1e9), what=f"time.sleep({seconds:g})")
     return True
-
-
-def _never() -> bool:
-    return False
 
 
 def running_nodes() -> list["HandledNode"]:

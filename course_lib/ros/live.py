@@ -3,7 +3,7 @@
 import asyncio
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -108,6 +108,11 @@ class _LiveRuns:
     runs: list[LiveRun] = field(default_factory=list)
     task: "asyncio.Task[None] | None" = None
 
+    def drive(self, graph: Graph) -> None:
+        """Drive the graph between the cells from now on, unless a task does that already."""
+        if self.task is None or self.task.done():
+            self.task = asyncio.get_running_loop().create_task(_Loop(graph).run())
+
     def stop_those_over(self) -> None:
         """Stop the runs of which nothing is left."""
         for run in tuple(self.runs):
@@ -146,8 +151,7 @@ def go_live(run: LiveRun) -> LiveRun:
     running_nodes().extend(run.nodes)
     if pace.wanted() == "real":
         run.show()
-        if live.task is None or live.task.done():
-            live.task = asyncio.get_running_loop().create_task(_Loop(graph).run())
+        live.drive(graph)
     return run
 
 
@@ -164,13 +168,16 @@ def stop_all() -> None:
         run.stop()
 
 
-def drive_link(graph: Graph) -> None:
-    """Drive a graph that is linked to a robot between the cells, also without live runs."""
-    live = graph.part(_LiveRuns)
-    try:
-        live.task = asyncio.get_running_loop().create_task(_Loop(graph).run())
-    except RuntimeError:  # no kernel, `course run` of a notebook: the cells drive it
-        return
+def drive_between_cells(graph: Graph) -> None:
+    """Drive a graph between the cells, also without live runs: one that is linked to a robot."""
+    with suppress(RuntimeError):  # no kernel, `course run` of a notebook: the cells drive it
+        graph.part(_LiveRuns).drive(graph)
+
+
+def drive_threads() -> None:
+    """Drive threads of cells that wait for robot time, like `rclpy.spin` in one, also between the cells."""
+    if baton.has_visitors() and pace.wanted() == "real":
+        drive_between_cells(current_graph())
 
 
 class _Audience:
@@ -202,7 +209,8 @@ class _Audience:
 class _Loop:
     """The task that drives a graph's live runs along with the wall clock, as long as there are any.
 
-    Where the graph is linked to a robot, it goes on until the kernel has another graph.
+    It goes on while threads of cells wait for robot time, and where the graph is linked to a robot until the
+    kernel has another graph.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -214,17 +222,19 @@ class _Loop:
     async def run(self) -> None:
         """Go on step by step; a callback's exception, or ■, stops all that runs."""
         try:
-            while self._live.runs or self._is_linked():
+            while self._goes_on():
                 await asyncio.sleep(STEP)
                 self._live.stop_those_over()
-                if self._live.runs or self._is_linked():
+                if self._goes_on():
                     self._step()
                 self._audience.tell(tuple(self._live.runs))
         finally:
             live_interrupts.give_back()
 
-    def _is_linked(self) -> bool:
-        return self._graph.keeps_wall_time and current_graph() is self._graph
+    def _goes_on(self) -> bool:
+        """Return whether nodes, threads or a robot need robot time."""
+        is_linked = self._graph.keeps_wall_time and current_graph() is self._graph
+        return bool(self._live.runs) or is_linked or baton.has_visitors()
 
     def _until_ns(self) -> int:
         """Return the robot time until which a step lasts, [ns]."""
@@ -240,7 +250,7 @@ class _Loop:
                     with executor_with(()) as executor:
                         executor.spin_until(self._until_ns())
                 else:
-                    baton.sleep_until(self._until_ns(), "the robot")
+                    baton.sleep_until(self._until_ns(), "the next step")
         except KeyboardInterrupt as interrupt:
             self._interrupted(runs, line_of_traceback(interrupt.__traceback__))
         except Exception:

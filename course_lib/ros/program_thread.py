@@ -43,6 +43,11 @@ def always() -> bool:
     return True
 
 
+def never() -> bool:
+    """Return False: the condition of a wait that only its deadline ends."""
+    return False
+
+
 class Wait:
     """One wait of a program thread: what ends it, and what a deadlock message calls it."""
 

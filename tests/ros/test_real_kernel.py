@@ -1,6 +1,7 @@
-"""■ in a real kernel."""
+"""Claims that need a real kernel: ■, and threads between cells."""
 
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,7 +9,30 @@ import pytest
 from jupyter_client.blocking.client import BlockingKernelClient
 from jupyter_client.manager import KernelManager
 
+from tests.patience import PATIENCE
+
 A_MINUTE = 60.0  # [s]
+SPIN = """
+import os
+import threading
+import rclpy
+from rclpy.node import Node
+
+class Counter(Node):
+    def __init__(self):
+        super().__init__("counter")
+        self.count = 0
+        self.create_timer(0.05, self.tick)
+
+    def tick(self):
+        self.count += 1
+
+os.environ["COURSE_PACE"] = "real"  # as where a page is watching
+rclpy.init()
+node = Counter()
+thread = threading.Thread(target=rclpy.spin, args=(node,), daemon=True)
+thread.start()
+"""
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +63,23 @@ def test_the_interrupt_button_ends_a_cell_that_waits(
             manager.interrupt_kernel()
     assert message["content"]["ename"] == error
     client.execute_interactive("print('alive')", timeout=A_MINUTE)
+
+
+def test_a_thread_that_spins_goes_on_between_cells_until_shutdown(
+    kernel: tuple[KernelManager, BlockingKernelClient],
+) -> None:
+    _, client = kernel
+    client.execute_interactive(SPIN, timeout=A_MINUTE)
+    wait_for(client, "node.count > 20")
+    client.execute_interactive("rclpy.shutdown()", timeout=A_MINUTE)
+    wait_for(client, "not thread.is_alive()")
+
+
+def wait_for(client: BlockingKernelClient, expression: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while True:
+        reply = client.execute_interactive("", user_expressions={"it": expression}, timeout=A_MINUTE)
+        if reply["content"]["user_expressions"]["it"]["data"]["text/plain"] == "True":
+            return
+        assert time.monotonic() < end, expression
+        time.sleep(0.05)
