@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 RECIPES = re.findall(r"^### (Add .+)\n((?:(?!###).*\n)+)", PAGE, re.MULTILINE)
 BLOCK = re.compile(r"^```(\w+)(?: (file)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "dist")
+LEFT_OUT = shutil.ignore_patterns(".*", "*.pyc.*", "build", "dist")  # what is compiled goes along
 
 
 @pytest.fixture(scope="module")

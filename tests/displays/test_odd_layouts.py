@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -90,6 +91,12 @@ def test_whatever_readable_yaml_holds_opens_and_is_saved_alike(manager: Any, tmp
 @given(text=st.text(alphabet=st.sampled_from("ab:-?[]{}&*!|>'\"%@#\n ~\t"), max_size=40))
 @settings(max_examples=60, deadline=None)
 @example(text="&a [*a, *a]")
-@example(text="[" * 5000)
 def test_any_text_is_yaml_or_an_error_with_its_place(text: str, tmp_path_factory: Any) -> None:
     check(text, tmp_path_factory.mktemp("odd"))
+
+
+# No example: hypothesis raises the limit of recursion, and the time goes with the square of the depth.
+def test_what_is_nested_without_end_is_an_error_with_its_place(tmp_path: Path) -> None:
+    (tmp_path / "odd.rviz").write_text("[" * 5000)
+    with pytest.raises(CourseError, match=r"line 1, column 1.*nested too deeply"):
+        read_layout(tmp_path / "odd.rviz")
