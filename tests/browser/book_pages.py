@@ -117,6 +117,7 @@ def look_at(page: Page, path: Path, width: int) -> Looked:
     wide = page.evaluate("document.documentElement.scrollWidth")
     if wide > width:
         problems.append(f"it is {wide} px wide at {width} px")
+    page.add_style_tag(content="* { transition: none !important; animation: none !important }")
     for theme in ("dark", "light"):
         page.evaluate("(theme) => (document.documentElement.dataset.theme = theme)", theme)
         problems += [f"{theme}, at {width} px: {fault}" for fault in faults(page)]

@@ -9,8 +9,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
+from tests.patience import PATIENCE
 
 Captured = pytest.CaptureFixture[str]
 
@@ -102,7 +104,12 @@ def test_a_thread_that_spins_in_a_kernel_runs_while_a_cell_waits(notebook: Graph
     rclpy.init()
     node, calls = Node("talker"), []
     node.create_timer(1.0, lambda: calls.append("tick"))
-    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+    thread = threading.Thread(target=rclpy.spin, args=(node,), daemon=True)
+    thread.start()
     node.get_clock().sleep_for(rclpy.duration.Duration(seconds=3))
     rclpy.shutdown()
     assert len(calls) == 3
+    with baton.known():
+        baton.sleep_until(notebook.now_ns + 10**7, "the end of the thread")
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
