@@ -59,6 +59,11 @@ class Graph:
         """Robot time, [ns]."""
         return self._clock.now_ns
 
+    @property
+    def last_id(self) -> int:
+        """The number that was given last to a node or an endpoint."""
+        return self._last_id
+
     def part(self, kind: type[PartT]) -> PartT:
         """Return the calling program's object of a class in this run, made on first use.
 

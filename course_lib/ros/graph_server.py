@@ -72,10 +72,10 @@ class GraphServer:
         self._alarms: dict[int, Alarm] = {}
         self._room = room or Room()
         self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
-            "node": ((str, str), self._node),
+            "node": ((int, str, str), self._node),
             "unnode": ((int,), self._unnode),
-            "pub": ((int, str, str, list), self._pub),
-            "sub": ((int, int, str, str, list), self._sub),
+            "pub": ((int, int, str, str, list), self._pub),
+            "sub": ((int, int, int, str, str, list), self._sub),
             "unend": ((int,), self._unend),
             "publish": ((int, bytes), self._publish),
             "alarm": ((int, int, int, int), self._alarm),
@@ -112,36 +112,35 @@ class GraphServer:
             self._channel.send(["end", self.graph.now_ns])
             self.serve()
 
-    def _node(self, name: str, namespace: str) -> int:
+    def _node(self, node: int, name: str, namespace: str) -> None:
+        self._check(node == self.graph.last_id + 1, "node", node)
         self._count_entity(name, namespace)
-        node = self.graph.add_node(name, namespace)
-        self.nodes.add(node)
-        return node
+        self.nodes.add(self.graph.add_node(name, namespace))
 
     def _unnode(self, node: int) -> None:
         self._check(node in self.nodes, "node", node)
         self.nodes.remove(node)
         self.graph.remove_node(node)
 
-    def _pub(self, node: int, topic: str, type_name: str, qos: list[Any]) -> int:
-        self._check(node in self.nodes, "node", node)
-        self._count_entity(topic, type_name)
-        endpoint = self.graph.add_publisher(node, topic, type_name, _qos(qos))
+    def _pub(self, endpoint: int, node: int, topic: str, type_name: str, qos: list[Any]) -> None:
+        self._check_new(endpoint, node, topic, type_name)
+        self.graph.add_publisher(node, topic, type_name, _qos(qos))
         self._endpoints[endpoint] = type_name
-        return endpoint
 
-    def _sub(self, node: int, entity: int, topic: str, type_name: str, qos: list[Any]) -> int:
-        self._check(node in self.nodes, "node", node)
-        self._count_entity(topic, type_name)
-        made: list[int] = []
+    def _sub(self, endpoint: int, node: int, entity: int, topic: str, type_name: str, qos: list[Any]) -> None:
+        self._check_new(endpoint, node, topic, type_name)
 
         def on_message(cdr: bytes, source_ns: int, received_ns: int) -> None:
-            self._wake(["message", received_ns, made[0], cdr, source_ns])
+            self._wake(["message", received_ns, endpoint, cdr, source_ns])
 
-        made.append(self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message))
-        self._endpoints[made[0]] = ""
+        self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message)
+        self._endpoints[endpoint] = ""
         self._count_deliveries()
-        return made[0]
+
+    def _check_new(self, endpoint: int, node: int, *names: str) -> None:
+        self._check(node in self.nodes, "node", node)
+        self._check(endpoint == self.graph.last_id + 1, "endpoint", endpoint)
+        self._count_entity(*names)
 
     def _unend(self, endpoint: int) -> None:
         self._check(endpoint in self._endpoints, "endpoint", endpoint)

@@ -33,7 +33,7 @@ CHECKS = (
 SCENARIO = Scenario("public", seconds=2.0, calls=(Call(1.0),), checks=CHECKS)
 TASK = Task("week01.any", "Anything", "function", "any", ("a", "b", "c"), (SCENARIO,))
 QOS = list(astuple(Qos()))
-PUBLISHER = [["node", "n", "/"], ["pub", 2, TOPIC, MARKER, QOS]]  # they get the numbers 2 and 3
+PUBLISHER = [["node", 2, "n", "/"], ["pub", 3, 2, TOPIC, MARKER, QOS]]  # node 1 is the scenario's
 
 numbers = st.integers(-(2**63), 2**64 - 1) | st.integers(0, 5) | st.floats()
 texts = st.text(max_size=20) | st.sampled_from([TOPIC, MARKER, "/", "std_msgs/msg/String", "no/type"])
@@ -44,8 +44,9 @@ NAMES = "node unnode pub sub unend publish alarm cancel nodes endpoints idle res
 names = st.sampled_from(NAMES.split())
 frames = st.one_of(
     st.tuples(names, st.lists(values, max_size=5)).map(lambda pair: [pair[0], *pair[1]]),
-    st.just(["node", "n", "/"]),
-    st.just(["pub", 2, TOPIC, MARKER, QOS]) | st.just(["sub", 2, 0, TOPIC, MARKER, QOS]),
+    st.integers(1, 6).map(lambda number: ["node", number, "n", "/"]),
+    st.integers(1, 6).map(lambda number: ["pub", number, 2, TOPIC, MARKER, QOS]),
+    st.integers(1, 6).map(lambda number: ["sub", number, 2, 0, TOPIC, MARKER, QOS]),
     st.tuples(st.just("publish"), st.integers(2, 4), cdrs).map(list),
     st.tuples(st.just("alarm"), st.integers(0, 3), numbers, st.just(2), st.just(0)).map(list),
     st.tuples(st.just("result"), st.lists(values, max_size=2), st.lists(texts, max_size=2)).map(list),

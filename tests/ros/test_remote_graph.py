@@ -1,6 +1,7 @@
 import os
 import socket
 from collections.abc import Callable
+from dataclasses import astuple
 from functools import partial
 from pathlib import Path
 
@@ -55,9 +56,13 @@ def recorded(run: Callable[[Graph], None]) -> list[Sample]:
     return samples
 
 
+def behind(channel: Channel, graph: Graph) -> RemoteGraph:
+    return RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS, last_id=graph.last_id)
+
+
 def behind_the_pipe(graph: Graph) -> None:
     def child(channel: Channel) -> None:
-        remote = RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS)
+        remote = behind(channel, graph)
         talk(remote)
         assert [node.name for node in remote.nodes()] == ["talker", "echoer"]
         assert [endpoint.topic for endpoint in remote.endpoints()] == ["/count", "/echo", "/count"]
@@ -84,7 +89,9 @@ def test_a_program_behind_the_pipe_gives_the_same_recording_as_here() -> None:
         ["publish", "1", b""],
         ["publish", 1],
         ["unnode", 1],
-        ["sub", 99, 0, "/t", "x", []],
+        ["node", 7, "n", "/"],
+        ["pub", 2, 99, "/t", "x", []],
+        ["sub", 2, 99, 0, "/t", "x", []],
         ["cancel", 7],
     ],
 )
@@ -92,6 +99,19 @@ def test_a_frame_about_what_is_not_its_own_is_refused(frame: list[object]) -> No
     server = GraphServer(Graph(end_ns=END_NS), in_a_child(lambda channel: channel.send(frame)))
     with pytest.raises(ChannelError):
         server.serve()
+
+
+@pytest.mark.parametrize("number", [0, 2, 4, 10**9])
+def test_a_number_that_is_not_the_next_is_refused(number: int) -> None:
+    def child(channel: Channel) -> None:
+        channel.queue(["node", 2, "n", "/"])
+        channel.send(["pub", number, 2, "/t", "std_msgs/msg/String", astuple(Qos())])
+
+    graph = Graph(end_ns=END_NS)
+    graph.add_node("there before", "/")
+    with pytest.raises(ChannelError, match=f"endpoint {number}, which is not its own"):
+        GraphServer(graph, in_a_child(child)).serve()
+    assert graph.endpoints() == []
 
 
 @pytest.mark.parametrize(
@@ -121,7 +141,7 @@ def run_program(name: str, graph: Graph) -> None:
 
 def program_behind_the_pipe(name: str, graph: Graph) -> None:
     def child(channel: Channel) -> None:
-        run_program(name, RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS))
+        run_program(name, behind(channel, graph))
         channel.send(["done"])
 
     server = GraphServer(graph, in_a_child(child))

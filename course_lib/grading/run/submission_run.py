@@ -177,11 +177,11 @@ class SubmissionRun:
     def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
         """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
         seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
-        order = [task.id, task.name, part.kind, part.seed, part.calls, stage.graph.end_ns]
+        order = [task.id, task.name, part.kind, part.seed, part.calls]
         worker.waiting.begin(seconds)
         worker.allow(seconds)
         try:
-            worker.channel.send(["scenario", *order])
+            worker.channel.send(["scenario", *order, stage.graph.end_ns, stage.graph.last_id])
             outcome = _drive(worker.channel, stage, Room.lasting(stage.seconds))
             return outcome, limit_met(outcome.errors)
         except ChannelError as error:

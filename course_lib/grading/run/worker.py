@@ -100,11 +100,14 @@ class Worker:
         _flush()
         self._channel.send(["ran", errors])
 
-    def run_scenario(self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int) -> None:
+    def run_scenario(
+        self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int, last_id: int
+    ) -> None:
         """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
         part, before = Instructions(kind, seed, calls), cpu_seconds()
+        graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns, last_id=last_id)
         if kind != "node" and not threads_left():  # a fork takes longer than all the rest of it
-            self._perform(task, name, part, end_ns)
+            self._perform(task, name, part, graph)
             self._channel.send(["exit", 0, cpu_seconds() - before])
             return
         try:
@@ -114,7 +117,7 @@ class Worker:
             self._channel.send(["exit", 1, 0.0])
             return
         if child == 0:
-            self._run_in_child(task, name, part, end_ns)
+            self._run_in_child(task, name, part, graph)
         status = os.waitpid(child, 0)[1]
         self._channel.send(["exit", status, cpu_seconds() - before])
 
@@ -147,19 +150,18 @@ class Worker:
         os.waitpid(probe, 0)
         return False
 
-    def _run_in_child(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
+    def _run_in_child(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
         status = 1
         try:
-            self._perform(task, name, part, end_ns)
+            self._perform(task, name, part, graph)
             status = 0
         finally:
             _flush()
             os._exit(status)  # no handler that the student's code left behind is run
 
-    def _perform(self, task: str, name: str, part: Instructions, end_ns: int) -> None:
+    def _perform(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
         outcome = Outcome()
         try:
-            graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns)
             perform(part, self._subject(task, name), graph, outcome)
         except CourseError as error:
             outcome = Outcome(errors=[str(error)])
