@@ -12,6 +12,7 @@ from tests.browser.axe import faults
 from tests.browser.conftest import PICTURES
 from tests.browser.waiting import wait_until
 from tests.grading.marking.bench import TASKS, Served, served, write_kinds, write_results
+from tests.patience import PATIENCE
 
 pytestmark = pytest.mark.browser
 SCRIPT = "<script>document.title = 'run'</script><img src=x onerror=\"document.title = 'run'\">"
@@ -36,6 +37,7 @@ def graders(browser: Browser) -> Iterator[list[Page]]:
     pages = [browser.new_context(viewport={"width": 1400, "height": 900}).new_page() for _ in range(2)]
     errors: list[str] = []
     for page in pages:
+        page.set_default_timeout(PATIENCE * 1000)
         page.on("pageerror", lambda error: errors.append(str(error)))
     yield pages
     for page in pages:
@@ -55,19 +57,31 @@ def enter(page: Page, server: Served, name: str) -> None:
 
 def choose(page: Page, student: str, task: str = "Why TF?") -> None:
     """Open a task of a student, and leave the list."""
+    rest(page)
     page.get_by_label("State").select_option("any")
     page.locator("#list button").filter(has_text=student).filter(has_text=task).click()
     expect(page.locator("#title")).to_contain_text(f"{student}: {task}")
-    page.keyboard.press("Escape")
+    press(page, "Escape")
+
+
+def rest(page: Page) -> None:
+    """Wait until the page does nothing: the keys of a page that loads or saves are for no task."""
+    expect(page.locator("#form:not([inert])")).to_be_attached()
+
+
+def press(page: Page, *keys: str) -> None:
+    """Press one key after the other, each while the page does nothing."""
+    for key in keys:
+        rest(page)
+        page.keyboard.press(key)
 
 
 def mark_all(page: Page) -> None:
     """Press the keys of full points for the rows that have none, and go on."""
+    rest(page)
     before = page.locator("#title").text_content()
-    for number, points in enumerate(page.locator("#fields input").evaluate_all(POINTS), 1):
-        if not points:
-            page.keyboard.press(str(number))
-    page.keyboard.press("s")
+    points = page.locator("#fields input").evaluate_all(POINTS)
+    press(page, *(str(number) for number, given in enumerate(points, 1) if not given), "s")
     page.wait_for_function(MOVED, arg=before)
 
 
@@ -98,19 +112,19 @@ def test_two_graders_give_200_marks_and_lose_none_when_the_server_is_killed_betw
             mark_all(ben)
         acknowledged = all_marks(out)
         assert len(acknowledged) == 96
-        ann.keyboard.press("1")
+        press(ann, "1")
         first.kill()
-        ann.keyboard.press("s")
+        press(ann, "s")
         expect(ann.locator("#unsaved")).to_contain_text("Not saved: The server does not answer")
     with served(course, out, first.port) as second:
         enter(ann, second, "Ann")
         enter(ben, second, "Ben")
         assert all_marks(out) == acknowledged
+        rest(ann)
         ann.locator("#list button").filter(has_text="not saved yet").click()
         expect(ann.locator("#unsaved")).to_have_text("Not saved yet")
         expect(ann.get_by_label("1 names the parts")).to_have_value("5")
-        for key in "234s":
-            ann.keyboard.press(key)
+        press(ann, *"234s")
         wait_until(lambda: finished(graders))
     found = all_marks(out)
     assert sorted((who, mark.row) for who, mark in found) == [(who, row) for who in STUDENTS for row in ROWS]
@@ -129,11 +143,9 @@ def test_two_graders_of_one_task_see_the_conflict_and_nothing_is_lost(
             choose(page, "ada")
         expect(ann.locator("#list button[aria-current]")).to_contain_text("Ben has it open")
         ben.get_by_label("2 an example").fill("7")
-        ann.keyboard.press("1")
-        ann.keyboard.press("Shift+Digit2")
-        ann.keyboard.press("c")
+        press(ann, "1", "Shift+Digit2", "c")
         ann.keyboard.type("clear")
-        ann.keyboard.press("Control+Enter")
+        press(ann, "Control+Enter")
         conflict = ben.get_by_role("alertdialog")
         expect(conflict).to_contain_text("Ann saved this task at")
         expect(conflict.get_by_role("row", name="an example, points")).to_have_text("an example, points7.57")
@@ -154,17 +166,17 @@ def test_what_students_write_shows_as_text_names_can_be_hidden_and_comments_are_
         choose(page, name)
         expect(page.locator("#code")).to_contain_text(SCRIPT)
         page.get_by_label("Comment on the task").fill(SCRIPT)
-        page.keyboard.press("Control+Enter")
+        press(page, "Control+Enter")
         choose(page, "dan")
         page.get_by_label("Comments used before").select_option(SCRIPT)
         expect(page.get_by_label("Comment on the task")).to_have_value(SCRIPT)
-        page.keyboard.press("Escape")
+        press(page, "Escape")
         choose(page, name)
         expect(page.locator("#history")).to_contain_text(SCRIPT)
         expect(
             page.frame_locator("#scene").get_by_text("A person reads and marks this task.")
         ).to_be_visible()
-        page.keyboard.press("a")
+        press(page, "a")
         expect(page.get_by_role("button", name="Hide names")).to_have_attribute("aria-pressed", "true")
         expect(page.locator("#title")).to_contain_text("Student ")
         assert "cleo" not in page.locator("main").inner_text()
