@@ -70,7 +70,7 @@ def says(log: Path, text: str) -> None:
 
 def course(folder: Path, *words: str) -> str:
     command = [sys.executable, "-m", "course_lib", *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=PATIENCE)
     return done.stdout + done.stderr
 
 

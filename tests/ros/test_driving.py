@@ -15,6 +15,7 @@ from course_lib.ros.baton import baton
 from course_lib.ros.clock import START_NS
 from course_lib.ros.driving import running_nodes, spin_for
 from course_lib.ros.graph import Graph, use_graph
+from tests.patience import PATIENCE
 
 SECOND = 10**9  # [ns]
 
@@ -168,7 +169,7 @@ def test_a_thread_that_lost_the_baton_to_a_second_interrupt_waits_for_its_turn(n
     spin_for(10.0, node)
     wall.sleep(0.8)
     spin_for(10.0, node)
-    thread.join(5)
+    thread.join(PATIENCE)
     assert held == [True]
 
 

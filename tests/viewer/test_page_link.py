@@ -82,7 +82,6 @@ def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
     wire: Wire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A closed page, taken for open, would get the time for ever, and its kernel would never be idle."""
-    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
     wire.hear("ready")
 
     for _ in range(3 * IN_FLIGHT):
@@ -90,6 +89,7 @@ def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
         if "ask" in wire.sent[-1]:
             wire.hear("ack")
     assert wire.link.ready
+    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
 
     def is_gone() -> bool:
         wire.link.post({"type": "time"})

@@ -1,6 +1,7 @@
 import signal
 from pathlib import Path
 
+from tests.patience import PATIENCE
 from tests.ros.zenoh.test_connecting import course
 
 SERVER = """
@@ -32,7 +33,7 @@ from rclpy.action import ActionClient
 rclpy.init()
 node = rclpy.create_node("client")
 client = ActionClient(node, Fibonacci, "fibonacci")
-assert client.wait_for_server(timeout_sec=20.0)
+assert client.wait_for_server(timeout_sec=60.0)
 asked = client.send_goal_async(Fibonacci.Goal(order=6), lambda message: print("feedback", flush=True))
 rclpy.spin_until_future_complete(node, asked)
 result = asked.result().get_result_async()
@@ -50,9 +51,9 @@ def test_an_action_of_one_kit_serves_the_goal_of_another(router: str, tmp_path: 
         assert server.stdout is not None
         assert server.stdout.readline() == "up\n"
         client = course("run", str(tmp_path / "client.py"), *link)
-        said, complaints = client.communicate(timeout=60)
+        said, complaints = client.communicate(timeout=PATIENCE)
     finally:
         server.send_signal(signal.SIGINT)
-        server.communicate(timeout=60)
+        server.communicate(timeout=PATIENCE)
     assert (said.splitlines()[-1], complaints) == ("4 [0, 1, 1, 2, 3, 5]", "")
     assert "feedback" in said

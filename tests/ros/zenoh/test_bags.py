@@ -34,8 +34,13 @@ def test_a_bag_of_a_link_is_written_as_it_goes_and_has_what_was_latched_before(
     out, held = talker(robot, "/flood"), talker(robot, "/map", qos=LATCHED)
     say(robot, held, "the map")
     folder = tmp_path / "deep" / "bag"
+    file = folder / "bag.mcap"
+
+    def has_both() -> bool:
+        return file.stat().st_size > 10 * len(LARGE) and b"the map" in file.read_bytes()
+
     with recorded(student, folder):
-        heard(kits, robot, out, lambda: (folder / "bag.mcap").stat().st_size > 10 * len(LARGE))
+        heard(kits, robot, out, has_both)
     recording = read_bag(folder)
     assert {topic.name for topic in recording.topics()} == {"/flood", "/map"}
     assert [message for _, message in recording.messages("/map")] == [String(data="the map")]

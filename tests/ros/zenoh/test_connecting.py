@@ -17,6 +17,7 @@ from course_lib.ros.zenoh.sending import HeldBack
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
 from course_lib.tools.sources import GraphSource
+from tests.patience import PATIENCE
 from tests.ros.zenoh.conftest import Kits, free_port
 from tests.ros.zenoh.test_two_kits import listener, talker
 
@@ -68,7 +69,7 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     assert robot.stdout is not None
     assert robot.stdout.readline() == "up\n"
     tool = course("ros2", "--robot", router.removeprefix("tcp/"), "topic", "echo", "--once", "/chatter")
-    assert tool.communicate(timeout=60) == ("data: hello\n---\n", "")
+    assert tool.communicate(timeout=PATIENCE) == ("data: hello\n---\n", "")
     code = run(
         [tmp_path / "listener.py"],
         seconds=None,
@@ -81,7 +82,7 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     assert code == 0
     assert {topic.name for topic in read_bag(tmp_path / "bag").topics()} >= {"/chatter"}
     robot.send_signal(signal.SIGINT)
-    robot.communicate(timeout=60)
+    robot.communicate(timeout=PATIENCE)
 
 
 def test_doctor_listens_for_a_moment_and_measures_the_robots_clock(router: str, tmp_path: Path) -> None:
@@ -91,11 +92,11 @@ def test_doctor_listens_for_a_moment_and_measures_the_robots_clock(router: str, 
     robot = course("run", str(tmp_path / "joints.py"), "--robot", router, "--send", "/chatter")
     assert robot.stdout is not None
     assert robot.stdout.readline() == "up\n"
-    said = course("ros2", "--robot", router, "doctor").communicate(timeout=60)[0]
+    said = course("ros2", "--robot", router, "doctor").communicate(timeout=PATIENCE)[0]
     assert "s from this computer's" in said
     assert re.search(r"/chatter +: \d+\.\d Hz", said)
     robot.send_signal(signal.SIGINT)
-    robot.communicate(timeout=60)
+    robot.communicate(timeout=PATIENCE)
 
 
 def test_a_pair_that_dds_would_refuse_counts_over_a_link_without_a_warning(
@@ -161,7 +162,7 @@ def test_without_the_extra_one_line_says_what_to_install(monkeypatch: pytest.Mon
 
 
 def test_options_of_a_robot_without_a_robot_are_refused(tmp_path: Path) -> None:
-    result = course("run", str(tmp_path / "x.py"), "--send", "/cmd_vel").communicate(timeout=60)
+    result = course("run", str(tmp_path / "x.py"), "--send", "/cmd_vel").communicate(timeout=PATIENCE)
     assert "add --robot tcp/HOST:7447" in result[1]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from course_lib.ros import wall
 from course_lib.ros.zenoh.sending import Sending
 from course_lib.ros.zenoh.session import Handlers, open_session
+from tests.patience import PATIENCE
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import client, listener, serve
 
@@ -13,7 +14,7 @@ LONG = 0.3  # [s]
 
 
 def wait_for(state: Callable[[], object]) -> None:
-    end = wall.monotonic() + 20.0
+    end = wall.monotonic() + PATIENCE
     while not state():
         assert wall.monotonic() < end
         wall.sleep(0.01)
@@ -54,15 +55,16 @@ def test_all_handlers_of_a_link_are_over_when_it_is_closed(kits: Kits) -> None:
 
 
 def test_who_ends_a_link_second_waits_for_the_first() -> None:
-    sending, ended = Sending(), list[str]()
+    sending, begun, ended = Sending(), threading.Event(), list[str]()
 
     def end() -> None:
+        begun.set()
         wall.sleep(LONG)
         ended.append("ended")
 
     first = threading.Thread(target=sending.close, args=(end,))
     first.start()
-    wall.sleep(LONG / 3)
+    assert begun.wait(PATIENCE)
     sending.close(lambda: None)
     assert ended == ["ended"]
     first.join()

@@ -22,6 +22,7 @@ from course_lib.ros.zenoh.sending import STALE
 from course_lib.ros.zenoh.session import open_session
 from course_lib.ros.zenoh.tokens import attachment, key_of
 from course_lib.tools.sources import GraphSource
+from tests.patience import PATIENCE
 from tests.ros.zenoh.conftest import Kits, Routers
 from tests.ros.zenoh.test_two_kits import (
     BEST_EFFORT,
@@ -102,7 +103,7 @@ def test_the_interpreter_exits_though_the_link_was_not_closed(routers: Routers, 
         assert linked.stdout.readline() == "up\n"
         if killed:
             routers.kill()
-        linked.communicate("\n", timeout=60)
+        linked.communicate("\n", timeout=PATIENCE)
     assert linked.returncode == 3
 
 

@@ -24,6 +24,7 @@ from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.topics import SERVICE_HEADER
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
+from tests.patience import PATIENCE
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import LATCHED, VOLATILE, connect, listener, say, talker
 
@@ -191,7 +192,7 @@ def test_the_sdks_command_line_lists_the_kits_nodes(kits: Kits, messages: Path) 
 def sdk_line(kits: Kits, *words: str) -> str:
     program = Path(sys.executable).with_name("zenoh-ros2")
     command = [str(program), "--no-daemon", "--router", kits.address.removeprefix("tcp/"), *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True).stdout
 
 
 def test_hashes_agree_with_the_sdks_where_those_are_right(messages: Path) -> None:

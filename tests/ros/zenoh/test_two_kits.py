@@ -146,8 +146,8 @@ def test_a_robot_that_is_driven_stops_when_the_commands_do(kits: Kits, kind: Any
     heard = listener(robot, "/cmd_vel", type_name(kind))
     drive = talker(student, "/cmd_vel", type_name(kind))
     connect(kits, student, drive, heard, kind())
-    student.publish(drive, serialize(MOVING if kind is Twist else TwistStamped(twist=MOVING)))
     since = wall.monotonic()
+    student.publish(drive, serialize(MOVING if kind is Twist else TwistStamped(twist=MOVING)))
     kits.graphs.remove(student)  # its kernel is busy, and drives nothing any more
     kits.until(lambda: speeds(heard, kind) == [0.2, 0.0], "the command and the stop")
     assert wall.monotonic() - since >= STALE
