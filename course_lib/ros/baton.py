@@ -47,9 +47,9 @@ class Baton:
         me = self._threads.get(_thread.get_ident())
         return me is not None and self._holder is me
 
-    def has_visitors(self) -> bool:
-        """Return whether ordinary threads wait for robot time."""
-        return any(thread.visits for thread in self._waiting)
+    def has_visitors(self, graph: Graph) -> bool:
+        """Return whether ordinary threads wait for a run's robot time."""
+        return any(thread.visits and thread.waits_in(graph) for thread in tuple(self._waiting))
 
     def known(self) -> "Known":
         """Turn the calling thread into a program thread for the length of a `with` block."""

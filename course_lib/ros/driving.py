@@ -78,12 +78,12 @@ def drive_in_cell(seconds: float) -> bool:
     """
     from rclpy.context import get_default_context
 
-    if seconds < 0 or not (running_nodes() or baton.has_visitors()):
+    graph = current_graph()
+    if seconds < 0 or not (running_nodes() or baton.has_visitors(graph)):
         return False
     if get_default_context().is_valid:
         wait_for(never, seconds=seconds)
         return True
-    graph = current_graph()
     with baton.known(), pace.kept(graph):
         baton.wait(never, until_ns=graph.now_ns + round(seconds * 1e9), what=f"time.sleep({seconds:g})")
     return True

@@ -176,8 +176,9 @@ def drive_between_cells(graph: Graph) -> None:
 
 def drive_threads() -> None:
     """Drive threads of cells that wait for robot time, like `rclpy.spin` in one, also between the cells."""
-    if baton.has_visitors() and pace.wanted() == "real":
-        drive_between_cells(current_graph())
+    graph = current_graph()
+    if baton.has_visitors(graph) and pace.wanted() == "real":
+        drive_between_cells(graph)
 
 
 class _Audience:
@@ -234,7 +235,7 @@ class _Loop:
     def _goes_on(self) -> bool:
         """Return whether nodes, threads or a robot need robot time."""
         is_linked = self._graph.keeps_wall_time and current_graph() is self._graph
-        return bool(self._live.runs) or is_linked or baton.has_visitors()
+        return bool(self._live.runs) or is_linked or baton.has_visitors(self._graph)
 
     def _until_ns(self) -> int:
         """Return the robot time until which a step lasts, [ns]."""

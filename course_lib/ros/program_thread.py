@@ -133,7 +133,8 @@ class ProgramThread:
 
     def waits_in(self, graph: Graph) -> bool:
         """Return whether it waits in a run."""
-        return self.wait is not None and self.wait.graph is graph
+        wait = self.wait
+        return wait is not None and wait.graph is graph
 
     def can_run(self, graph: Graph) -> bool:
         """Return whether it waits in a run, and its wait is over."""

@@ -138,6 +138,7 @@ class PageServer:
         self.sockets: set[SocketHandler] = set()  # the open pages
         self._listening: list[socket.socket] = []
         self._ended = asyncio.Event()
+        self._closed = False
         self._loop: asyncio.AbstractEventLoop | None = None
 
     @property
@@ -163,12 +164,15 @@ class PageServer:
     def close(self) -> None:
         """Stop serving and free the port; open pages show that the program has ended."""
         self.link.close()
+        self._closed = True
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._ended.set)
 
     async def serve(self) -> None:
         """Serve where it listens, until it is closed or this is cancelled."""
         self._loop = asyncio.get_running_loop()
+        if self._closed:  # before the loop was there to be told
+            self._ended.set()
         handlers = (("", PageHandler), ("socket", SocketHandler))
         routes = [(rf"/([^/]*)/{name}", handler, {"server": self}) for name, handler in handlers]
         settings = {"websocket_max_message_size": _MAX_MESSAGE, "log_function": lambda _: None}

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +117,14 @@ def test_the_port_is_free_again_after_the_end_and_tokens_differ() -> None:
     for server in servers:
         server.close()
     wait_until(lambda: is_free(first.port) and is_free(second.port))
+
+
+def test_a_server_that_is_closed_before_it_has_answered_frees_its_port() -> None:
+    for _ in range(20):
+        server = PageServer(colored(RED))
+        server.start()
+        server.close()
+        wait_until(partial(is_free, server.port))
 
 
 def test_a_taken_port_is_named() -> None:

@@ -46,3 +46,23 @@ def test_a_visitor_comes_in_when_the_main_thread_leaves() -> None:
         while not baton._waiting:
             wall.sleep(0.001)
     assert visited.acquire(timeout=60.0)  # [s]
+
+
+def test_a_thread_that_is_left_in_one_run_does_not_count_in_the_next() -> None:
+    virtual_time.install()
+    over: list[bool] = []
+
+    def rest() -> None:
+        with baton.known():
+            baton.wait(lambda: bool(over), until_ns=None, what="the end of the test")
+
+    with use_graph(Graph()) as old:
+        _thread.start_new_thread(rest, ())
+        while not baton.has_visitors(old):
+            wall.sleep(0.001)
+        with use_graph(Graph()) as new:
+            assert (baton.has_visitors(old), baton.has_visitors(new)) == (True, False)
+        over.append(True)
+        with baton.known():
+            baton.sleep_until(old.now_ns + SECOND, "the thread's end")
+        assert not baton.has_visitors(old)

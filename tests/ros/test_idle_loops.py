@@ -134,7 +134,7 @@ def graph() -> Iterator[Graph]:
         rclpy.try_shutdown()
         with baton.known():
             baton.sleep_until(graph.now_ns + 10**7, "the ends of threads")
-        assert not baton.has_visitors()
+        assert not baton.has_visitors(graph)
 
 
 @pytest.mark.parametrize("loop", ["pass", "time.sleep(0.1)"])
