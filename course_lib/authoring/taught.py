@@ -4,6 +4,7 @@ import ast
 import importlib
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
@@ -32,8 +33,9 @@ def used_in_answers(code: str) -> Iterator[str]:
     imported = dict[str, object]()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and OURS.match(node.module):
-            module = importlib.import_module(node.module)
-            imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
+            with suppress(ImportError):  # the run of the solution names it
+                module = importlib.import_module(node.module)
+                imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
     members = {name for thing in imported.values() for name in dir(thing) if not name.startswith("_")}
     for node in ast.walk(tree):
         match node:
