@@ -118,6 +118,11 @@ def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
         question = _question_of(table)
     except (KeyError, TypeError) as error:
         raise CourseError(f"{place}: a {kind} or one of its answers has no {error}") from error
+    for text in (question.text, question.key, *(t for a in question.answers for t in (a.text, a.reason))):
+        if not isinstance(text, str):
+            raise CourseError(f"{place}: {text!r}, expected a text in quotes")
+    if wrong := [answer.right for answer in question.answers if not isinstance(answer.right, bool)]:
+        raise CourseError(f"{place}: right = {wrong[0]!r}, expected true or false")
     count = sum(answer.right for answer in question.answers)
     if count != 1:
         raise CourseError(

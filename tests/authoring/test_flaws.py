@@ -130,7 +130,10 @@ READ: list[Row] = [
     ("files", [(ANSWERS, 'miss = "red"', 'mis = "red"')], "week09.toml line 21: week09.post: ", ""),
     ("quiz", [(QUIZ, "right = true\n", "")], "has 0", ""),
     ("quiz", [(QUIZ, "[[question]]", "[[questoin]]")], "no table 'questoin'. Did you mean question?", ""),
+    ("quiz", [(QUIZ, '"0.4 m"', "0.4")], "week09.toml line 4: 0.4, expected a text in quotes", ""),
+    ("quiz", [(QUIZ, "right = true", "right = 'true'")], "right = 'true', expected true or false", ""),
     ("quiz", [(QUIZ, "[[question]]", "[question]")], "week09.toml line 3: expected [[question]]", ""),
+    ("lesson", [(LESSON, '"cell_type": "code"', '"cell": "code"')], "cell 2 has no 'cell_type'", LESSON),
     ("fresh", [(EXERCISE, "Save the notebook", "Save it")], "it is not what the solution gives", EXERCISE),
     ("fresh", [(SOLUTION, "# end of solution", "# end of it")], "an answer is not closed", SOLUTION),
     (
