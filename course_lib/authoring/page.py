@@ -8,7 +8,9 @@ from functools import cached_property
 from pathlib import Path
 
 from course_lib.course.exercise import Notebook, read_notebook, source
+from course_lib.errors import CourseError
 
+PARTS = {"id": str, "cell_type": str, "metadata": dict}  # of every cell
 QUESTIONS = ("quiz", "predict", "compare")
 
 
@@ -35,8 +37,12 @@ class NotebookPage:
 
     @cached_property
     def notebook(self) -> Notebook:
-        """The notebook as plain data."""
-        return read_notebook(self.path)
+        """The notebook as plain data; each cell has what Jupyter writes."""
+        notebook = read_notebook(self.path)
+        for number, cell in enumerate(notebook["cells"], 1):
+            if wrong := [name for name, kind in PARTS.items() if not isinstance(cell.get(name), kind)]:
+                raise CourseError(f"cell {number} has no {wrong[0]!r}: write it again in JupyterLab")
+        return notebook
 
     @property
     def cells(self) -> Sequence[dict[str, object]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from course_lib.authoring.hollow import HOLLOWINGS, Hollowing
 from course_lib.course.course_file import Limits
-from course_lib.course.exercise import read_notebook, source
+from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.grading.catalog import Catalog
 from course_lib.grading.handin.archives import working_files
 from course_lib.grading.judge import TaskResult, judge, judge_task
@@ -68,7 +68,7 @@ def cells_of(path: Path) -> tuple[str, ...]:
     """Return the code cells of a notebook, or a Python file as one cell."""
     if path.suffix == ".py":
         return (path.read_text(encoding="utf-8"),)
-    return tuple(source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code")
+    return tuple(source(cell) for _, cell in code_cells(read_notebook(path)))
 
 
 def rehearse(rehearsal: Rehearsal, course: Course) -> Rehearsed:

@@ -44,7 +44,7 @@ def first_cell(page: NotebookPage) -> Iterator[str]:
         yield f"the first code cell has {len(lines)} lines {IMPORT!r}, expected 1"
     names = [name for line in lines for name in line.removeprefix(IMPORT).split(", ")]
     for name in names:
-        if not re.search(rf"\b{name}\b", "\n".join(rest)):
+        if not re.search(rf"\b{re.escape(name)}\b", "\n".join(rest)):
             yield f"{name} is imported from course_lib, but not used"
 
 

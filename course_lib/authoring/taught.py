@@ -4,9 +4,10 @@ import ast
 import importlib
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
-from course_lib.course.exercise import BEGIN, END, read_notebook, source
+from course_lib.course.exercise import BEGIN, END, code_cells, read_notebook, source
 
 OURS = re.compile(r"(rclpy|tf2_\w+|\w+_msgs|launch\w*|course_lib|ament_index_python|rcl_interfaces)(\.|$)")
 
@@ -21,8 +22,8 @@ def untaught(solution: Path, lessons: Sequence[Path]) -> Iterator[str]:
 
 def code_of(path: Path) -> str:
     """Return the code without cells that only the solution has: they do by code what students do by hand."""
-    cells = (cell for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code")
-    kept = (source(cell) for cell in cells if "solution" not in cell["metadata"].get("tags", []))
+    cells = (cell for _, cell in code_cells(read_notebook(path)))
+    kept = (source(cell) for cell in cells if "solution" not in cell.get("metadata", {}).get("tags", []))
     return "\n".join(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE) for cell in kept)
 
 
@@ -32,8 +33,9 @@ def used_in_answers(code: str) -> Iterator[str]:
     imported = dict[str, object]()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and OURS.match(node.module):
-            module = importlib.import_module(node.module)
-            imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
+            with suppress(ImportError):  # the run of the solution names it
+                module = importlib.import_module(node.module)
+                imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
     members = {name for thing in imported.values() for name in dir(thing) if not name.startswith("_")}
     for node in ast.walk(tree):
         match node:

@@ -121,7 +121,7 @@ def exercise_from(solution: Notebook) -> Notebook:
         c for c in exercise["cells"] if "solution" not in c.get("metadata", {}).get("tags", [])
     ]
     for cell in exercise["cells"]:
-        if cell["cell_type"] == "code":
+        if cell.get("cell_type") == "code":
             cell["source"] = stub(source(cell)).splitlines(keepends=True)
             cell["outputs"], cell["execution_count"] = [], None
     return exercise

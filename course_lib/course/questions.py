@@ -9,10 +9,11 @@ from typing import Any
 
 from course_lib.course.installation import exercises_dir
 from course_lib.course.state import student_state
-from course_lib.errors import CourseError, place_of
+from course_lib.errors import CourseError, did_you_mean, place_of
 from course_lib.surroundings import in_notebook
 
 SECTION = "predictions"
+KINDS = ("question", "prediction")  # the tables of a file
 WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
 
 
@@ -98,10 +99,17 @@ def read_questions(path: Path, kind: str) -> tuple[Question, ...]:
         CourseError: The file is malformed, or a question has not exactly one right answer.
     """
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8")).get(kind, [])
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise CourseError(f"{path} is not TOML: {error}") from error
-    return tuple(_checked(path, kind, table) for table in tables)
+    for name, tables in content.items():
+        place = place_of(path, f"[{name}")
+        if name not in KINDS:
+            meant = did_you_mean(name, KINDS) or f", known: {', '.join(KINDS)}"
+            raise CourseError(f"{place}: there is no table {name!r}{meant}")
+        if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+            raise CourseError(f"{place}: expected [[{name}]] before each {name}")
+    return tuple(_checked(path, kind, table) for table in content.get(kind, []))
 
 
 def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
@@ -110,6 +118,11 @@ def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
         question = _question_of(table)
     except (KeyError, TypeError) as error:
         raise CourseError(f"{place}: a {kind} or one of its answers has no {error}") from error
+    for text in (question.text, question.key, *(t for a in question.answers for t in (a.text, a.reason))):
+        if not isinstance(text, str):
+            raise CourseError(f"{place}: {text!r}, expected a text in quotes")
+    if wrong := [answer.right for answer in question.answers if not isinstance(answer.right, bool)]:
+        raise CourseError(f"{place}: right = {wrong[0]!r}, expected true or false")
     count = sum(answer.right for answer in question.answers)
     if count != 1:
         raise CourseError(

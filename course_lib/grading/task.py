@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, Literal, get_args
 
 from course_lib.errors import CourseError
@@ -111,9 +112,12 @@ class Scenario:
 
     def __post_init__(self) -> None:
         _need(self.name != "", "a scenario needs a name")
+        _need_number("seconds", self.seconds)
         _need(0 < self.seconds <= LONGEST, f"{self.seconds=}: expected 0 < seconds <= {LONGEST:g}")
         for name, item_type in {"inputs": Message, "calls": Call, "checks": Check}.items():
             _need_tuple(name, getattr(self, name), item_type)
+        for message in self.inputs:
+            _need_number(f"the `at` of an input on {message.topic}", message.at)
         _need(all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario")
 
 
@@ -179,6 +183,10 @@ def check_scenarios(task: str, scenarios: Any) -> tuple[Scenario, ...]:
 def _need(condition: object, message: str) -> None:
     if not condition:
         raise CourseError(message)
+
+
+def _need_number(what: str, value: Any) -> None:
+    _need(isinstance(value, Real), f"{what}: {value!r}, expected a number of seconds")
 
 
 def _need_tuple(what: str, value: Any, item_type: type) -> None:

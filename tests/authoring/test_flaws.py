@@ -129,6 +129,11 @@ READ: list[Row] = [
     ("files", [(TOML, "week09", "week08")], "course.toml has no points for week09, but there is ", ""),
     ("files", [(ANSWERS, 'miss = "red"', 'mis = "red"')], "week09.toml line 21: week09.post: ", ""),
     ("quiz", [(QUIZ, "right = true\n", "")], "has 0", ""),
+    ("quiz", [(QUIZ, "[[question]]", "[[questoin]]")], "no table 'questoin'. Did you mean question?", ""),
+    ("quiz", [(QUIZ, '"0.4 m"', "0.4")], "week09.toml line 4: 0.4, expected a text in quotes", ""),
+    ("quiz", [(QUIZ, "right = true", "right = 'true'")], "right = 'true', expected true or false", ""),
+    ("quiz", [(QUIZ, "[[question]]", "[question]")], "week09.toml line 3: expected [[question]]", ""),
+    ("lesson", [(LESSON, '"cell_type": "code"', '"cell": "code"')], "cell 2 has no 'cell_type'", LESSON),
     ("fresh", [(EXERCISE, "Save the notebook", "Save it")], "it is not what the solution gives", EXERCISE),
     ("fresh", [(SOLUTION, "# end of solution", "# end of it")], "an answer is not closed", SOLUTION),
     (
@@ -218,6 +223,16 @@ def test_the_wrong_answer_that_keeps_most_points_is_named(course: Course) -> Non
     (line,) = [line for line in lines([report], course) if "wrong answers" in line]
     assert line.startswith("week09: 3 wrong answers keep 0.20 of their task's points in the median, ")
     assert line.endswith("at most 0.90 (week09.post: red)")
+
+
+@pytest.mark.parametrize(
+    "line", ["from vizualization_msgs.msg import Marker", "from visualization_msgs.msgs import Marker"]
+)
+@pytest.mark.usefixtures("_nothing_runs")
+def test_an_import_that_fails_in_a_solution_ends_nothing(course: Course, change: Break, line: str) -> None:
+    change(SOLUTION, "from visualization_msgs.msg import Marker", line)
+    (report,) = verify(course, jobs=1)
+    assert {flaw.aspect for flaw in report.flaws} == {"fresh"}
 
 
 @pytest.mark.usefixtures("_nothing_runs")

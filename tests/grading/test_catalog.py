@@ -78,6 +78,18 @@ MALFORMED = {
             "expect_marker(TOPIC, colour",
             "line 11: TypeError: expect_marker: got an unexpected keyword argument 'colour'",
         ),
+        (
+            "expect_marker(TOPIC, color",
+            "expect_marker(7, color",
+            "line 11: expect_marker: topic=7, expected a text",
+        ),
+        (
+            "color=(1, 0, 0)",
+            "color=(1, 0)",
+            "line 11: expect_marker: color=(1, 0), expected 3 or 4 numbers (red",
+        ),
+        ("color=(1, 0, 0)", "at='1'", "line 11: expect_marker: at='1', expected a number"),
+        ("seconds=3.0", "seconds='3'", "line 9: seconds: '3', expected a number of seconds"),
         ("expect_text,", "expect_txt,", "line 3: ImportError: cannot import name 'expect_txt'"),
     ],
     "exercises/mistakes/week01.toml": [

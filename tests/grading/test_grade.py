@@ -174,16 +174,16 @@ def test_a_broken_check_costs_that_check_and_is_named_to_staff_only(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     hidden, out = course.solutions / "checks/week01.py", tmp_path / "out"
-    hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", "expect_value(-3.5, tolerance='a')"))
+    hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", "expect_value(-3.5, call=-2)"))
     assert grade(hand_in({"right": right}), out, jobs=1, course=course)
     row = rows(out)["right"]
     assert (row["status"], row["final"]) == ("needs_marking", "90.0")
-    broken = f"week01.half, other, 'the value is right': {hidden} line 7: TypeError"
+    broken = f"week01.half, other, 'the value is right': {hidden} line 7: IndexError"
     assert f"A check could not judge right: {broken}" in capsys.readouterr().out
     assert broken in (out / "reports/index.html").read_text().replace("&#39;", "'")
     page = (out / "reports/right/week01_exercise.html").read_text()
     assert "a fault of the course" in page
-    assert "TypeError" not in page
+    assert "IndexError" not in page
     said = mark_by_hand(out, "right", "week01_exercise", "week01.half", "40", course=course)
     assert said.endswith("now 110, graded")
 

@@ -94,8 +94,8 @@ def test_a_check_that_raises_over_the_solution_stops_it(
     course: Course, solve: Callable[[str], Path], tmp_path: Path
 ) -> None:
     solve(SOLVED)
-    change(course.solutions / "checks/week01.py", "expect_value(-3.5)", "expect_value(-3.5, tolerance='a')")
-    with pytest.raises(CourseError, match=r"the solution .* 90 of 110 .*week01\.py line 7: TypeError"):
+    change(course.solutions / "checks/week01.py", "expect_value(-3.5)", "expect_value(-3.5, call=-2)")
+    with pytest.raises(CourseError, match=r"the solution .* 90 of 110 .*week01\.py line 7: IndexError"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 

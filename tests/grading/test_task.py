@@ -37,7 +37,8 @@ def test_a_malformed_task_is_refused_with_its_reason(changes: dict[str, Any], me
 
 @pytest.mark.parametrize(
     "changes", [{"seconds": 0}, {"seconds": float("nan")}, {"name": ""}, {"checks": (1,)}, {"calls": [1]},
-                {"inputs": (Message("/a", "std_msgs/msg/String", {}, at=9.0),)}]
+                {"inputs": (Message("/a", "std_msgs/msg/String", {}, at=9.0),)},
+                {"inputs": (Message("/a", "std_msgs/msg/String", {}, at="1"),)}]  # type: ignore[arg-type]
 )  # fmt: skip
 def test_a_malformed_scenario_is_refused(changes: dict[str, Any]) -> None:
     with pytest.raises(CourseError):

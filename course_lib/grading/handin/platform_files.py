@@ -84,6 +84,20 @@ class LmsFile:
         """The first row."""
         return [self.text(0, place) for place in range(len(self.rows[0]))]
 
+    def refuse_long_rows(self, path: Path) -> None:
+        """Refuse texts without a heading: a delimiter in a name has moved all that follows.
+
+        Raises:
+            CourseError: A row has more cells than the first; names it.
+        """
+        width = len(self.rows[0])
+        for number, row in enumerate(self.rows, 1):
+            if any(cell.strip() for cell in row[width:]):
+                raise CourseError(
+                    f"{path}, row {number}: {len(row)} cells below {width} headings. "
+                    f"A text with {self.delimiter!r} in it needs double quotes around it"
+                )
+
     def put(self, row: int, column: int, number: str) -> None:
         """Change a cell; it keeps its quotes, if it has any."""
         quote = '"' if self.rows[row][column].strip().startswith('"') else ""

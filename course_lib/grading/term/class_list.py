@@ -69,6 +69,7 @@ def read_class_list(path: Path) -> ClassList:
     """
     file = LmsFile.read(path)
     places = _places(file, path)
+    file.refuse_long_rows(path)
     rows = [
         (row + 1, {name: file.text(row, place) for name, place in places.items()})
         for row in range(1, len(file.rows))

@@ -11,6 +11,7 @@ from typing import Any, Concatenate, ParamSpec
 
 from course_lib.grading.evidence import Check, Evidence, Origin, Verdict, passed
 from course_lib.grading.task import resolve
+from course_lib.grading.vocabulary.arguments import refuse_misfits
 from course_lib.ros.messages import type_name
 
 MOST_SHOWN = 3  # problems in one message
@@ -57,6 +58,7 @@ def word(title: str) -> Callable[[Find[Given]], Callable[Given, Check]]:
             except TypeError as error:
                 raise TypeError(f"{find.__name__}: {error}") from error
             values.apply_defaults()
+            refuse_misfits(find.__name__, list(signature.parameters.values())[1:], values.arguments)
             called = sys._getframe(1)
             place = f"{called.f_code.co_filename} line {called.f_lineno}"
             origin = Origin(find.__name__, values.arguments, place)
