@@ -7,7 +7,7 @@ from pathlib import Path
 
 from course_lib.viewer import assets, encoding
 from course_lib.viewer.film import Film
-from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene import Scene, described
 
 _PAGE = """\
 <!doctype html>
@@ -23,7 +23,7 @@ _PAGE = """\
 """
 
 _FRAGMENT = """\
-<div class="course-scene" style="height:{height};overflow:hidden" data-label="{label}" data-alone="{alone}">\
+<div class="course-scene" style="height:{height};overflow:hidden" data-label="{words}" data-alone="{alone}">\
 <noscript>{label}: needs JavaScript.</noscript><script type="text/plain">{scene}</script></div>"""
 
 _MAIN = """\
@@ -64,12 +64,15 @@ def scene_fragment(
     Args:
         scene: What to show as it is now, or what to play; then a time bar is below.
         height: In any of CSS's units.
-        label: What it is, for those who cannot see it.
+        label: What it is; for those who cannot see it, a list of what is drawn follows.
         alone: Whether the wheel may zoom without a click before, as nothing else needs it.
     """
     packed = scene.packed() if isinstance(scene, Film) else encoding.snapshot(scene)
     zipped = base64.b64encode(gzip.compress(packed, 6, mtime=0)).decode()
-    return _FRAGMENT.format(height=height, label=escape(label), alone=str(alone).lower(), scene=zipped)
+    words = escape(described(scene.scene if isinstance(scene, Film) else scene, label))
+    return _FRAGMENT.format(
+        height=height, label=escape(label), words=words, alone=str(alone).lower(), scene=zipped
+    )
 
 
 def live_page(title: str) -> str:

@@ -216,6 +216,12 @@ def summary(scene: Scene) -> list[str]:
     return lines + ([f"and {len(shown) - LIMIT} more"] if len(shown) > LIMIT else [])
 
 
+def described(scene: Scene, label: str) -> str:
+    """Return in one line what a view is and what it shows, for those who cannot see it."""
+    lines = summary(scene)
+    return f"{label.rstrip('.')}. {'; '.join(lines)}" if lines else label
+
+
 def _what(thing: Drawable) -> str:
     if isinstance(thing, Solids):
         name = {"sphere": "ellipsoid"}.get(thing.shape, thing.shape)

@@ -17,7 +17,7 @@ from course_lib.errors import CourseError
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.meshcat_objects import drawable_of, recolored
 from course_lib.viewer.picture import screenshot
-from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene import Scene, described
 
 _HEIGHT = 400.0  # [px] of a view, for cameras that say how many metres fit into it
 _AHEAD = np.array([0.0, 1.0, 0.0])  # direction of a camera whose target is its own position
@@ -235,4 +235,4 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
         """Return a view for a cell; height in pixels."""
         from course_lib.viewer.widget import SceneWidget  # here: heavy
 
-        return SceneWidget(self.window.scene, height)
+        return SceneWidget(self.window.scene, height, words=described(self.window.scene, "3D view"))

@@ -34,7 +34,7 @@ class SceneWidget(anywidget.AnyWidget):
         scene: What to show.
         height: Height of the view in [px]; its width is that of the cell.
         label: What the view shows, for those who cannot see it.
-        rest: The traits `film` and `panels` of a view at rest.
+        rest: The traits `film` and `panels` of a view at rest, and `words`.
     """
 
     _esm = assets.widget_module()
@@ -42,6 +42,7 @@ class SceneWidget(anywidget.AnyWidget):
     code = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(400).tag(sync=True)
     label = traitlets.Unicode("3D view").tag(sync=True)
+    words = traitlets.Unicode().tag(sync=True)  # the label with what is drawn, where no panels tell it
     beside = traitlets.Bool(False).tag(sync=True)  # JupyterLab shall show it beside the notebook
     panel = traitlets.Unicode().tag(sync=True)  # the model that holds it there
     film = traitlets.Bytes().tag(sync=True)  # what a view at rest plays

@@ -12,9 +12,12 @@ from course_lib.grading.reports.table import Table
 from course_lib.ros.graph import Graph
 from course_lib.tools.rqt.monitors import ConsoleView
 from course_lib.viewer.html import save_html
+from course_lib.viewer.visualizer import Visualizer
 from tests.browser.axe import faults
 from tests.browser.bench import Bench
+from tests.browser.fake_host import Host
 from tests.browser.test_page import RED, colored
+from tests.browser.test_playback import filmed
 
 pytestmark = pytest.mark.browser
 BUTTONS = {  # that are pressed to open a panel or a window
@@ -82,6 +85,26 @@ def test_a_saved_scene_serves_a_screen_reader(one_page: Page, tmp_path: Path) ->
     one_page.goto(save_html(colored(RED), tmp_path / "scene.html").as_uri())
     one_page.wait_for_selector("canvas")
     assert faults(one_page) == []
+
+
+def test_a_scene_without_panels_is_told_in_words(host: Host) -> None:
+    visualizer = Visualizer(colored(RED))
+    widget = visualizer.jupyter_cell()
+    host.open(widget)
+    host.show(widget)
+    host.page.get_by_role("img", name="3D view. box: 1 box at (0, 0, 0)").wait_for()
+
+
+def test_a_film_waits_for_its_reader_and_nothing_else_moves(one_page: Page, tmp_path: Path) -> None:
+    one_page.emulate_media(reduced_motion="reduce")
+    one_page.goto(save_html(filmed(), tmp_path / "film.html").as_uri())
+    one_page.wait_for_selector("canvas")
+    bar = one_page.get_by_role("slider", name="Time")
+    before = bar.input_value()
+    one_page.wait_for_timeout(300)
+    assert bar.input_value() == before
+    assert one_page.evaluate("document.getAnimations().length") == 0
+    one_page.emulate_media(reduced_motion=None)
 
 
 def test_a_nameless_button_and_pale_words_are_faults(one_page: Page) -> None:

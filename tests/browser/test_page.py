@@ -72,7 +72,8 @@ def test_a_page_from_a_file_shows_the_scene_and_asks_for_nothing(browser: Browse
     page.goto(file.as_uri())
     page.wait_for_selector("canvas")
     wait_until(lambda: count(pixels_of(page.screenshot()), RED) > 4000, page)
-    assert (page.title(), page.get_by_role("img").get_attribute("aria-label")) == ("The <red> box",) * 2
+    label = "The <red> box. box: 1 box at (0, 0, 0)"
+    assert (page.title(), page.get_by_role("img").get_attribute("aria-label")) == (label[:13], label)
     assert errors == []
     assert [url for url in requests if not url.startswith("blob:")] == [file.as_uri()]
     page.close()

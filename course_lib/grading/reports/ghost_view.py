@@ -8,6 +8,7 @@ from ipywidgets import HTML, Checkbox, HBox, Layout
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.reports.scenes import NAMESPACE, compared
 from course_lib.grading.task import Task
+from course_lib.viewer.scene import described
 from course_lib.viewer.widget import SceneWidget
 
 HEIGHT = 260  # [px]
@@ -28,4 +29,4 @@ def show_ghost(task: Task, evidence: Evidence) -> None:
 
     tick.observe(toggle, "value")
     display(HBox([tick, HTML(LEGEND, layout=Layout(margin="0 0 0 16px"))]))  # type: ignore[no-untyped-call]  # IPython does not annotate it
-    display(SceneWidget(scene, HEIGHT, LEGEND))  # type: ignore[no-untyped-call]
+    display(SceneWidget(scene, HEIGHT, LEGEND, words=described(scene, LEGEND)))  # type: ignore[no-untyped-call]

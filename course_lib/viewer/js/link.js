@@ -128,7 +128,7 @@ export class Link {
   show(element) {
     const host = document.createElement("div");
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
-    const label = this.model.get("label");
+    const label = this.model.get("words") || this.model.get("label");
     /** @param {import("./protocol.js").Click} click */
     const onClick = (click) => desk.panels?.gestures.click(click) || this.send({ type: "click", ...click });
     const view = new View(host, this.mirror, { label, onClick, onSight: () => this.look() });
