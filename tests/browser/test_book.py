@@ -134,11 +134,13 @@ def test_the_time_bar_follows_the_theme_of_the_page(page: Page, lesson: Path) ->
     page.locator(".course-scene").scroll_into_view_if_needed()
     bar = page.locator(".course-time")
     bar.wait_for()
-    colors = set()
+    play = bar.get_by_role("button").first
+    colors, signs = set(), set()
     for theme in ("light", "dark"):
         page.evaluate("(theme) => (document.documentElement.dataset.theme = theme)", theme)
         colors.add(bar.evaluate("(bar) => getComputedStyle(bar).backgroundColor"))
-    assert len(colors) == 2
+        signs.add(play.evaluate("(button) => getComputedStyle(button).color"))
+    assert (len(colors), len(signs)) == (2, 2)
 
 
 def test_the_search_finds_a_lesson_in_the_file_system(page: Page, book: Path) -> None:
