@@ -66,8 +66,8 @@ def _view_class(name: str) -> type[RqtView]:
 
 
 def _show(views: Sequence[RqtView]) -> None:
-    """Show views that follow the run; without a page, their pictures after a while."""
-    from IPython.display import HTML, display
+    """Show views that follow the run; without a page, their pictures after a while and at the cell's end."""
+    from IPython.display import display
 
     opened = current_graph().part(OpenViews).by_words
     for view in views:
@@ -85,8 +85,28 @@ def _show(views: Sequence[RqtView]) -> None:
         wait_for(lambda: False, seconds=SECONDS_WITHOUT_A_PAGE)
         say(f"No page is watching: rqt listened for {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
     for view in views:
-        display(HTML(view.static()))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        _show_until_the_end(view)
+
+
+def _show_until_the_end(view: RqtView) -> None:
+    """Show the picture of a view, and again if the rest of its cell changes it."""
+    from IPython.core.getipython import get_ipython
+    from IPython.display import HTML, display
+
+    before = view.static()
+    shown = display(HTML(before), display_id=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shell: Any = get_ipython()
+
+    def end(*_: object) -> None:
+        shell.events.unregister("post_run_cell", end)
+        if (now := view.static()) != before:
+            shown.update(HTML(now))  # type: ignore[no-untyped-call]
         view.stop()
+
+    if shell is None:
+        view.stop()
+    else:
+        shell.events.register("post_run_cell", end)
 
 
 def _save(file: Path) -> None:

@@ -1,6 +1,7 @@
 import asyncio
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,15 +16,47 @@ from course_lib.tools.rqt.rqt import VIEWS, OpenViews, rqt
 Show = Callable[..., str]
 
 
-@pytest.fixture
-def show(monkeypatch: pytest.MonkeyPatch, graph: Graph) -> Show:
-    """Runs %rqt; gives what stands below the cell."""
-    shown: list[Any] = []
-    monkeypatch.setattr("IPython.display.display", shown.append)
+class Shell:
+    """Stands for IPython: calls what was registered when a cell ends."""
 
-    def show(*words: str) -> str:
+    def __init__(self) -> None:
+        self.events = self
+        self.ends: list[Callable[[object], None]] = []
+
+    def register(self, name: str, end: Callable[[object], None]) -> None:
+        self.ends.append(end)
+
+    def unregister(self, name: str, end: Callable[[object], None]) -> None:
+        self.ends.remove(end)
+
+    def end_cell(self) -> None:
+        for end in list(self.ends):
+            end(None)
+
+
+@pytest.fixture
+def shell(monkeypatch: pytest.MonkeyPatch) -> Shell:
+    shell = Shell()
+    monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
+    return shell
+
+
+@pytest.fixture
+def show(monkeypatch: pytest.MonkeyPatch, graph: Graph, shell: Shell) -> Show:
+    """Runs %rqt and then what follows in its cell; gives what stands below the cell."""
+    shown: list[Any] = []
+
+    def display(html: Any, display_id: bool) -> Any:
+        shown.append(html)
+        return SimpleNamespace(update=lambda now: shown.__setitem__(shown.index(html), now))
+
+    monkeypatch.setattr("IPython.display.display", display)
+
+    def show(*words: str, then: Callable[[], object] = lambda: None) -> str:
         shown.clear()
         rqt(words)
+        then()
+        shell.end_cell()
         return "".join(one.data for one in shown)
 
     return show
@@ -40,6 +73,14 @@ def test_without_a_page_views_that_listen_hear_some_seconds(
 ) -> None:
     assert "20.00" in show("rqt_topic")
     assert capsys.readouterr().out == "No page is watching: rqt listened for 5 s of robot time.\n"
+
+
+def test_without_a_page_a_view_hears_the_rest_of_its_cell_and_no_more(show: Show, arm: Node) -> None:
+    logger = arm.get_logger()
+    shown = show("console", then=lambda: logger.info("in this cell"))
+    assert "Displaying 1 of 1 messages" in shown
+    assert "in this cell" in shown
+    assert "in this cell" not in show("console", then=lambda: logger.info("in the next"))
 
 
 def test_a_perspective_brings_views_back_as_they_were(show: Show, arm: Node, tmp_path: Path) -> None:
