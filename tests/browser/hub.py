@@ -24,8 +24,14 @@ PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
 LIGHT = "api/status"  # of a user's server: a page that costs nothing
 TOKEN = "token-of-the-tests"
+HURRIED = "tim"  # a user whose server ends kernels that were idle for 20 s, though their page is open
 SETTINGS = """
 c = get_config()
+limits = ["cull_idle_timeout=20", "cull_interval=1", "cull_connected=True"]
+def hurry(spawner):
+    if spawner.user.name == {hurried!r}:
+        spawner.args = [*spawner.args, *("--MappingKernelManager." + limit for limit in limits)]
+c.Spawner.pre_spawn_hook = hurry
 c.JupyterHub.bind_url = "http://127.0.0.1:{ports[0]}/"
 c.JupyterHub.hub_port = {ports[1]}
 c.ConfigurableHTTPProxy.api_url = "http://127.0.0.1:{ports[2]}"
@@ -92,6 +98,7 @@ def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
     homes.mkdir()
     settings = folder / "jupyterhub_config.py"
     given = {"ports": ports, "proxy": shutil.which(PROXY), "homes": str(homes), "token": TOKEN}
+    given |= {"hurried": HURRIED}
     settings.write_text(SETTINGS.format(**given, python=sys.executable, patience=round(PATIENCE)))
     command = [sys.executable, "-m", "jupyterhub", "-f", str(settings)]
     with open(folder / "hub.log", "wb") as log:

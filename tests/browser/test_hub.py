@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from course_lib.course.hand_out import prepare
-from tests.browser.hub import Hub, missing, running_hub
+from tests.browser.hub import HURRIED, Hub, missing, running_hub
 from tests.browser.jupyterlab import Notebook, red_pixels
 from tests.browser.test_lesson_one import LIVE, SHOW, wait_for_red
 from tests.browser.waiting import wait_until
@@ -99,13 +99,19 @@ def test_the_view_is_drawn_again_after_a_reload_and_after_a_restart_of_the_kerne
     wait_for_red(ada.cell(SHOW))
 
 
-def test_the_page_says_no_kernel_when_it_was_culled_and_the_picture_stays(grace: Notebook, hub: Hub) -> None:
-    cell = grace.cell(SHOW)
-    (kernel,) = hub.ask("grace", "kernels")
-    hub.ask("grace", f"kernels/{kernel['id']}", method="DELETE")  # as the server itself does with idle ones
-    expect(grace.page.get_by_text("No Kernel").first).to_be_visible()
-    assert red_pixels(cell.locator("canvas").first) > 0
-    grace.page.close()
+def test_a_kernel_whose_nodes_run_live_is_not_idle_and_is_culled_once_they_stop(hub: Hub) -> None:
+    folder = hub.homes / HURRIED / "my_course"
+    prepare(folder)
+    tim = Notebook(hub.logged_in(HURRIED), f"{hub.address}/user/{HURRIED}/lab", folder, LESSON)
+    tim.run_to(LIVE)
+    wait_for_red(tim.cell(SHOW))
+    (kernel,) = hub.ask(HURRIED, "kernels")
+    wait_until(lambda: hub.ask(HURRIED, "kernels")[0]["last_activity"] > kernel["last_activity"], tim.page)
+    tim.run_below("live.stop()")
+    wait_until(lambda: hub.ask(HURRIED, "kernels") == [], tim.page)
+    expect(tim.page.get_by_text("No Kernel").first).to_be_visible()
+    wait_for_red(tim.cell(SHOW))
+    tim.page.close()
 
 
 def test_on_a_hub_course_lab_refreshes_the_folder_and_starts_no_second_jupyterlab(ada: Notebook) -> None:
