@@ -112,6 +112,8 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
         client.execute(env=_environment(), stderr=DEVNULL)
     except (CellExecutionError, CellTimeoutError, RuntimeError) as error:  # kernels
         raise CourseError(f"{lesson.name}, {place[0]}: {_reason(error)}.") from error
+    except AssertionError as error:  # nbclient's own, where Ctrl+C has ended the kernel
+        raise KeyboardInterrupt from error
     notebook["cells"] = notebook["cells"][1:-1]
     return notebook
 

@@ -67,6 +67,12 @@ def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> N
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
+def test_ctrl_c_ends_the_book_and_its_kernel(tmp_path: Path) -> None:
+    stop = "import os, signal, time\nos.kill(os.getppid(), signal.SIGINT)\ntime.sleep(60)"
+    with pytest.raises(KeyboardInterrupt):
+        make_page(lesson_of(tmp_path, stop), tmp_path / "book", tmp_path / "student")
+
+
 def test_a_kernel_that_does_not_start_in_time_ends_the_book(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
