@@ -96,9 +96,9 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
 
 def weeks_of(course: Course) -> list[str]:
     """Return the weeks of course.toml, and those that have a check file only."""
-    named = read_course_file(course.exercises / "course.toml").weeks
+    named = read_course_file(course.exercises / "course.toml")
     written = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
-    return sorted({*named, *written})
+    return sorted({*named.weeks, *named.faults, *written})
 
 
 def _report(week: str, course: Course, pool: Executor) -> WeekReport:

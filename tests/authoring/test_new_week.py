@@ -91,6 +91,17 @@ def test_a_release_notes_what_is_left_of_the_template(
     assert done.startswith("Released 1 parts")
 
 
+def test_a_week_that_is_faulty_in_course_toml_is_not_written_again_but_another_one_is(
+    course: Course,
+) -> None:
+    settings = course.exercises / "course.toml"
+    settings.write_text(settings.read_text().replace("post = 100", "post = 90"))
+    with pytest.raises(CourseError, match="weeks: week09: points: they sum to 90"):
+        new_week("week09", "Maps", course)
+    new_week("week10", "Planning", course)
+    assert list(read_course_file(settings).weeks) == ["week10"]
+
+
 def test_a_file_that_is_there_is_not_written_over(course: Course) -> None:
     mine = course.solutions / "week10_solution.ipynb"
     mine.write_text("mine")
