@@ -275,7 +275,9 @@ def main() -> None:
     except TyperException as error:  # wrong words on the command line
         context = getattr(error, "ctx", None)
         what = error.format_message().rstrip(".").replace("Input should be", "expected")
-        _fail(f"{what}. See: {context.command_path if context else 'course'} --help", debug)
+        depth = 2 if arguments[:1] == ["bag"] else 1  # words of a command
+        words = ["course", *(word for word in arguments if not word.startswith("-"))][: depth + 1]
+        _fail(f"{what}. See: {context.command_path if context else ' '.join(words)} --help", debug)
     except OSError as error:
         _fail(f"{error.filename}: {error.strerror}. Correct that, or name another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):

@@ -58,6 +58,7 @@ def verify(
 def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]) -> None:
     """Write the students' copy: installable, without solutions and hidden checks. Verify first."""
     from course_lib.authoring.memory import refuse_broken
+    from course_lib.authoring.verify import left_in
     from course_lib.course.hand_out import free_place
     from course_lib.course.hand_out import release as write
     from course_lib.grading.records import this_course
@@ -65,6 +66,8 @@ def release(out: Annotated[Path, typer.Argument(help="An empty or new folder.")]
     free_place(out)
     refuse_broken(this_course())
     paths = write(out)
+    for line in left_in(this_course()):
+        typer.echo(f"note: {line}")
     typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
 
 

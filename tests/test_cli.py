@@ -136,6 +136,25 @@ def test_every_command_has_help(tmp_path: Path, in_process: Callable[..., Typed]
     assert "Usage: course" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("words", "command"),
+    [
+        ("grade submissions --out", "course grade"),
+        ("grade submissions --ot out", "course grade"),
+        ("grade", "course grade"),
+        ("ros2 --bag", "course ros2"),
+        ("bag play --run", "course bag play"),
+        ("frobnicate --out", "course"),
+        ("--out", "course"),
+    ],
+)
+def test_wrong_words_point_to_the_help_of_their_command(
+    tmp_path: Path, in_process: Callable[..., Typed], words: str, command: str
+) -> None:
+    done = in_process(*words.split(), cwd=tmp_path)
+    assert done.stderr.endswith(f". See: {command} --help\n")
+
+
 def test_sim_time_without_a_robot_is_refused(tmp_path: Path, in_process: Callable[..., Typed]) -> None:
     done = in_process("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
     assert done.returncode == 2

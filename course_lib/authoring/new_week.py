@@ -37,7 +37,9 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
         CourseError: The week is there already, or its name or title do not fit.
     """
     settings = course.exercises / "course.toml"
-    known = read_course_file(settings).weeks
+    written = read_course_file(settings)
+    written.demand(week)
+    known = written.weeks
     if not re.fullmatch(r"week\d\d", week):
         raise CourseError(f"{week!r} is not the name of a week: expected one like week09")
     if week in known:

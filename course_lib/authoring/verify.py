@@ -96,9 +96,9 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
 
 def weeks_of(course: Course) -> list[str]:
     """Return the weeks of course.toml, and those that have a check file only."""
-    named = read_course_file(course.exercises / "course.toml").weeks
+    named = read_course_file(course.exercises / "course.toml")
     written = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
-    return sorted({*named, *written})
+    return sorted({*named.weeks, *named.faults, *written})
 
 
 def _report(week: str, course: Course, pool: Executor) -> WeekReport:
@@ -229,11 +229,7 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
     top = f"{course.exercises.parent}{os.sep}"
     flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
     found = [flaw.replace(top, "") for flaw in flaws]
-    found += [
-        f"{r.week}: {counted(r.replace, 'place')} of the template left, look for {LEFT}"
-        for r in reports
-        if r.replace
-    ]
+    found += _left_lines(reports)
     found += [f"{place}: {count} {LEFT}".replace(top, "") for r in reports for place, count in r.left.items()]
     found += [_kept_line(report) for report in reports if report.kept]
     meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
@@ -241,6 +237,21 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
     bad = sum(bool(report.flaws) for report in reports)
     end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
     return [*found, *["What must hold:"] * bool(said), *said, end]
+
+
+def _left_lines(reports: Iterable[WeekReport]) -> list[str]:
+    return [
+        f"{r.week}: {counted(r.replace, 'place')} of the template left, look for {LEFT}"
+        for r in reports
+        if r.replace
+    ]
+
+
+def left_in(course: Course) -> list[str]:
+    """Return a line for each week in which places of the template are left."""
+    return _left_lines(
+        [WeekReport(week, (), left=_left_of_template(week, course)) for week in weeks_of(course)]
+    )
 
 
 def _kept_line(report: WeekReport) -> str:

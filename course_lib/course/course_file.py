@@ -98,7 +98,12 @@ class Term:
 
 @dataclass(frozen=True)
 class CourseFile:
-    """All of course.toml."""
+    """All of course.toml.
+
+    Args:
+        weeks: Those whose part is right.
+        faults: By week, what is wrong with its part, with file and line; the other weeks can be used.
+    """
 
     title: str
     weeks: Mapping[str, WeekSettings]
@@ -107,12 +112,14 @@ class CourseFile:
     limits: Limits = Limits()
     counts: Counts = "last"  # of several submissions
     term: Term = Term()
+    faults: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for week in (*self.term.weights, *self.term.group_weeks):
-            if week not in self.weeks or not self.weeks[week].points:
+            if week not in self.faults and not (week in self.weeks and self.weeks[week].points):
                 raise CourseError(f"term: {week!r} is not a week with points")
-        if strange := [week for week in self.weeks if not re.fullmatch(r"week\d\d", week)]:
+        known = (*self.weeks, *self.faults)
+        if strange := [week for week in known if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
     @property
@@ -131,8 +138,19 @@ class CourseFile:
             return ""
         return f"Local times are {self.zone.key}, this machine's zone: course.toml names no time_zone."
 
+    def demand(self, *weeks: str) -> None:
+        """Refuse what needs weeks of which one has a fault; by default all of the course.
+
+        Raises:
+            CourseError: The first fault.
+        """
+        for week, fault in self.faults.items():
+            if week in (weeks or self.faults):
+                raise CourseError(fault)
+
     def deadline(self, week: str, student: str) -> datetime | None:
         """Return a week's deadline for one student, with the course's time zone."""
+        self.demand(week)
         local = self.weeks[week].extensions.get(student, self.weeks[week].deadline)
         return local and local.replace(tzinfo=self.zone)
 
@@ -168,20 +186,35 @@ def machine_zone() -> ZoneInfo:
 
 
 def read_course_file(path: Path) -> CourseFile:
-    """Read and check course.toml.
+    """Read and check course.toml; what is wrong with the part of one week is kept as its fault.
 
     Raises:
         CourseError: Naming the file, the line and the key that is missing, unknown or of a wrong kind.
     """
     try:
         text = path.read_text(encoding="utf-8")
-        course: CourseFile = _read(CourseFile, tomllib.loads(text))
+        content = tomllib.loads(text)
+        found = _faulty_weeks(content)
+        faults = {week: _named(path, text, error) for week, error in found.items()}
+        course: CourseFile = _read(CourseFile, content, faults=faults)
     except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
     except _MisfitError as error:
-        line = _line_of(text, error.keys)
-        raise CourseError(f"{path}{f' line {line}' if line else ''}: {error}") from error
+        raise CourseError(_named(path, text, error)) from error
     return course
+
+
+def _faulty_weeks(content: Mapping[str, Any]) -> dict[str, "_MisfitError"]:
+    """Return what is wrong with the part of each week, and take these parts out of the content."""
+    weeks: Any = content.get("weeks")
+    found = dict[str, _MisfitError]()
+    for week in list(weeks) if isinstance(weeks, dict) else ():
+        try:
+            _read(WeekSettings, weeks[week], ("weeks", week))
+        except _MisfitError as error:
+            found[week] = error
+            del weeks[week]
+    return found
 
 
 def shipped_course_file() -> CourseFile:
@@ -218,6 +251,12 @@ class _MisfitError(CourseError):
         self.keys = keys
 
 
+def _named(path: Path, text: str, error: _MisfitError) -> str:
+    """Return a misfit with its file and line."""
+    line = _line_of(text, error.keys)
+    return f"{path}{f' line {line}' if line else ''}: {error}"
+
+
 def _line_of(text: str, keys: tuple[str, ...]) -> int:
     """Return the line of the key, or of the innermost table on the way to it that has one; else 0."""
     table: tuple[str, ...] = ()
@@ -234,8 +273,8 @@ def _line_of(text: str, keys: tuple[str, ...]) -> int:
     return best[1]
 
 
-def _read(kind: Any, value: Any, keys: tuple[str, ...] = ()) -> Any:
-    """Convert a value of TOML to the type of an annotation; a table becomes the dataclass."""
+def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> Any:
+    """Convert a value of TOML to the type of an annotation; a table, with what is `found`, the dataclass."""
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
@@ -246,7 +285,7 @@ def _read(kind: Any, value: Any, keys: tuple[str, ...] = ()) -> Any:
         raise _MisfitError(keys, f"{value!r}, expected a table")
     if get_origin(kind) is Mapping:
         return {key: _read(get_args(kind)[1], item, (*keys, key)) for key, item in value.items()}
-    hints = get_type_hints(kind)
+    hints = {key: hint for key, hint in get_type_hints(kind).items() if key not in found}
     if strange := sorted(value.keys() - hints.keys()):
         text = f"unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}"
         raise _MisfitError((*keys, strange[0]), text)
@@ -255,6 +294,6 @@ def _read(kind: Any, value: Any, keys: tuple[str, ...] = ()) -> Any:
         raise _MisfitError(keys, f"the key {missing[0]!r} is missing")
     items = {key: _read(hints[key], item, (*keys, key)) for key, item in value.items()}
     try:
-        return kind(**items)
+        return kind(**items, **found)
     except CourseError as error:
         raise _MisfitError(keys, str(error)) from error

@@ -184,7 +184,7 @@ def release(out: Path) -> list[Path]:
 
 def _without_extensions(path: Path) -> str:
     """Return course.toml without the students' extensions; refuse a malformed file."""
-    read_course_file(path)
+    read_course_file(path).demand()
     text = EXTENSIONS.sub("", path.read_text(encoding="utf-8"))
     for week, table in tomllib.loads(text)["weeks"].items():
         if "extensions" in table:

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 
 from rich.table import Table
 
-from course_lib.course.course_file import WeekSettings, shipped_course_file
+from course_lib.course.course_file import CourseFile, WeekSettings, shipped_course_file
 from course_lib.course.exercise import Notebook, read_notebook, source
 from course_lib.course.hand_out import DEFAULT_FOLDER, content_hash
 from course_lib.course.installation import exercises_dir, extras, lessons, reviews
@@ -29,6 +29,7 @@ Check: `course check week01_exercise.ipynb`. Hand in: `course submit week01_exer
 How far you are now: `course status`.
 """
 HEADINGS = ("week", "public checks", "points", "packed", "hand in by")
+FAULTY = "unknown, as course.toml has a fault"  # instead of a deadline
 HOURS_SHOWN = 72  # a deadline nearer than this is told in hours
 
 
@@ -42,15 +43,16 @@ class Week:
     lesson: str  # file name
     exercise: str | None  # file name
     settings: WeekSettings  # of course.toml
+    is_faulty: bool = False  # its part of course.toml, which then tells nothing
 
 
 def load_weeks() -> tuple[Week, ...]:
     """Return all weeks that have a lesson, in order; deadlines and points from course.toml."""
-    settings = shipped_course_file().weeks
-    return tuple(_week(path, settings) for path in lessons())
+    course = shipped_course_file()
+    return tuple(_week(path, course) for path in lessons())
 
 
-def _week(lesson: Path, settings: Mapping[str, WeekSettings]) -> Week:
+def _week(lesson: Path, course: CourseFile) -> Week:
     notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
     exercise = exercises_dir() / f"{name}_exercise.ipynb"
     return Week(
@@ -59,7 +61,8 @@ def _week(lesson: Path, settings: Mapping[str, WeekSettings]) -> Week:
         minutes=notebook["metadata"]["course"]["minutes"],
         lesson=lesson.name,
         exercise=exercise.name if exercise.exists() else None,
-        settings=settings.get(name, WeekSettings("")),
+        settings=course.weeks.get(name, WeekSettings("")),
+        is_faulty=name in course.faults,
     )
 
 
@@ -136,7 +139,7 @@ def _row(week: Week, state: State) -> str:
         f"[{week.title}]({week.lesson})",
         f"{week.minutes}",
         f"[{week.exercise}]({week.exercise})" if week.exercise else "",
-        f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
+        FAULTY if week.is_faulty else f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
         progress(week, state).tasks,
     )
     return f"| {' | '.join(cells)} |"
@@ -175,6 +178,8 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
 def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
     if week.exercise is None:
         return (week.title, "", "", "", "")
+    if week.is_faulty:
+        return (week.title, "", "", "", FAULTY)
     points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
     packed = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
     return (week.title, so_far.tasks, points, packed, _due(week.settings.deadline, now, zone))

@@ -74,7 +74,7 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
     course = read_course_file(exercises / "course.toml")
     tasks: dict[str, Task] = {}
     hidden: dict[str, tuple[Scenario, ...]] = {}
-    faults = _unnamed(exercises, course)
+    faults = {**_unnamed(exercises, course), **course.faults}
     for week in (week for week, settings in course.weeks.items() if settings.points):  # week 0 has no tasks
         try:
             of_week = _week(exercises, course, week)
@@ -92,7 +92,7 @@ def _unnamed(exercises: Path, course: CourseFile) -> dict[str, str]:
         week: f"{exercises / 'course.toml'} has no points for {week}, but there is {path}: "
         f"write [weeks.{week}] with a title, and [weeks.{week}.points] with the points of its tasks"
         for week, path in weeks.items()
-        if week not in course.weeks or not course.weeks[week].points
+        if week not in course.faults and not (week in course.weeks and course.weeks[week].points)
     }
 
 

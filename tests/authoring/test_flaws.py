@@ -126,6 +126,8 @@ READ: list[Row] = [
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "NameError: name 'PST' is not defined. Did you mean POST", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "checks/week09.py line 59: ", ""),
     ("files", [(TOML, "post = 100", "pots = 100")], "course.toml has points for ['week09.pots']", ""),
+    ("files", [(TOML, "title = \"O", "titel = \"O")], "toml line 7: weeks: week09: titel: unknown key", ""),
+    ("files", [(TOML, "post = 100", "post = 90")], "line 6: weeks: week09: points: they sum to 90", ""),
     ("files", [(TOML, "week09", "week08")], "course.toml has no points for week09, but there is ", ""),
     ("files", [(ANSWERS, 'miss = "red"', 'mis = "red"')], "week09.toml line 21: week09.post: ", ""),
     ("quiz", [(QUIZ, "right = true\n", "")], "has 0", ""),
@@ -242,6 +244,19 @@ def test_a_faulty_week_does_not_keep_the_others_from_being_verified(course: Cour
     nine, ten = verify(course, jobs=1)
     assert (nine.week, nine.cell("files"), nine.cell("solution")) == ("week09", "✘", ".")
     assert (ten.week, ten.flaws) == ("week10", ())
+
+
+@pytest.mark.usefixtures("_nothing_runs")
+def test_nor_does_a_fault_in_its_part_of_course_toml_but_nothing_is_released(
+    course: Course, change: Break
+) -> None:
+    new_week("week10", "Planning", course)
+    change(TOML, "post = 100\n\n[weeks.week10]", "post = 90\n\n[weeks.week10]")
+    nine, ten = verify(course, jobs=1)
+    assert (nine.week, nine.cell("files"), nine.cell("solution")) == ("week09", "✘", ".")
+    assert (ten.week, ten.flaws) == ("week10", ())
+    with pytest.raises(CourseError, match=r"nothing is released.*line \d+: weeks: week09: points"):
+        refuse_broken(course)
 
 
 def test_a_broken_course_is_not_released_and_what_was_verified_is_not_run_again(

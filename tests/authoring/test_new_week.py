@@ -1,11 +1,13 @@
 """`course new week09 "Occupancy maps"`: a week that runs, and whose rules all hold."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from course_lib import cli_author
 from course_lib.authoring.flaw import ASPECTS
 from course_lib.authoring.new_week import new_week
 from course_lib.authoring.verify import lines, verify
@@ -75,6 +77,29 @@ def test_a_name_or_a_title_that_does_not_fit_is_refused_and_nothing_is_written(
     with pytest.raises(CourseError, match=message):
         new_week(week, title, course)
     assert sorted(course.exercises.parent.rglob("*")) == before
+
+
+def test_a_release_notes_what_is_left_of_the_template(
+    course: Course, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("course_lib.grading.records.this_course", lambda: course)
+    monkeypatch.setattr("course_lib.authoring.memory.refuse_broken", lambda _: None)  # takes minutes
+    monkeypatch.setattr("course_lib.course.hand_out.release", lambda out: [out])
+    cli_author.release(tmp_path / "out")
+    note, done = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r"note: week09: \d+ places of the template left, look for REPLACE", note)
+    assert done.startswith("Released 1 parts")
+
+
+def test_a_week_that_is_faulty_in_course_toml_is_not_written_again_but_another_one_is(
+    course: Course,
+) -> None:
+    settings = course.exercises / "course.toml"
+    settings.write_text(settings.read_text().replace("post = 100", "post = 90"))
+    with pytest.raises(CourseError, match="weeks: week09: points: they sum to 90"):
+        new_week("week09", "Maps", course)
+    new_week("week10", "Planning", course)
+    assert list(read_course_file(settings).weeks) == ["week10"]
 
 
 def test_a_file_that_is_there_is_not_written_over(course: Course) -> None:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from io import StringIO
 from pathlib import Path
@@ -7,7 +8,8 @@ import pytest
 from rich.console import Console
 
 from course_lib.course import progress
-from course_lib.course.progress import _due, load_weeks
+from course_lib.course.course_file import shipped_course_file
+from course_lib.course.progress import _due, contents_page, load_weeks
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -61,6 +63,19 @@ def test_a_deadline_is_local_time_of_the_course_and_told_by_what_is_left(left: f
     zone, deadline = ZoneInfo("Asia/Amman"), datetime(2027, 3, 7, 23, 59)
     now = (deadline.replace(tzinfo=zone) - timedelta(hours=left)).astimezone(UTC)
     assert _due(deadline, now, zone) == f"07 Mar 23:59, {told}"
+
+
+def test_a_week_whose_part_of_course_toml_is_faulty_has_an_unknown_deadline_and_others_go_on(
+    state: State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    course = shipped_course_file()
+    weeks = {week: settings for week, settings in course.weeks.items() if week != "week02"}
+    faulty = replace(course, weeks=weeks, faults={"week02": "course.toml line 41: weeks: week02: 7"})
+    monkeypatch.setattr(progress, "shipped_course_file", lambda: faulty)
+    for lines in (printed(tmp_path).splitlines(), contents_page(state).splitlines()):
+        (row,) = [line for line in lines if "unknown, as course.toml has a fault" in line]
+        assert "Joint states" in row
+        assert sum("of 4 tasks" in line for line in lines) > 1
 
 
 def test_elsewhere_it_says_what_to_type(tmp_path: Path) -> None:

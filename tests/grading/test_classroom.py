@@ -106,8 +106,13 @@ def test_hostile_and_unknown_clones_are_named_and_the_others_continue(tmp_path: 
 def test_an_untouched_clone_is_no_submission(tmp_path: Path, clones: Path) -> None:
     prepare(clones / "robotics-ada-l/my_course")
     (clones / "robotics-ada-l/.git").mkdir()
+    prepare(clones / "robotics-l/work")  # not where GitHub's checks and the grader look
+    (clones / "robotics-l/.git").mkdir()
     said = collect_clones(clones, tmp_path / "submissions", tmp_path / "roster.csv", None)
-    assert said[0] == "ada1: no exercise differs from the released one"
+    assert said[:2] == [
+        f"ada1: no exercise in {clones / 'robotics-ada-l' / 'my_course'} differs from the released one",
+        f"bob2: no exercise in {clones / 'robotics-l'} differs from the released one",
+    ]
     assert "Collected 0 students" in said[-1]
 
 

@@ -11,8 +11,10 @@ from course_lib.course import course_file
 from course_lib.course.course_file import read_course_file, zone_named
 from course_lib.errors import CourseError
 from course_lib.grading.handin.collect import Collection, collect
+from course_lib.grading.handin.roster import read_class
 from course_lib.grading.handin.sender import platform_name
 from course_lib.grading.handin.submission import UTC
+from course_lib.grading.term.class_list import read_class_list
 from tests.grading.platforms import NAME, Handed, canvas_zip, moodle_zip, notebook, table, zipped
 from tests.test_cli import course
 
@@ -155,3 +157,11 @@ def test_the_commands_read_a_worksheet_and_say_the_zone_once(tmp_path: Path) -> 
     assert "this machine's zone" not in done.stdout
     with (tmp_path / "in2/received.csv").open(newline="") as file:
         assert {row["received"] for row in csv.DictReader(file)} == {"2026-03-08T23:59:00+09:00"}
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_class_list_of_ids_alone_is_enough(tmp_path: Path, end: str) -> None:
+    path = tmp_path / "roster.csv"
+    path.write_text(f"id{end}S001{end}s002{end}{end}", newline="")
+    assert list(read_class_list(path).by_id) == ["s001", "s002"]
+    assert read_class(path, "") == read_class(path, "id") == ["s001", "s002"]

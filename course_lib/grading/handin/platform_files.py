@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 from zoneinfo import ZoneInfo
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, counted
 from course_lib.grading.handin.persian import persian_time
 
 if TYPE_CHECKING:
@@ -43,8 +43,12 @@ class LmsFile:
     ends: list[str]
 
     @classmethod
-    def read(cls, path: Path) -> Self:
+    def read(cls, path: Path, least: int = 2) -> Self:
         """Read a file of any usual encoding, delimiter and line ending.
+
+        Args:
+            path: The file.
+            least: The number of columns that it needs, 1 or 2.
 
         Raises:
             CourseError: It can't be read, or holds no table.
@@ -61,7 +65,8 @@ class LmsFile:
             raise CourseError(f"{path} is not {encoding}, as it begins: {error}. Export it again.") from error
         first = re.split("[\r\n]", text, maxsplit=1)[0]
         delimiter = max(DELIMITERS, key=first.count)
-        if not first.count(delimiter) or "\0" in text:
+        columns = first.count(delimiter) + 1 if first.strip() else 0
+        if columns < least or "\0" in text:
             raise CourseError(
                 f"{path} is not a CSV: its first line has no columns. Export it from the platform."
             )
@@ -94,7 +99,7 @@ class LmsFile:
         for number, row in enumerate(self.rows, 1):
             if any(cell.strip() for cell in row[width:]):
                 raise CourseError(
-                    f"{path}, row {number}: {len(row)} cells below {width} headings. "
+                    f"{path}, row {number}: {len(row)} cells below {counted(width, 'heading')}. "
                     f"A text with {self.delimiter!r} in it needs double quotes around it"
                 )
 

@@ -83,7 +83,7 @@ def read_class(path: Path, id_column: str) -> list[str]:
     Raises:
         CourseError: The column can't be found, is empty, or has an ID twice.
     """
-    file = LmsFile.read(path)
+    file = LmsFile.read(path, least=1)
     place = file.column(id_column) if id_column else _id_column(file, -1)
     cells = [file.text(row, place) for row in range(1, len(file.rows))]
     ids = [normalise(cell) for cell in cells if cell]
@@ -192,7 +192,7 @@ def _id_column(file: LmsFile, number_place: int) -> int:
 
 def _can_be_ids(file: LmsFile, place: int) -> bool:
     """Return whether a column has a different short word with a digit for most students."""
-    cells = [file.text(row, place) for row in range(1, len(file.rows)) if len(file.rows[row]) > 1]
+    cells = [file.text(row, place) for row in range(1, len(file.rows)) if any(file.rows[row])]
     words = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
     return len(words) > len(cells) / 2 and len(set(words)) == len(words)
 

@@ -136,7 +136,7 @@ def _staged(
         elif student in receipts:
             lines.append(f"refused: {clone.name}: {student} has two clones")
         elif not _stage(clone, place / student):
-            lines.append(f"{student}: no exercise differs from the released one")
+            lines.append(f"{student}: no exercise in {_folder(clone)} differs from the released one")
         else:
             receipts[student] = PlatformTime(times.get(_head(clone), ""), "GitHub, push", True)
     return lines, receipts
@@ -149,9 +149,14 @@ def _student(name: str, members: ClassList) -> str:
     return max(fits, key=lambda one: len(one.login)).id if fits else ""
 
 
+def _folder(clone: Path) -> Path:
+    """Return where the exercises of a clone are looked for."""
+    return clone / FOLDER if (clone / FOLDER).is_dir() else clone
+
+
 def _stage(clone: Path, place: Path) -> bool:
     """Copy the changed exercises with their working files; returns whether there are any."""
-    folder = clone / FOLDER if (clone / FOLDER).is_dir() else clone
+    folder = _folder(clone)
     changed = {path.name for path in _changed(folder)}
     if not changed:
         return False

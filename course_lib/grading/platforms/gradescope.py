@@ -122,9 +122,11 @@ def _one_week(path: Path, week: str) -> bytes:
     """Return course.toml without the tables of other weeks.
 
     Raises:
-        CourseError: It has no such week with points, or other weeks are not written as tables.
+        CourseError: It has no such week with points, or a faulty one; or others are not written as tables.
     """
-    weeks = read_course_file(path).weeks
+    course = read_course_file(path)
+    course.demand(week)
+    weeks = course.weeks
     if week not in weeks or not weeks[week].points:
         known = ", ".join(name for name, settings in weeks.items() if settings.points)
         raise CourseError(f"there is no exercise of {week!r}; weeks with an exercise: {known}")

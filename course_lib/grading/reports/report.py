@@ -91,6 +91,7 @@ def _page(
 
     submission, shown = result.submission, result.with_marks(marks)
     week, course = submission.exercise.split("_")[0], catalog.course
+    course.demand(week)
     zone, time = course.zone, submission.received.time
     judged = shown.judgement
     page = fill(

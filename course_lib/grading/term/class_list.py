@@ -67,7 +67,7 @@ def read_class_list(path: Path) -> ClassList:
     Raises:
         CourseError: A row or a heading is wrong; names it and what was expected.
     """
-    file = LmsFile.read(path)
+    file = LmsFile.read(path, least=1)
     places = _places(file, path)
     file.refuse_long_rows(path)
     rows = [

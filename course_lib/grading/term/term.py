@@ -53,6 +53,7 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
         CourseError: A file is wrong, or there are no results.
     """
     course = course or read_course_file(exercises_dir() / "course.toml")
+    course.demand()
     members, results = read_class_list(files.roster), _results(out)
     need_results(out)
     if course.term.quiz_percent and files.quizzes is None:
