@@ -99,6 +99,15 @@ def test_the_view_is_drawn_again_after_a_reload_and_after_a_restart_of_the_kerne
     wait_for_red(ada.cell(SHOW))
 
 
+def test_all_of_lesson_one_runs_there_and_rqt_and_checks_answer(ada: Notebook) -> None:
+    ada.run_all()
+    assert ada.errors() == []
+    expect(ada.cell("%ros2 topic list")).to_contain_text("/visualization_marker")
+    expect(ada.run_below("%rqt graph").locator(".rqt").first).to_be_visible()
+    checked = ada.run_below('from course_lib import check\ncheck("week01.red_cube", lambda stamp: None)')
+    expect(checked).to_contain_text("checks passed")
+
+
 def test_a_kernel_whose_nodes_run_live_is_not_idle_and_is_culled_once_they_stop(hub: Hub) -> None:
     folder = hub.homes / HURRIED / "my_course"
     prepare(folder)
