@@ -50,7 +50,7 @@ print(*sorted(sys.modules))
 """
 NOT_DRAWN_WITH = (
     "matplotlib", "trimesh", "collada", "scipy", "pinocchio", "coal", "meshcat", "example_robot_data",
-    "xacro", "jedi", "nbformat", "jinja2", "jupyterlab", "rich", "typer", "dateparser", "ruamel", "zenoh",
+    "xacro", "jedi", "nbformat", "jinja2", "jupyterlab", "rich", "typer", "dateparser", "zenoh",
     "lz4", "tornado", "psutil",
 )  # fmt: skip
 
@@ -98,5 +98,5 @@ def _imported(path: Path) -> set[str]:
 
 
 def _name(requirement: str) -> str:
-    """Return the normalised name of a requirement, "ruamel-yaml"."""
+    """Return the normalised name of a requirement, "example-robot-data"."""
     return re.sub(r"[-_.]+", "-", re.match(r"[\w.-]+", requirement)[0]).lower()  # type: ignore[index]  # it always matches

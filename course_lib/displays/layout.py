@@ -6,9 +6,9 @@ All values are read as text, so that unknown ones are written as they came: ``1.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from io import StringIO
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from course_lib.displays.display import GROUP
 from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer
@@ -45,7 +45,7 @@ class Parsed:
             return {name: self.take(value, (*path, name)) for name, value in named.items()}
         if node.id == "sequence":
             return [self.take(value, (*path, index)) for index, value in enumerate(node.value)]
-        return None if node.tag == _NULL else node.value
+        return None if not node.style and node.value in _NULLS else node.value
 
 
 def parse_yaml(text: str) -> Parsed:
@@ -54,21 +54,21 @@ def parse_yaml(text: str) -> Parsed:
     Raises:
         CourseError: If it is not YAML; the text begins with line and column.
     """
-    from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
-    from ruamel.yaml.reader import ReaderError
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     parsed = Parsed()
     try:
-        node = next(_yaml().compose_all(text), None)
+        node = next(yaml.compose_all(text, Loader=yaml.CBaseLoader), None)
         parsed.value = None if node is None else parsed.take(node)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        raise _no_yaml(mark.line, mark.column, error.problem or error.context) from None
-    except ReaderError as error:
+    except yaml.MarkedYAMLError as error:
+        mark, problem = error.problem_mark or error.context_mark, error.problem or error.context
+        named = f"found character {text[mark.index : mark.index + 1]!r} that"
+        raise _no_yaml(mark.line, mark.column, problem.replace("found character that", named)) from None
+    except yaml.reader.ReaderError as error:
         before = text[: error.position]
         character = f"the character {error.character!r} cannot be there"
         raise _no_yaml(before.count("\n"), len(before) - before.rfind("\n") - 1, character) from None
-    except (RecursionError, YAMLStreamError, ValueError) as error:
+    except (RecursionError, UnicodeError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise _no_yaml(0, 0, reason) from None
     return parsed
@@ -76,40 +76,35 @@ def parse_yaml(text: str) -> Parsed:
 
 def yaml_text(value: Any) -> str:
     """Write maps, lists and values as yaml-cpp does for RViz."""
-    stream = StringIO()
-    _yaml().dump(_texts(value), stream)
+    import yaml
+
+    options = {"default_flow_style": False, "sort_keys": False, "allow_unicode": True, "width": 10**9}
+    written: str = yaml.dump(_texts(value), Dumper=_rviz_dumper(), **options)
     empty = re.compile(r"^([ -]*)(\S.*:) \{\}$", re.M)  # which goes to the next line
-    return empty.sub(lambda found: f"{found[0][:-3]}\n{' ' * len(found[1])}  {{}}", stream.getvalue())
+    return empty.sub(lambda found: f"{found[0][:-3]}\n{' ' * len(found[1])}  {{}}", written)
 
 
-def _yaml() -> Any:
-    """Create a reader and writer that knows text and nulls only."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.emitter import Emitter
-    from ruamel.yaml.nodes import ScalarNode
-    from ruamel.yaml.resolver import VersionedResolver
-    from ruamel.yaml.tag import Tag
+@cache
+def _rviz_dumper() -> Any:
+    """Return the class of a writer that knows text and nulls only."""
+    import yaml
 
-    class TextResolver(VersionedResolver):
-        def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
-            """Resolve everything without quotes to text, except null."""
-            if kind is ScalarNode and implicit[0] and value in _NULLS:
-                return Tag(suffix=_NULL)
-            return super().resolve(kind, "text" if kind is ScalarNode else value, implicit)
+    class RvizDumper(yaml.SafeDumper):  # type: ignore[misc]  # untyped
+        yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}
 
-    class RvizEmitter(Emitter):
+        def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
+            """Indent lists, too."""
+            super().increase_indent(flow, indentless=False)
+
         def choose_scalar_style(self) -> Any:
             """Quote with two strokes what needs quotes."""
             style = super().choose_scalar_style()
             return '"' if style == "'" else style
 
-    yaml: Any = YAML(typ="safe", pure=True)
-    yaml.Emitter, yaml.Resolver = RvizEmitter, TextResolver
-    yaml.default_flow_style, yaml.width = False, 10**9
-    yaml.sort_base_mapping_type_on_output = False  # sorted already
-    yaml.representer.add_representer(type(None), lambda rep, _: rep.represent_scalar(_NULL, "~"))
-    yaml.indent(mapping=2, sequence=4, offset=2)
-    return yaml
+    starts = list({null[:1] for null in _NULLS})
+    RvizDumper.add_implicit_resolver(_NULL, re.compile(rf"(?:{'|'.join(_NULLS)})\Z"), starts)
+    RvizDumper.add_representer(type(None), lambda dumper, _: dumper.represent_scalar(_NULL, "~"))
+    return RvizDumper
 
 
 def _texts(value: Any) -> Any:

@@ -43,13 +43,12 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
 
 def bag_metadata(folder: Path) -> dict[str, Any]:
     """Read the metadata, which a recorder writes at its end; empty without it."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     try:
         text = (folder / METADATA).read_text(encoding="utf-8")
-        return dict(YAML(typ="safe").load(text)["rosbag2_bagfile_information"])
-    except (OSError, YAMLError, KeyError, TypeError):
+        return dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+    except (OSError, yaml.YAMLError, KeyError, TypeError):
         return {}
 
 

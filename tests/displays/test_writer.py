@@ -1,7 +1,7 @@
 from pathlib import Path
 
 import pytest
-from ruamel.yaml import YAML
+import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
 from course_lib.displays.layout import read_layout
 from course_lib.displays.session import RvizSession
@@ -119,9 +119,9 @@ def test_values_have_the_forms_of_rviz(layout: Path, tmp_path: Path) -> None:
 
 
 def test_keys_are_sorted_as_in_qt_maps(layout: Path, tmp_path: Path) -> None:
-    (grid, *_) = YAML(typ="safe").load(saved(session_of(layout), tmp_path / "saved.rviz"))[
-        "Visualization Manager"
-    ]["Displays"]
+    (grid, *_) = yaml.safe_load(saved(session_of(layout), tmp_path / "saved.rviz"))["Visualization Manager"][
+        "Displays"
+    ]
     assert list(grid) == sorted(grid)
 
 

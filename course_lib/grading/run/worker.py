@@ -5,6 +5,7 @@ evidence, judged elsewhere and not believed.
 """
 
 import _thread
+import gc
 import importlib
 import os
 import resource
@@ -39,8 +40,9 @@ CELLS_SEED = 0
 USUAL = (  # what most notebooks import, or need for a line of magic
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
     "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
-    "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "ruamel.yaml", "course_lib.extension",
-    "course_lib.displays.viewer", "course_lib.ros.launch_program", "course_lib.tools.notebook",
+    "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "yaml",
+    "IPython.core.magics.extension", "course_lib.extension", "course_lib.displays.viewer",
+    "course_lib.ros.launch_program", "course_lib.tools.notebook",
 )  # fmt: skip
 SENT = (  # by most nodes, or by the kit's own; a type in a message's list comes with it
     "rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/Bool",
@@ -98,6 +100,7 @@ class Worker:
                         self._channel.send(["crowded"])
                         return
         _flush()
+        gc.freeze()  # what the cells made stays shared with the scenarios' forks
         self._channel.send(["ran", errors])
 
     def run_scenario(
