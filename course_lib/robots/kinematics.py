@@ -159,8 +159,8 @@ def as_of_matrices(quaternions: Floats) -> Floats:
     """
     largest = np.argmax(np.abs(quaternions[:, :3]) - _EARLIER, axis=1)
     leading = np.where(np.abs(quaternions[:, 3]) > 0.5, 3, largest)
-    signs = np.copysign(1.0, np.take_along_axis(quaternions, leading[:, None], axis=1))
-    signed: Floats = quaternions * signs
+    signs = np.copysign(1.0, quaternions[np.arange(len(quaternions)), leading])
+    signed: Floats = quaternions * signs[:, None]
     return signed
 
 

@@ -70,6 +70,8 @@ class RobotStatePublisher(Node):
         if not text:
             raise CourseError("robot_description parameter must not be empty")
         self._tree = parse_urdf(text)
+        named = sorted(self._tree.joints.items())
+        self._mimics = [(name, joint.mimic) for name, joint in named if joint.mimic]
         self._description.publish(String(data=text))
         self.get_logger().info("Robot initialized")
         # KDL knows no planar and no floating joints: the ones count as fixed, the others are left out.
@@ -97,10 +99,10 @@ class RobotStatePublisher(Node):
         elif self._is_due(state):
             # Of a joint that is named twice the first position counts.
             positions = dict(zip(reversed(state.name), reversed(state.position), strict=True))
-            joints = self._tree.joints
-            for name in sorted(joints):
-                if (mimic := joints[name].mimic) and mimic.joint in positions:
+            for name, mimic in self._mimics:
+                if mimic.joint in positions:
                     positions.setdefault(name, positions[mimic.joint] * mimic.factor + mimic.offset)
+            joints = self._tree.joints
             moving = {n: p for n, p in positions.items() if n in joints and joints[n].kind in MOVING}
             self._tf.publish(self._transforms(moving, state.header.stamp))
             self._published_ns |= dict.fromkeys(state.name, Time.from_msg(state.header.stamp).nanoseconds)
@@ -133,7 +135,7 @@ class RobotStatePublisher(Node):
             moved.header.stamp = stamp
             moved.header.frame_id, moved.child_frame_id = prefix + joint.parent, prefix + joint.child
             place, turn = moved.transform.translation, moved.transform.rotation
-            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = map(float, pose)
+            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = pose.tolist()
             message.transforms.append(moved)
         return message
 

@@ -206,6 +206,8 @@ class Baton:
 
     def _runnable(self, me: ProgramThread, graph: Graph) -> ProgramThread | None:
         """Find the next thread, in the order after `me`, whose wait is over."""
+        if len(self._waiting) == 1 and me in self._waiting:  # the usual case, at once
+            return None
         able = [t for t in self._waiting if t is not me and t.can_run(graph)]
         return min(able, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 

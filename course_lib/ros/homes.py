@@ -85,6 +85,8 @@ class _Host(SourceFileLoader):
 
 def _guest(host: str, name: str) -> Any:
     """Return a name that programs import from a module, because ROS's module imports it."""
+    if name.startswith("__"):  # each import of a name asks for __path__
+        raise AttributeError(f"module '{host}' has no attribute '{name}'")
     for home, names in GUESTS[host].items():
         if name in names.split():
             return getattr(import_module(home), name)

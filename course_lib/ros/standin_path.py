@@ -24,16 +24,16 @@ def install() -> None:
 
     ROS's variables are set, too, where they are not.
     """
+    ours = str(STANDIN)
     for name in provided():
         module = sys.modules.get(name)
-        if module is not None and STANDIN not in Path(_origin(module)).parents:
+        if module is not None and not _origin(module).startswith(f"{ours}{os.sep}"):
             raise CourseError(
                 f"{name} has already been imported from {_origin(module)}, so the course's own ROS can't "
                 "take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
             )
     for name, value in SOURCED.items():
         os.environ.setdefault(name, value)
-    ours = str(STANDIN)
     if sys.path[:1] != [ours]:
         sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
     if _Types not in sys.meta_path:

@@ -1,6 +1,7 @@
 """Validation of settings and poses, which the rest of this room trusts."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -103,8 +104,21 @@ def check_rays(value: ArrayLike) -> Floats:
     return rays
 
 
+@dataclass(frozen=True)
+class Motion:
+    """A function of robot time [s] to transforms that are rigid by construction, so nobody checks them."""
+
+    at: Callable[[float], Floats]
+
+    def __call__(self, seconds: float) -> Floats:
+        """Return the transform at a robot time, [s]."""
+        return self.at(seconds)
+
+
 def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:
     """Return a function of robot time [s] to checked transforms, from a fixed pose or a function."""
+    if isinstance(pose, Motion):
+        return pose.at
     if callable(pose):
         return lambda seconds: check_transform(f"{name} at {seconds:g} s", pose(seconds))
     fixed = check_transform(name, pose)

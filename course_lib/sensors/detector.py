@@ -1,6 +1,7 @@
 """A simulated object detector with misses, noise and false alarms, and its node."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
@@ -198,7 +199,12 @@ def detection_message(detection: Detection, header: Header) -> Detection3D:
 
 def quaternion(rotation: Floats) -> tuple[float, ...]:
     """Return a rotation, shape (3, 3), as a quaternion in the order x, y, z, w."""
-    w, x, y, z = map(float, mat2quat(rotation))
+    return _quaternion(tuple(rotation.flat))
+
+
+@lru_cache  # most things do not turn
+def _quaternion(rotation: tuple[float, ...]) -> tuple[float, ...]:
+    w, x, y, z = map(float, mat2quat(np.reshape(rotation, (3, 3))))
     return x, y, z, w
 
 

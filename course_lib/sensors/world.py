@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from course_lib.arrays import Floats, Indices
 from course_lib.errors import CourseError
 from course_lib.sensors.checked import (
+    Motion,
     Pose,
     check_array,
     check_number,
@@ -52,7 +53,7 @@ def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float
         point = begin + (end - begin) * ((2 * length - gone if back else gone) / length)
         return placed(point[0], point[1], point[2], yaw + np.pi * back)
 
-    return pose
+    return Motion(pose)
 
 
 def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float], Floats]:
@@ -76,7 +77,7 @@ def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float],
         ahead = angle + np.copysign(np.pi / 2, period)
         return placed(x + radius * np.cos(angle), y + radius * np.sin(angle), z, ahead)
 
-    return pose
+    return Motion(pose)
 
 
 @dataclass(frozen=True, eq=False)

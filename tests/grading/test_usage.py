@@ -1,3 +1,4 @@
+import os
 from contextlib import closing
 from pathlib import Path
 
@@ -5,8 +6,9 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.records import usage_path
+from course_lib.grading.run.job import Job, Step
 from course_lib.grading.run.outcome import Usage
-from course_lib.grading.run.run import read_usage
+from course_lib.grading.run.run import read_usage, run_scenarios
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Call, Scenario, Task
 
@@ -50,6 +52,16 @@ def test_each_scenario_has_its_own_time() -> None:
     times = session.usage.scenarios
     assert times["week01.busy/public"] > 10 * times["week01.answer/public"] > 0
     assert sum(times.values()) < session.usage.cpu_seconds
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system keeps no process on a processor")
+def test_a_submission_shares_one_processor_with_its_grader_and_the_next_one_may_have_another() -> None:
+    allowed = os.sched_getaffinity(0)
+    steps = (Step(ANSWER, ANSWER.scenarios[0], hidden=False),)
+    cells = ("import os\nanswer = len(os.sched_getaffinity(0))",)
+    made = run_scenarios(Job(cells, None, steps, Limits()))
+    assert made.runs[0].evidence.returns == (1,)
+    assert os.sched_getaffinity(0) == allowed
 
 
 def test_usage_comes_back_from_its_file_and_a_broken_one_is_none(tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ class TemplateProcess:
             )
 
     def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:
-        """Start a submission.
+        """Start a submission, on the processors of the calling thread.
 
         Args:
             limits: What it may use.
@@ -105,7 +105,7 @@ class TemplateProcess:
             with suppress(OSError):  # only slower without
                 fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, PIPE_HOLDS)
         with theirs:
-            wanted = {"limits": asdict(limits), "imports": list(imports)}
+            wanted = {"limits": asdict(limits), "imports": list(imports), "processors": processors()}
             socket.send_fds(self._control, [json.dumps(wanted).encode()], [theirs.fileno(), writer])
         os.close(writer)
         return ours, reader
@@ -142,6 +142,11 @@ class TemplateProcess:
             self._process.stdout.close()
         for files in [files for files, template in _shared.items() if template is self]:
             del _shared[files]
+
+
+def processors() -> list[int]:
+    """Return the numbers of the processors that the calling thread may run on; none if that is unknown."""
+    return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
 _shared: dict[Readable, TemplateProcess] = {}

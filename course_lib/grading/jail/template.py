@@ -64,6 +64,9 @@ class Template:
                 for module in wanted["imports"]:  # the first submission pays for all that follow
                     importlib.import_module(module)
                 gc.freeze()  # so that collections in forks leave its memory shared
+                if wanted["processors"]:
+                    with suppress(OSError):  # one of them is not there any more: only slower
+                        os.sched_setaffinity(0, wanted["processors"])
                 self._limits = Limits(**wanted["limits"])
                 self._start(self._limits, descriptors)
         self._stop()

@@ -2,9 +2,10 @@
 
 import gzip
 import json
+import os
 import threading
-from collections.abc import Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ OUT_OF_MEMORY = (
     ". The machine may be out of memory: close other programs, or grade with --jobs 1. "
     "Nothing is lost: the same command with --resume goes on"
 )
+PROCESSOR = 36  # place in what /proc tells of a thread, counted behind its name
 LEVEL = 2  # of compression: a higher one takes longer than the run did
 _one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
 
@@ -113,9 +115,29 @@ def _run_in(template: TemplateProcess, job: Job) -> Ran:
 def run_scenarios(job: Job) -> ExerciseRun:
     """Run all scenarios of a job."""
     template = shared_template(job.refused)
-    with closing(SubmissionRun(job.cells, job.personal, job.limits, template, job.files)) as submission:
+    submission = SubmissionRun(job.cells, job.personal, job.limits, template, job.files)
+    with _on_one_processor(), closing(submission):
         runs = [Run(s.scenario, submission.run(s.task, s.scenario), s.hidden) for s in job.steps]
     return ExerciseRun(tuple(runs), submission.log, submission.isolation, submission.usage)
+
+
+@contextmanager
+def _on_one_processor() -> Iterator[None]:
+    """Keep this thread on the processor that runs it now, and with it the workers that it starts.
+
+    Grader and worker take turns, and waking a process on another processor takes several times longer.
+    """
+    try:
+        allowed = os.sched_getaffinity(0)
+        status = Path("/proc/thread-self/stat").read_text(encoding="utf-8")
+        os.sched_setaffinity(0, {int(status.rpartition(")")[2].split()[PROCESSOR])})
+    except (AttributeError, OSError):  # not Linux, or it may not: only slower
+        yield
+        return
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def keep(out: Path, key: str, ran: Ran) -> None:

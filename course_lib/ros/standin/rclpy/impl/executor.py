@@ -214,7 +214,10 @@ class Executor(AbstractContextManager["Executor"]):
         for task in self._tasks:
             if task.can_go_on():
                 return True
-        return any(handle.first_ready() is not None for handle in self._nodes.values())
+        for handle in self._nodes.values():  # noqa: SIM110  any() takes twice the time
+            if handle.first_ready() is not None:
+                return True
+        return False
 
     def _name_nodes(self) -> None:
         """Note what it waits for, for the message about a deadlock: each wait says it, few need it."""

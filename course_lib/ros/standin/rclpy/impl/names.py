@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Literal
 
 from rclpy.exceptions import (
@@ -80,6 +81,7 @@ def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
     return True
 
 
+@lru_cache  # every node has the same services
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Raise Invalid(Topic or Service)NameException unless `name` may be written for one; else return True."""
     error = _ERRORS["service" if is_service else "topic"]
