@@ -14,8 +14,7 @@ from course_lib.course.installation import exercises_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.check_file import check_file
-from course_lib.grading.handin.collect import KEPT, collect
-from course_lib.grading.platforms.times import PlatformTime, write_receipts
+from course_lib.grading.handin.collect import KEPT, PlatformTime, collect, write_receipts
 from course_lib.grading.reports.table import printable
 from course_lib.grading.term.class_list import ClassList, read_class_list
 
