@@ -17,13 +17,13 @@ from course_lib.authoring.lesson_rules import (
     FOR_REVIEWS,
     WITH_EXERCISE,
     unknown_questions,
+    untaught,
 )
 from course_lib.authoring.mutants import idle_operators
 from course_lib.authoring.new_week import template_picture, unchanged_files
 from course_lib.authoring.page import NotebookPage
 from course_lib.authoring.rehearsal import cells_of
 from course_lib.authoring.rules import FOR_ALL, Rule
-from course_lib.authoring.taught import untaught
 from course_lib.authoring.week import WeekRehearsals, missing_files
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook

@@ -65,15 +65,14 @@ class _StatusHandler(RequestHandler):
 
 
 class StatusPage:
-    """A server of one text on 127.0.0.1, in a thread of its own: it never delays the gateway.
+    """A server of one text on a free port of 127.0.0.1, in a thread of its own: it never delays the gateway.
 
     Args:
         text: Called in that thread for each request.
-        port: Where to listen; 0 for a free one.
     """
 
-    def __init__(self, text: Callable[[], str], port: int = 0) -> None:
-        (self._socket,) = bind_sockets(port, HOST)
+    def __init__(self, text: Callable[[], str]) -> None:
+        (self._socket,) = bind_sockets(0, HOST)
         self._secret = secrets.token_urlsafe(12)
         self._loop = asyncio.new_event_loop()
         self._text = text

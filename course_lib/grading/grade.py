@@ -41,6 +41,7 @@ from course_lib.grading.records import (
     this_course,
     writing,
 )
+from course_lib.grading.reports.items import keep_check_times
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import (
     NO_REPORT,
@@ -53,7 +54,6 @@ from course_lib.grading.reports.table import (
     watched,
 )
 from course_lib.grading.reports.tables import concerns, write_tables
-from course_lib.grading.reports.times import keep_check_times
 from course_lib.grading.run.job import Job, plan
 from course_lib.grading.run.run import Ran, keep, make_ready, run, unpack
 

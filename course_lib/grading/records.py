@@ -75,10 +75,10 @@ def rules_of(course: Course, exercise: str) -> str:
 
 @cache
 def kit_digest() -> str:
-    """Return the digest of this process's kit: of all its Python files."""
+    """Return the digest of this process's kit: of all its Python files and tables."""
     top = Path(course_lib.__file__).parent
     total = hashlib.sha256()
-    for path in sorted(top.rglob("*.py")):
+    for path in sorted(path for kind in ("*.py", "*.toml", "*.txt") for path in top.rglob(kind)):
         total.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes())
     return total.hexdigest()
 

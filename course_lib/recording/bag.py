@@ -12,7 +12,6 @@ from course_lib.recording.bag_writer import METADATA, BagWriter
 from course_lib.recording.recording import Recording
 from course_lib.recording.salvage import data_files, salvage
 from course_lib.ros.graph import Sample
-from course_lib.ros.qos import Qos
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Reader
@@ -107,14 +106,9 @@ def _write(recording: Recording, folder: Path) -> None:
 
 
 def _samples(reader: "Reader") -> list[Sample]:
-    offered = {connection.id: _offered(connection) for connection in reader.connections}
+    connections: list[Any] = reader.connections  # all of rosbag2's kind
+    offered = {one.id: bag_qos.from_bag(one.ext.offered_qos_profiles) for one in connections}
     return [
         Sample(stamp_ns, connection.topic, connection.msgtype, bytes(cdr), offered[connection.id], node=0)
         for connection, stamp_ns, cdr in reader.messages()
     ]
-
-
-def _offered(connection: Any) -> Qos:
-    """Return the QoS of a topic's first publisher: a bag does not store the publisher of a message."""
-    profiles = connection.ext.offered_qos_profiles
-    return bag_qos.from_bag(profiles[0]) if profiles else Qos()

@@ -1,5 +1,6 @@
 """Conversion of QoS to and from rosbags' form."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from course_lib.ros.qos import Qos
@@ -29,8 +30,14 @@ def to_bag(qos: Qos) -> "BagQos":
     )
 
 
-def from_bag(qos: "BagQos") -> Qos:
-    """Convert rosbags' form to QoS; system defaults become ROS's defaults."""
+def from_bag(profiles: Sequence["BagQos"]) -> Qos:
+    """Return the QoS of a topic's first publisher: a bag does not store the publisher of a message.
+
+    System defaults become ROS's defaults.
+    """
+    if not profiles:
+        return Qos()
+    qos = profiles[0]
     return Qos(
         history="keep_all" if qos.history.name == "KEEP_ALL" else "keep_last",
         depth=qos.depth,

@@ -35,6 +35,8 @@ def salvage(folder: Path) -> list[Sample]:
 
 
 def _mcap(data: bytes) -> Iterator[Sample]:
+    from rosbags.rosbag2.storage_mcap import get_qos
+
     types: dict[int, str] = {}
     channels: dict[int, tuple[str, str, Qos]] = {}
     for opcode, content in _unpacked(data[len(_MAGIC) :]):
@@ -44,7 +46,7 @@ def _mcap(data: bytes) -> Iterator[Sample]:
             channel, schema = struct.unpack_from("<HH", content)
             topic, at = _text(content, 4)
             metadata = content[_text(content, at)[1] + 4 :]
-            channels[channel] = topic, types[schema], _qos(metadata)
+            channels[channel] = topic, types[schema], bag_qos.from_bag(get_qos(metadata))
         elif opcode == _MESSAGE:
             channel, _, stamp_ns = struct.unpack_from("<HIQ", content)
             topic, type_name, qos = channels[channel]
@@ -92,13 +94,6 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
     return data[at + 4 : end].decode(), end
 
 
-def _qos(metadata: bytes) -> Qos:
-    from rosbags.rosbag2.storage_mcap import get_qos
-
-    profiles = get_qos(metadata)
-    return bag_qos.from_bag(profiles[0]) if profiles else Qos()
-
-
 def _sqlite(path: Path) -> Iterator[Sample]:
     from rosbags.rosbag2.metadata import parse_qos
 
@@ -106,8 +101,7 @@ def _sqlite(path: Path) -> Iterator[Sample]:
     database.execute("PRAGMA writable_schema = ON")  # SQLite reads less than the header promises only then
     topics = {}
     for topic, name, type_name, offered in database.execute(_TOPICS):
-        profiles = parse_qos(offered)
-        topics[topic] = name, type_name, bag_qos.from_bag(profiles[0]) if profiles else Qos()
+        topics[topic] = name, type_name, bag_qos.from_bag(parse_qos(offered))
     for stamp_ns, topic, cdr in database.execute(_MESSAGES):
         name, type_name, qos = topics[topic]
         yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)

@@ -50,7 +50,7 @@ class Graph:
         self._topics = Topics()
         self._nodes: dict[int, NodeInfo] = {}
         self._resting: set[int] = set()
-        self._last_id = 0
+        self.last_id = 0  # the number that was given last to a node or an endpoint
         self._taps: list[tuple[Callable[[Sample], None], Wanted | None]] = []
         self._watchers: list[Callable[[int], None]] = []
 
@@ -58,11 +58,6 @@ class Graph:
     def now_ns(self) -> int:
         """Robot time, [ns]."""
         return self._clock.now_ns
-
-    @property
-    def last_id(self) -> int:
-        """The number that was given last to a node or an endpoint."""
-        return self._last_id
 
     def part(self, kind: type[PartT]) -> PartT:
         """Return the calling program's object of a class in this run, made on first use.
@@ -77,9 +72,9 @@ class Graph:
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node; returns its id, which is its start order."""
-        self._last_id += 1
-        self._nodes[self._last_id] = NodeInfo(self._last_id, name, namespace)
-        return self._last_id
+        self.last_id += 1
+        self._nodes[self.last_id] = NodeInfo(self.last_id, name, namespace)
+        return self.last_id
 
     def remove_node(self, node: int) -> None:
         """Remove a node with its endpoints."""
@@ -90,20 +85,20 @@ class Graph:
 
     def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
         """Add a publisher on a fully resolved topic; returns its endpoint id."""
-        self._last_id += 1
-        self._topics.add_publisher(EndpointInfo(self._last_id, "pub", node, topic, type_name, qos))
-        return self._last_id
+        self.last_id += 1
+        self._topics.add_publisher(EndpointInfo(self.last_id, "pub", node, topic, type_name, qos))
+        return self.last_id
 
     def add_subscription(
         self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
     ) -> int:
         """Add a subscription; `on_message(cdr, source_ns, received_ns)` is called for each sample."""
-        self._last_id += 1
-        info = EndpointInfo(self._last_id, "sub", node, topic, type_name, qos)
+        self.last_id += 1
+        info = EndpointInfo(self.last_id, "sub", node, topic, type_name, qos)
         subscription = Subscription(info, entity, on_message)
         for sample in self._topics.add_subscription(subscription):
             self._deliver(sample, subscription)
-        return self._last_id
+        return self.last_id
 
     def remove_endpoint(self, endpoint: int) -> None:
         """Remove a publisher or a subscription."""

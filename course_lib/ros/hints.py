@@ -5,9 +5,10 @@ where the text alone does not tell.
 """
 
 import re
-from collections.abc import Mapping
+import tomllib
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path
 
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
@@ -25,179 +26,17 @@ class Hint:
     mistake: Mistake | None = None
 
 
-_NAMED = "super().__init__('a_name'), in def __init__ with two underscores on each side"
-_HINTS: Mapping[str, tuple[Hint, ...]] = {
-    "AttributeError": (
-        Hint(
-            r"'(\w+)' object has no attribute '_(Node__handle|default_callback_group|logger|parameter)",
-            "call super().__init__('a_name') first in {1}.__init__().",
-        ),
-        Hint("'NoneType' .* 'level'", "end the task's function with: return stat.", Mistake.NO_STATUS),
-        Hint("'Viewer' object .* '(show|display|render)'", "write viewer alone as the last line."),
-        Hint("'Time' .* 'nanoseconds'", "write Time.from_msg(stamp), with rclpy's Time.", Mistake.STAMP),
-        Hint("'str' has no attribute '_TYPE_SUPPORT'", "give the class: from std_msgs.msg import String."),
-        Hint("'Future' object has no attribute", "it comes later: await it, or add_done_callback(f)."),
-        Hint(
-            "'NoneType' .* 'successful'",
-            "end the callback with: return SetParametersResult(successful=True).",
-        ),
-        Hint("'NoneType' .* 'to_label'", "end the callback with: return TransitionCallbackReturn.SUCCESS."),
-        Hint("^'(list|tuple)' object", "it holds several: take one, like [0], or go through it with for."),
-        Hint(r"property 'enabled' of '\w+' object has no setter", 'write display["Enabled"] = False.'),
-    ),
-    "RecursionError": (Hint("", "a function calls itself without an end, or two call each other."),),
-    "NameError": (
-        Hint("name 'self' is not", "write self as the method's first parameter: def heard(self, msg)."),
-        Hint(
-            r"name '(\w+)' is not defined",
-            "define or import {1} first; in a notebook run the cells above, from the first one on.",
-        ),
-    ),
-    "TypeError": (
-        Hint(r"Node.__init__\(\) missing .* 'node_name'", f"name the node: {_NAMED}."),
-        Hint(
-            "'NoneType' object is not callable",
-            "give the function itself, without (): self.tick, not self.tick().",
-            Mistake.NO_CALLBACK,
-        ),
-        Hint(
-            r"Expected <class '(?:std_msgs|example_interfaces)\..*\.(\w+)'>, got <class '(?:str|int|float)'>",
-            "put it into a message: {1}(data=...).",
-        ),
-        Hint(
-            r"Expected <class '.*\.(\w+)'>, got <class '(?:str|int|float|bool|list|NoneType)'>",
-            "publish a message: make one with {1}(), and fill in its fields.",
-        ),
-        Hint(r"Expected <class '.*\.(\w+)'>, got <class 'type'>", "make an object: {1}(), with ()."),
-        Hint(r"Expected <class '.*\.(\w+)'>, got", "publish a {1}, or make a publisher for the other type."),
-        Hint(
-            "rclpy_resolve_name",
-            "the type first, then the name in quotes: create_publisher(Marker, '/a_topic', 10).",
-        ),
-        Hint("missing .* 'qos_profile'", "say how many messages are kept, like 10, as the last argument."),
-        Hint("Expected QoSProfile or int", "say how many messages are kept, like 10."),
-        Hint("'Parameter' and", "ask for its value: get_parameter('a_name').value."),
-        Hint("one of the allowed types", "bool, int, float, str, or lists."),
-        Hint("^$", "give a request, with (): AddTwoInts.Request(a=1, b=2).", Mistake.REQUEST),
-        Hint("^$", "end the service's callback with: return response.", Mistake.RESPONSE),
-        Hint("^$", "give a goal, with (): Fibonacci.Goal(order=5).", Mistake.GOAL),
-        Hint("positional arg", "write def answer(self, request, response).", Mistake.SERVICE_CALLBACK),
-        Hint("missing", "a timer gives no argument: write def tick(self).", Mistake.TIMER_CALLBACK),
-        Hint(
-            "must be a string or a real number",
-            "first the period in seconds, then the function: create_timer(1.0, self.tick).",
-            Mistake.PERIOD,
-        ),
-        Hint("requires a 'super' object", "write super().__init__('a_name'), with () after super."),
-        Hint("'Viewer' object does not support item assignment", 'write viewer.fixed_frame = "map".'),
-        Hint("spin.* missing .* 'node'", "say which node: rclpy.spin(node)."),
-        Hint("rclpy_logging_rcutils_log", "write one f-string: info(f'speed: {{speed}}')."),
-        Hint(r"RcutilsLogger.\w+\(\) takes 2", "write one f-string: info(f'speed: {{speed}}')."),
-        Hint("with different clock types", "write Time(clock_type=ClockType.ROS_TIME)."),
-        Hint("instances of 'Time' and", "compare with a Time or a Duration: Duration(seconds=5.0)."),
-        Hint("-: 'Time' and 'Time'", "messages cannot be subtracted: Time.from_msg(stamp) can."),
-        Hint("'Time' and", "add or subtract a Duration: Duration(seconds=1.0)."),
-        Hint(r"(\w+).__init__.* takes 1 pos", "name what you give: {1}(data=...).", Mistake.UNNAMED_FIELD),
-        Hint(r"(Duration|Time).__init__\(\) takes 1 positional", "name what you give: {1}(seconds=1.0)."),
-        Hint(r"\w\.(\w+)\(\) takes 0 positional", "write self first: def {1}(self)."),
-        Hint(r"\w\.(\w+)\(\) takes (\d+) positional arguments? but", "is self first in def {1}(self, ...)?"),
-    ),
-    "RuntimeError": (
-        Hint("Task got bad yield: <rclpy", "in a cell: rclpy.spin_until_future_complete(node, future)."),
-        Hint(
-            r"Subscription.__init__\(\): callback",
-            "write def heard(self, msg), and give self.heard, without ().",
-        ),
-        Hint("init.. must only be called once", "one rclpy.init() per program; rclpy.ok() says if it was."),
-        Hint("must be initialized before it can be shutdown", "rclpy.try_shutdown() never complains."),
-        Hint("The (message|service|action) type provided", "they are in .msg, .srv and .action."),
-    ),
-    "RCLError": (
-        Hint("timer period must be non-negative", "give the period in seconds, like 0.1 for 10 Hz."),
-        Hint("rcl_shutdown already called", "rclpy.try_shutdown() never complains."),
-    ),
-    "ValueError": (
-        Hint("statically typed parameter", "give a default value, or a type: Parameter.Type.DOUBLE."),
-        Hint("generator already executing", "a callback must not spin: use await, or add_done_callback."),
-        Hint("could not convert string to float", "give the period in seconds, as a number.", Mistake.PERIOD),
-        Hint("severity cannot be changed between calls", "write one line for each severity."),
-    ),
-    "AssertionError": (
-        Hint(
-            "'([rgba])' field must be of type 'float'",
-            "colours go from 0.0 to 1.0: write 1.0, not 1.",
-        ),
-        Hint("field must be of type 'float'", "write the number with a point: 1.0, or float(x)."),
-        Hint("'(type|action)' field must be of type 'int'", "give a constant, like Marker.CUBE."),
-        Hint("field must be of type 'int'", "write int(x), or round(x)."),
-        Hint("'frame_id' field must be of type 'str'", 'write the name of the frame in quotes: "map".'),
-        Hint("field must be of type 'str'", "write str(x), or an f-string."),
-        Hint("'level' field must be of type 'bytes'", "write DiagnosticStatus.OK, WARN, ERROR or STALE."),
-        Hint("sub message of type '.*_Result'", "end the callback with return MyAction.Result()."),
-        Hint(
-            "sub message of type 'Time'",
-            "write self.get_clock().now().to_msg(), where self is the node.",
-        ),
-        Hint(
-            "sub message of type 'Duration'", "write Duration(seconds=1.0).to_msg(), with rclpy's Duration."
-        ),
-        Hint("sub message of type 'Quaternion'", "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))."),
-        Hint(r"sub message of type '(\w+)'", "make one, with names: {1}(x=1.0, ...)."),
-        Hint("each value of type 'float'", "write floats into the list: 0.0 instead of 0."),
-        Hint("each value of type '(int|str|bool|bytes)'", "give a list of {1}s."),
-        Hint(r"each value of type '(\w+)'", "give a list of them: [{1}(x=1.0, ...)]."),
-        Hint("Invalid arguments passed to constructor: dict_keys", "it takes depth, reliability, ..."),
-        Hint(
-            "Invalid arguments passed to constructor",
-            "the message has no such field: %ros2 interface show lists them.",
-        ),
-    ),
-    "FileNotFoundError": (
-        Hint(r"'[^']*\.rviz'", "save the layout there first: viewer.save_rviz('a_name.rviz'), or Ctrl+S."),
-    ),
-    "NotImplementedError": (Hint("Service classes can not", "make its request: AddTwoInts.Request(a=1)."),),
-    "InvalidArgumentException": (
-        Hint("cannot start with a '/'", "write the frame's name without the slash."),
-        Hint("cannot be empty", "fill in header.frame_id."),
-    ),
-    "ExtrapolationException": (
-        Hint("into the future", "ask for the latest one, Time(), or give a timeout."),
-    ),
-    "TypeException": (
-        Hint("is not loaded or supported", "import tf2_geometry_msgs: it knows points and poses."),
-    ),
-    "ImportError": (
-        Hint(
-            "cannot import name 'WString'", "the kit has no wide strings; String holds all characters, too."
-        ),
-        Hint(
-            r"cannot import name '(\w+)' from '(\w+_(msgs|srvs|interfaces))'",
-            "write from {2}.msg import {1}, or .srv, or .action.",
-        ),
-        Hint(
-            r"cannot import name '\w+' from '(\w+).(msg|srv|action)'",
-            "%ros2 interface package {1} lists its types.",
-        ),
-    ),
-    "ModuleNotFoundError": (
-        Hint(r"No module named '(\w+)_msgs'", "put the folder {1}_msgs with its msg beside the program."),
-    ),
-}
-_WORDS = "use letters, digits and underscores"
-_OF_TYPE: Mapping[str, str] = {  # with any text
-    "InvalidTopicNameException": f"{_WORDS}, and begin with a letter, like robot/front_camera.",
-    "InvalidServiceNameException": f"{_WORDS}, and begin with a letter, like robot/reset.",
-    "InvalidNodeNameException": f"{_WORDS}, like front_camera; the rest is for namespace=.",
-    "InvalidNamespaceException": f"{_WORDS}, and begin with a letter, like /robot_1.",
-    "InvalidHandle": "it was destroyed before; make a new one, or destroy it later.",
-    "NotInitializedException": "call rclpy.init() first.",
-    "ParameterAlreadyDeclaredException": "declare it once, in __init__; set_parameters changes it.",
-    "ParameterNotDeclaredException": "declare it first: self.declare_parameter('a_name', 1.0).",
-    "ParameterUninitializedException": "declare it with a default value, or set it before.",
-    "LookupException": "is the frame published, spelt so? %ros2 run tf2_tools view_frames.",
-    "ConnectivityException": "a transform between two trees is missing: %ros2 run tf2_tools view_frames.",
-    "InvalidQoSProfileException": "say how many messages are kept: depth=10.",
-}
+def _hints() -> dict[str, list[Hint]]:
+    """Read the hints by the type of their exception: at the start, as a program may use up all its files."""
+    table = tomllib.loads(Path(__file__).with_name("hints.toml").read_text(encoding="utf-8"))
+    return {kind: [_hint(*row) for row in rows] for kind, rows in table.items()}
+
+
+def _hint(text: str, line: str, mistake: str = "") -> Hint:
+    return Hint(text, line, Mistake[mistake] if mistake else None)
+
+
+_HINTS = _hints()
 
 
 def add_hint(error: BaseException) -> None:
@@ -221,8 +60,6 @@ def hint(error: BaseException) -> str:
         match = re.search(one.text, text)
         if match and one.mistake in (None, mistake):
             return one.hint.format(match[0], *match.groups())
-    if type(error).__name__ in _OF_TYPE:
-        return _OF_TYPE[type(error).__name__]
     if types := _types_named(text):
         return f"{_meant(text, types)}%ros2 interface show {' or '.join(types)} lists its fields."
     return _of_own_class(error, text)

@@ -7,10 +7,9 @@ from importlib import import_module
 from importlib.abc import Loader
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import spec_from_file_location, spec_from_loader
+from pathlib import Path
 from types import ModuleType
 from typing import Any
-
-from course_lib.ros.guests import GUESTS
 
 # A package of ROS has a module for each class; here a class is in the module of its subject.
 FOLDERS = (
@@ -40,6 +39,19 @@ HOMES = {
     "rclpy.validate_node_name": "rclpy.impl.names",
     "rclpy.validate_topic_name": "rclpy.impl.names",
 }
+
+
+def _guests() -> dict[str, dict[str, list[str]]]:
+    """Read the names that programs import from modules which only import them: by module, then by home."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for line in Path(__file__).with_name("guests.txt").read_text(encoding="utf-8").splitlines():
+        if line and not line.startswith("#"):
+            host, home, *names = line.split()
+            found.setdefault(host, {})[home] = names
+    return found
+
+
+GUESTS = _guests()
 _PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *HOMES, *GUESTS)}
 _WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
@@ -88,7 +100,7 @@ def _guest(host: str, name: str) -> Any:
     if name.startswith("__"):  # each import of a name asks for __path__
         raise AttributeError(f"module '{host}' has no attribute '{name}'")
     for home, names in GUESTS[host].items():
-        if name in names.split():
+        if name in names:
             return getattr(import_module(home), name)
     raise AttributeError(f"module '{host}' has no attribute '{name}'")
 

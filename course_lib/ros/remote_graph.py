@@ -39,7 +39,7 @@ class RemoteGraph(Graph):
 
     def __init__(self, channel: Channel, *, start_ns: int, end_ns: int, last_id: int) -> None:
         super().__init__(start_ns=start_ns, end_ns=end_ns)
-        self._last_id = last_id
+        self.last_id = last_id
         self._channel = channel
         self._alarms: dict[int, RemoteAlarm] = {}
         self._last_alarm = 0
@@ -48,9 +48,9 @@ class RemoteGraph(Graph):
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node; returns its id."""
-        self._last_id += 1
-        self._channel.queue(["node", self._last_id, name, namespace])
-        return self._last_id
+        self.last_id += 1
+        self._channel.queue(["node", self.last_id, name, namespace])
+        return self.last_id
 
     def remove_node(self, node: int) -> None:
         """Remove a node with its endpoints."""
@@ -58,19 +58,19 @@ class RemoteGraph(Graph):
 
     def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
         """Add a publisher; returns its endpoint id."""
-        self._last_id += 1
-        self._publishers[self._last_id] = EndpointInfo(self._last_id, "pub", node, topic, type_name, qos)
-        self._channel.queue(["pub", self._last_id, node, topic, type_name, _values_of(qos)])
-        return self._last_id
+        self.last_id += 1
+        self._publishers[self.last_id] = EndpointInfo(self.last_id, "pub", node, topic, type_name, qos)
+        self._channel.queue(["pub", self.last_id, node, topic, type_name, _values_of(qos)])
+        return self.last_id
 
     def add_subscription(
         self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
     ) -> int:
         """Add a subscription; returns its endpoint id."""
-        self._last_id += 1
-        self._on_message[self._last_id] = on_message
-        self._channel.queue(["sub", self._last_id, node, entity, topic, type_name, _values_of(qos)])
-        return self._last_id
+        self.last_id += 1
+        self._on_message[self.last_id] = on_message
+        self._channel.queue(["sub", self.last_id, node, entity, topic, type_name, _values_of(qos)])
+        return self.last_id
 
     def remove_endpoint(self, endpoint: int) -> None:
         """Remove a publisher or a subscription."""

@@ -30,7 +30,7 @@ def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _get(source: Source, arguments: Namespace, write: Write) -> None:
-    from rclpy.parameter import Parameter
+    from rclpy.parameter import Parameter, parameter_value_to_python
 
     name = arguments.parameter_name
     with asked(source, arguments.node_name) as ask:
@@ -41,7 +41,7 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
     word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
-    shown = plain_value(values[0])
+    shown = parameter_value_to_python(values[0])
     if kind is Parameter.Type.NOT_SET:
         write("None\n" if arguments.hide_type else "Parameter not set.\n")
     elif arguments.hide_type:
@@ -84,6 +84,7 @@ def _describe(source: Source, arguments: Namespace, write: Write) -> None:
 def _dump(source: Source, arguments: Namespace, write: Write) -> None:
     """Print a node's parameters as the YAML that `load` and `--params-file` read."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    from rclpy.parameter import parameter_value_to_python
 
     node_name, parameters = found_node(source, arguments.node_name), dict[str, Any]()
     with asked(source, node_name) as ask:
@@ -94,7 +95,7 @@ def _dump(source: Source, arguments: Namespace, write: Write) -> None:
         place = parameters
         for group in groups:
             place = place.setdefault(group, {})
-        place[last] = plain_value(one)
+        place[last] = parameter_value_to_python(one)
     write(f"{yaml.dump({node_name: {'ros__parameters': parameters}}, default_flow_style=False)}\n")
 
 
@@ -152,17 +153,6 @@ def found_node(source: Source, name: str) -> str:
             f"Node not found: {name}. There are: {', '.join(parameter_nodes(source)) or 'none'}."
         )
     return full
-
-
-def plain_value(message: Any) -> Any:
-    """Return the value in a ParameterValue message; arrays as lists, as in ROS."""
-    from rclpy.parameter import Parameter
-
-    kind = Parameter.Type(message.type)
-    if kind is Parameter.Type.NOT_SET:
-        return None
-    found = getattr(message, f"{kind.name.lower()}_value")
-    return list(found) if kind.name.endswith("_ARRAY") else found
 
 
 def _kind(number: int) -> str:

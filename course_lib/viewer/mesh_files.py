@@ -25,18 +25,14 @@ class MeshFileError(CourseError):
     """A mesh file cannot be read."""
 
 
-def load_mesh(path: Path, color: tuple[float, ...] | None = None) -> Mesh:
-    """Read a DAE, STL or OBJ file.
-
-    Args:
-        path: The file; as in RViz, the unit that it names counts, and the axis that it calls up does not.
-        color: RGBA of all of it; None takes the file's own materials, and grey where it has none.
+def load_mesh(path: Path) -> Mesh:
+    """Read a DAE, STL or OBJ file; as in RViz, the unit that it names counts, the axis that it calls up not.
 
     Raises:
         MeshFileError: If it is not such a file, or broken.
     """
     try:
-        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), color, path.parent)
+        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), folder=path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error
 
@@ -45,7 +41,10 @@ def load_mesh(path: Path, color: tuple[float, ...] | None = None) -> Mesh:
 def parse_mesh(
     data: bytes, file_format: str, color: tuple[float, ...] | None = None, folder: Path | None = None
 ) -> Mesh:
-    """Read the content of a file, see `load_mesh`; its textures are looked for in the folder."""
+    """Read the content of a file, see `load_mesh`; its textures are looked for in the folder.
+
+    The colour is that of all of it, RGBA; None takes the file's own materials, and grey where it has none.
+    """
     from trimesh.units import unit_conversion  # here: heavy
 
     if file_format not in FORMATS:

@@ -9,12 +9,50 @@ from typing import Any
 import anywidget
 import traitlets
 from IPython.core.getipython import get_ipython
+from ipywidgets import Widget
 
 from course_lib.viewer import assets, zbuffer
 from course_lib.viewer.drawables import Mesh, Points, Solids
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.side_panel import SidePanel
+
+
+class SidePanel:
+    """The panel of one widget, opened and closed as its pages ask: only they know what JupyterLab is.
+
+    Args:
+        widget: What the panel shows.
+        title: Of the panel's tab.
+    """
+
+    def __init__(self, widget: Widget, title: str) -> None:
+        self._widget, self._title = widget, title
+        self._panel: Widget | None = None
+
+    def take(self, order: dict[str, Any]) -> str:
+        """Open or close the panel; with `again` false, one that was opened before will do.
+
+        Returns:
+            The panel's model, or "".
+        """
+        wanted = bool(order.get("open"))
+        if not wanted or order.get("again", True):
+            self.close()
+        if wanted and self._panel is None:
+            from sidecar import Sidecar  # here: most kernels never need it
+
+            view = {"version_major": 2, "version_minor": 0, "model_id": self._widget.model_id}
+            data = {"application/vnd.jupyter.widget-view+json": view}
+            shown = {"output_type": "display_data", "data": data, "metadata": {}}
+            self._panel = Sidecar(title=self._title, anchor="split-right", outputs=(shown,))
+        return "" if self._panel is None else str(self._panel.model_id)
+
+    def close(self) -> None:
+        """Remove the panel from the page."""
+        if self._panel is not None:
+            self._panel.close()
+            self._panel = None
+
 
 _PICTURE_WIDTH = 480  # [px] of the picture for pages that cannot show the scene itself
 _PICTURE_LIMIT = 200_000  # triangles; more take seconds to draw

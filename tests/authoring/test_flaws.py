@@ -1,6 +1,7 @@
 """Every aspect of `course verify` notices what it is for, and names the place."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import pytest
 
@@ -8,7 +9,7 @@ from course_lib.authoring.answers import read_answers
 from course_lib.authoring.edits import edits_of
 from course_lib.authoring.flaw import Flaw
 from course_lib.authoring.memory import refuse_broken
-from course_lib.authoring.mutants import GENERAL, operators
+from course_lib.authoring.mutants import operators
 from course_lib.authoring.new_week import new_week, template_picture
 from course_lib.authoring.rehearsal import cells_of
 from course_lib.authoring.verify import WeekReport, lines, verify
@@ -91,6 +92,7 @@ def _nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.authoring.verify.WeekRehearsals.flaws", lambda _: iter(()))
 
 
+GENERAL = operators(Path())  # where no course has its own
 MUTANTS = tuple(operator for operator in GENERAL if operator.name == "frame")
 WEEKS = [f"week{number:02}" for number in range(9, 9 + len(RUN))]  # each fault of RUN has a week of its own
 

@@ -1,8 +1,7 @@
 import numpy as np
 import trimesh
 
-from course_lib.book.compact import MOST_FACES, SHARED, compact
-from course_lib.book.triangles import PageMesh, thinned
+from course_lib.book.compact import MOST_FACES, SHARED, PageMesh, compact, thinned
 from course_lib.viewer import encoding
 from course_lib.viewer.drawables import Mesh
 from course_lib.viewer.scene import Scene

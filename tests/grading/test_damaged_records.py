@@ -13,7 +13,7 @@ from course_lib.grading.handin.roster import read_times
 from course_lib.grading.marks.mark import read_result
 from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.marks.requests import read_requests
-from course_lib.grading.reports.times import check_times, scenario_times
+from course_lib.grading.reports.items import check_times, scenario_times
 from course_lib.grading.run.run import read_usage
 from tests.grading.test_platform_times import PARIS
 

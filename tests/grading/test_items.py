@@ -12,9 +12,8 @@ from course_lib.grading.grade import grade
 from course_lib.grading.judge import CheckResult, Judgement, TaskResult
 from course_lib.grading.marks.mark import Result, results_in
 from course_lib.grading.records import Course, check_times_path
-from course_lib.grading.reports.items import FEWEST, Analysis, Item, analyse, correlation
+from course_lib.grading.reports.items import FEWEST, Analysis, Item, Spent, analyse, check_times, correlation
 from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.reports.times import Spent, check_times
 from tests.grading.graders import write_class
 from tests.grading.term.simulated import write_results
 

@@ -18,8 +18,13 @@ from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.marks.mark import read_result
 from course_lib.grading.marks.marks import read_marks
 from course_lib.grading.marks.requests import read_requests
-from course_lib.grading.term.class_list import ClassList, Member, read_class_list
-from course_lib.grading.term.lists import read_exemptions, read_quizzes
+from course_lib.grading.term.class_list import (
+    ClassList,
+    Member,
+    read_class_list,
+    read_exemptions,
+    read_quizzes,
+)
 from course_lib.grading.term.regrade import take_in
 from tests.grading.platforms import NAME, notebook, zipped
 from tests.hostile.made_up import spoilt

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from course_lib.authoring.taught import code_of, used_in_answers
+from course_lib.authoring.lesson_rules import code_of, used_in_answers
 from course_lib.authoring.verify import page_flaws, weeks_of
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir

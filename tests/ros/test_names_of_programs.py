@@ -26,7 +26,7 @@ from std_srvs.srv import Empty
 
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph
-from course_lib.ros.guests import GUESTS
+from course_lib.ros.homes import GUESTS
 from tests.ros.rclpy.conftest import begun as begun
 from tests.ros.rclpy.conftest import graph as graph
 from tests.ros.rclpy.conftest import node as node
@@ -74,7 +74,7 @@ def test_programs_import_these_names() -> None:
 
 @pytest.mark.parametrize("host", GUESTS)
 def test_what_ros_s_module_imports_can_be_imported_from_it(host: str) -> None:
-    lacking = [name for names in GUESTS[host].values() for name in names.split()]
+    lacking = [name for names in GUESTS[host].values() for name in names]
     assert [name for name in lacking if not hasattr(import_module(host), name)] == []
     assert not hasattr(import_module(host), "nonsense")
 

@@ -16,7 +16,7 @@
     return viewer.unpacked(script.dataset.content);
   }
 
-  /** Reads a mesh as `triangles.py` writes it: columns, of numbers that are differences. @param {any} coded */
+  /** Reads a mesh as `compact.py` writes it: columns, of numbers that are differences. @param {any} coded */
   function expanded({ corner, step, steps, turns, corners, ...mesh }) {
     const [places, ways] = [new Int16Array(steps.slice().buffer), new Int8Array(turns.slice().buffer)];
     const [vertices, normals] = [new Float32Array(places.length), new Float32Array(places.length)];

@@ -26,6 +26,7 @@ from course_lib.displays.interactive.motion import Drag, Pointer, axes_of, facin
 from course_lib.displays.marker.drawables import DRAW
 from course_lib.displays.reference_display import axes
 from course_lib.displays.statuses import Statuses
+from course_lib.robots.rigid_motions import inverse
 from course_lib.viewer.camera import Camera
 from course_lib.viewer.drawables import Lines
 
@@ -50,7 +51,9 @@ class ShownControl:
         mode = self.message.orientation_mode
         if mode == INHERIT:
             return pose[:3, :3]
-        return rotation(self.axes[:, 0], self.turned) if mode == FIXED else self._facing(camera)
+        if mode == FIXED:
+            return rotation(self.axes[:, 0], self.turned)
+        return facing(self.axes, camera, self.turned)
 
     def drawn(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the pose of what is drawn of it, shape (4, 4)."""
@@ -61,9 +64,6 @@ class ShownControl:
         if not is_apart:
             placed[:3, :3] = self.orientation(pose, camera)
         return placed
-
-    def _facing(self, camera: Matrix) -> Matrix:
-        return facing(self.axes, camera, self.turned)
 
 
 class ShownMarker:
@@ -135,7 +135,7 @@ class ShownMarker:
 
     def press(self, control: ShownControl, pointer: Pointer, point: Floats | None) -> None:
         """Begin a drag; points and rays are in the fixed frame, [m]."""
-        inward = _inverse(self._reference)
+        inward = inverse(self._reference)
         local = pointer.seen_from(inward)
         grab = self._pose[:3, 3] if point is None else _at(inward, point)
         self._camera = local.axes
@@ -154,7 +154,7 @@ class ShownMarker:
         if self._drag is None or self._held is None:
             return
         before = self._drag
-        self._drag = before.to(pointer.seen_from(_inverse(self._reference)), shift, ctrl)
+        self._drag = before.to(pointer.seen_from(inverse(self._reference)), shift, ctrl)
         if self._drag.pose is before.pose:
             return
         self._pose = self._drag.pose
@@ -199,7 +199,7 @@ class ShownMarker:
         outward = np.eye(4) if self._locked else self._reference
         _write_pose(feedback.pose, outward @ self._pose)
         if point is not None:
-            inward = _inverse(self._reference) if self._locked else np.eye(4)
+            inward = inverse(self._reference) if self._locked else np.eye(4)
             _write_point(feedback.mouse_point, _at(inward, point))
         self._send(feedback)
 
@@ -220,7 +220,7 @@ class ShownMarker:
             return placed(np.eye(4), part.pose)
         there = self._context.frames.transform(part.header.frame_id, nanoseconds(part.header.stamp))
         above = self._reference @ control.drawn(self._pose, self._camera)
-        return _inverse(above) @ placed(np.eye(4) if there is None else there, part.pose)
+        return inverse(above) @ placed(np.eye(4) if there is None else there, part.pose)
 
     def _take_pose(self, header: Message, pose: Message) -> None:
         """Accept a pose: with a stamp it stays where it is, without one it moves with its frame."""
@@ -264,14 +264,6 @@ class ShownMarker:
         scene.set_transform(f"{self.path}/axes", self._pose)
         for control in self.controls:
             scene.set_transform(control.path, control.drawn(self._pose, self._camera))
-
-
-def _inverse(transform: Matrix) -> Matrix:
-    """Return the inverse of a rigid transform."""
-    inverse = np.eye(4)
-    inverse[:3, :3] = transform[:3, :3].T
-    inverse[:3, 3] = -inverse[:3, :3] @ transform[:3, 3]
-    return inverse
 
 
 def _at(transform: Matrix, point: Floats) -> Floats:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import TypeVar
 
 from course_lib.course.course_file import Late
 from course_lib.course.state import write_whole
@@ -18,6 +19,7 @@ from course_lib.grading.records import digest_of, marks_turn
 from course_lib.grading.task import Row
 
 DAY = 86_400  # [s]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,12 @@ class MarksConflictError(CourseError):
 
 
 def read_marks(path: Path) -> list[HandMark]:
-    """Return all marks of a file, the oldest first.
+    """Return all marks of a file, the oldest first; raises a CourseError where it is damaged."""
+    return read_entries(path, HandMark)
+
+
+def read_entries(path: Path, kind: type[T]) -> list[T]:
+    """Return the records of a file, the oldest first; none where there is no file.
 
     Raises:
         CourseError: The file is damaged.
@@ -102,7 +109,7 @@ def read_marks(path: Path) -> list[HandMark]:
     if not path.is_file():
         return []
     try:
-        return [HandMark(**entry) for entry in read_json(path.read_text(encoding="utf-8"))]
+        return [kind(**entry) for entry in read_json(path.read_text(encoding="utf-8"))]
     except (OSError, ValueError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
+from course_lib.grading.marks.marks import read_entries
 
 MAX_TEXT = 5000  # characters
 
@@ -39,17 +39,8 @@ def requests_path(out: Path, student: str, exercise: str) -> Path:
 
 
 def read_requests(path: Path) -> tuple[RegradeRequest, ...]:
-    """Return all requests of a file, the oldest first.
-
-    Raises:
-        CourseError: The file is damaged.
-    """
-    if not path.is_file():
-        return ()
-    try:
-        return tuple(RegradeRequest(**entry) for entry in read_json(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError) as error:
-        raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
+    """Return all requests of a file, the oldest first; raises a CourseError where it is damaged."""
+    return tuple(read_entries(path, RegradeRequest))
 
 
 def add_request(path: Path, text: str) -> None:

@@ -14,43 +14,17 @@ from course_lib.course.installation import exercises_dir
 from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.grading.check_file import check_file
-from course_lib.grading.handin.collect import KEPT, collect
-from course_lib.grading.platforms.times import PlatformTime, write_receipts
+from course_lib.grading.handin.collect import KEPT, PlatformTime, collect, write_receipts
 from course_lib.grading.reports.table import printable
 from course_lib.grading.term.class_list import ClassList, read_class_list
 
 WORKFLOW = Path(".github/workflows/public_checks.yml")
+TEMPLATE = Path(__file__).with_name("files") / WORKFLOW.name
 FOLDER = "my_course"  # in which students work, and which they push
 EXERCISE = re.compile(r"week\d\d_exercise\.ipynb")
 SHA = re.compile(r"[0-9a-f]{40,64}")
 ROSTER_HINT = "roster.csv needs a column 'login' with the students' names on GitHub"
 PUSHES_HINT = "It is what `gh api repos/ORG/REPO/activity` gives for each repository, one after the other"
-TEXT = f"""\
-# The public checks of each exercise in {FOLDER}/ that differs from the released one.
-name: Public checks
-on: [push, workflow_dispatch]
-permissions:
-  contents: read
-jobs:
-  check:
-    runs-on: ubuntu-latest
-    timeout-minutes: 20
-    steps:
-      - uses: actions/checkout@v4
-      - uses: actions/setup-python@v5
-        with:
-          python-version: "3.12"
-          cache: pip
-          cache-dependency-path: pyproject.toml
-      - run: pip install -e .
-      - name: Public checks
-        shell: bash
-        run: |
-          echo '```' >> "$GITHUB_STEP_SUMMARY"
-          course classroom --check {FOLDER} 2>&1 | tee -a "$GITHUB_STEP_SUMMARY" && code=0 || code=$?
-          echo '```' >> "$GITHUB_STEP_SUMMARY"
-          exit $code
-"""
 
 
 def write_workflow(copy: Path) -> list[str]:
@@ -63,7 +37,8 @@ def write_workflow(copy: Path) -> list[str]:
         raise CourseError(f"{copy} is not a students' copy. Type: course release {copy}")
     if (copy / "solutions").exists():
         raise CourseError(f"{copy} holds solutions. Name the students' copy: course release ../for_students")
-    write_whole(copy / WORKFLOW, TEXT.encode())
+    text = TEMPLATE.read_text(encoding="utf-8").replace("FOLDER", FOLDER)
+    write_whole(copy / WORKFLOW, text.encode())
     return [
         f"Wrote {copy / WORKFLOW}: GitHub runs the public checks at each push.",
         f"Make {copy} the template repository of the assignment. Students work in {FOLDER}: course lab",

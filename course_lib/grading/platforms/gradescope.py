@@ -20,33 +20,7 @@ Hidden = Literal["after_published", "after_due_date", "hidden", "visible"]
 NEEDS = {"full": " --require-sandbox", "any": " --i-trust-these-submissions", "partial": ""}
 YEAR = (2000, 1, 1, 0, 0, 0)  # of all files in the zip
 EXECUTABLE, PLAIN = 0o755, 0o644
-SETUP = """\
-#!/usr/bin/env bash
-# Gradescope runs this once, as root, when it makes the image: Python 3.11 or newer, the kit, and the course.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-python=""
-apt-get update
-apt-get install -y bubblewrap || true
-for version in 3.13 3.12 3.11; do
-  if apt-get install -y "python$version" "python$version-venv" || "python$version" -c "import ensurepip"; then
-    python="python$version"
-    break
-  fi
-done
-if [ -z "$python" ]; then
-  echo "This image has no Python 3.11 or newer: choose Ubuntu 22.04 or newer as the base image." >&2
-  exit 1
-fi
-"$python" -m venv "$root/venv"
-"$root/venv/bin/pip" install KIT -e "$root/source/course"
-"""
-RUN = """\
-#!/usr/bin/env bash
-# Gradescope runs this for each submission; it writes results/results.json.
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-exec "$root/venv/bin/course" gradescope WEEK --run "$root" --hidden HIDDEN NEED
-"""
+FILES = Path(__file__).with_name("files")
 
 
 def write_autograder(week: str, out: Path, *, hidden: str, need: str, roster: Path | None) -> list[str]:
@@ -65,9 +39,10 @@ def write_autograder(week: str, out: Path, *, hidden: str, need: str, roster: Pa
     if hidden not in get_args(Hidden):
         raise CourseError(f"--hidden {hidden}: expected one of {', '.join(get_args(Hidden))}")
     root = checkout_root()
-    script = RUN.replace("WEEK", week).replace("HIDDEN", hidden).replace(" NEED", NEEDS[need])
+    run = _script("run_autograder.sh").replace("WEEK", week).replace("HIDDEN", hidden)
+    script = run.replace(" NEED", NEEDS[need])
     kit = KitSource("", "the kit") if (root / PACKAGE).is_dir() else kit_source()
-    setup = SETUP.replace("KIT ", f"{kit.words} ".lstrip())
+    setup = _script("setup.sh").replace("KIT ", f"{kit.words} ".lstrip())
     files = {**dict(_course_files(root, week)), **kit.files, **_roster_file(roster)}
     data = io.BytesIO()
     with ZipFile(data, "w") as archive:
@@ -86,6 +61,10 @@ def write_autograder(week: str, out: Path, *, hidden: str, need: str, roster: Pa
         f"Wrote {out}: the course, {kit.name}, and of {week} the solution and hidden checks{note}",
         "Upload it in Gradescope: the assignment's Configure Autograder, base image Ubuntu 22.04 or newer",
     ]
+
+
+def _script(name: str) -> str:
+    return (FILES / name).read_text(encoding="utf-8")
 
 
 def _roster_file(roster: Path | None) -> dict[str, bytes]:

@@ -14,12 +14,11 @@ from course_lib.course.state import write_whole
 from course_lib.errors import CourseError, counted
 from course_lib.foreign import read_json
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.collect import collect
+from course_lib.grading.handin.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.jail.isolation import Need
 from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.platforms.times import PlatformTime, write_receipts
 from course_lib.grading.records import Course, catalog_of, result_path, this_course
 from course_lib.grading.reports.table import printable, rows, say
 from course_lib.grading.term.class_list import read_class_list

@@ -15,8 +15,13 @@ from course_lib.grading.handin.lms import TERM_TABLE
 from course_lib.grading.marks.mark import need_results, results_in
 from course_lib.grading.records import writing
 from course_lib.grading.reports.table import csv_of, few, printable
-from course_lib.grading.term.class_list import ClassList, Member, read_class_list
-from course_lib.grading.term.lists import read_exemptions, read_quizzes
+from course_lib.grading.term.class_list import (
+    ClassList,
+    Member,
+    read_class_list,
+    read_exemptions,
+    read_quizzes,
+)
 from course_lib.grading.term.totals import FULL, Kind, TermLine, WeekMark, add_up_term
 
 FIXED = ("student", "name", "email", "section", "group", "total", "weeks", "quizzes")

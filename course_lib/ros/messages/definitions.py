@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.messages.interface_files import check_interface, read_defaults, read_interface
-from course_lib.ros.messages.lazy_types import LazyTypes
+from course_lib.ros.messages.interface_files import LazyTypes, check_interface, read_defaults, read_interface
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

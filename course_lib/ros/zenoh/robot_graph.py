@@ -11,11 +11,11 @@ from course_lib.ros.zenoh import explain
 from course_lib.ros.zenoh.ears import Ears
 from course_lib.ros.zenoh.inbox import Packet
 from course_lib.ros.zenoh.link import Declared, RobotLink
+from course_lib.ros.zenoh.login import Wheel
 from course_lib.ros.zenoh.neighbours import Neighbours
 from course_lib.ros.zenoh.sending import Allowed, HeldBack, Sending, Tell
 from course_lib.ros.zenoh.services import Services
 from course_lib.ros.zenoh.tokens import Entity
-from course_lib.ros.zenoh.wheel import Wheel
 
 SLICE = 0.02  # [s] an interrupt is noticed within
 LAST_SECONDS = 3.0  # [s] that Python's end waits for a link; a kernel that restarts is killed after 5

@@ -3,39 +3,13 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 from io import StringIO
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STYLE = """<style>
-.rqt { --rqt-text: var(--jp-ui-font-color1, CanvasText);
-  --rqt-back: var(--jp-layout-color1, Canvas); --rqt-line: var(--jp-border-color1, #8888);
-  --rqt-dim: var(--jp-ui-font-color2, color-mix(in srgb, CanvasText 70%, Canvas)); color: var(--rqt-text);
-  background: var(--rqt-back); border: 1px solid var(--rqt-line); border-radius: 4px; padding: 4px 8px; }
-.rqt .rqt-title { font-size: 15px; }
-.rqt .widget-html { flex-shrink: 1; }
-.rqt .widget-html-content { line-height: 1.4; }
-.rqt .widget-checkbox { margin-right: 8px; }
-.rqt .widget-checkbox label { display: flex; align-items: center; }
-.rqt p { margin: 3px 0; }
-.rqt .rqt-notice { background: #fff3cd; color: #222; padding: 3px 8px; border-left: 4px solid #d98200; }
-.rqt .rqt-screen { max-height: 560px; overflow: auto; }
-.rqt table { border-collapse: collapse; width: 100%; font-size: 12.5px; }
-.rqt thead th { position: sticky; top: 0; background: var(--jp-layout-color2, Canvas); }
-.rqt th, .rqt td { padding: 2px 8px; border-bottom: 1px solid var(--rqt-line); text-align: left;
-  vertical-align: top; overflow-wrap: break-word; }
-.rqt pre { margin: 0; font-size: 12px; line-height: 1.35; white-space: pre-wrap; color: inherit; }
-.rqt svg { display: block; max-width: 100%; height: auto; font: 12px system-ui, sans-serif; }
-.rqt svg text { fill: var(--rqt-text); }
-.rqt svg.rqt-icon { display: inline; vertical-align: -2px; margin-right: 5px; }
-.rqt .rqt-dim { color: var(--rqt-dim); }
-.rqt mark { background: #fff3cd; color: #222; font-weight: bold; }
-.rqt .rqt-topic { text-align: left; }
-.rqt .widget-hbox { align-items: center; }
-.rqt .rqt-cells { display: grid; grid-template-columns: 230px 80px 55px 1fr; column-gap: 8px; }
-.rqt .rqt-cells span { overflow: hidden; white-space: nowrap; text-overflow: ellipsis; }
-</style>"""
+STYLE = f"<style>\n{Path(__file__).with_name('style.css').read_text(encoding='utf-8')}</style>"
 
 _SIGNS = {  # a shape for each, so that its colour is not all that tells
     "info": ("#2b6cb0", "<circle cx='7' cy='7' r='6.5'/>", "M7 3V4.8M7 6.2V11"),

@@ -10,7 +10,7 @@ from course_lib.ros.graph import Sample
 from course_lib.ros.messages import message_class, service_class
 from course_lib.ros.messages.conversions import Style, to_yaml
 from course_lib.tools.message_yaml import fill
-from course_lib.tools.param import asked, found_node, parameter_nodes, plain_value
+from course_lib.tools.param import asked, found_node, parameter_nodes
 from course_lib.tools.rqt.markup import table
 from course_lib.tools.rqt.view import RqtView
 from course_lib.tools.sources import answer, own_node
@@ -121,10 +121,12 @@ class ReconfigureView(RqtView):
     def hear(self, sample: Sample) -> None:
         """Show values that other clients set."""
         if (sample.topic, sample.type_name) == _EVENTS and self.rows:
+            from rclpy.parameter import parameter_value_to_python
+
             event: Any = sample.message()
             if event.node == self["Node"]:
                 changes = (*event.new_parameters, *event.changed_parameters)
-                self._show({change.name: plain_value(change.value) for change in changes})
+                self._show({one.name: parameter_value_to_python(one.value) for one in changes})
 
     def refresh(self) -> None:
         """Update the choice of nodes, and show the rows that pass the filter."""
@@ -141,11 +143,13 @@ class ReconfigureView(RqtView):
 
     def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
         """Return names, values and descriptors of a node's parameters."""
+        from rclpy.parameter import parameter_value_to_python
+
         self.check_time()
         with asked(self.source, node) as ask:
             names = sorted(ask("list_parameters").result.names)
             values, about = ask("get_parameters", names).values, ask("describe_parameters", names).descriptors
-        return list(zip(names, map(plain_value, values), about, strict=True))
+        return list(zip(names, map(parameter_value_to_python, values), about, strict=True))
 
     def _read(self) -> None:
         """Create the rows of the chosen node."""

@@ -8,7 +8,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from course_lib.ros.messages import deserialize, interface_files, serialize
 from course_lib.ros.messages.definitions import FOLDERS, definition, type_names, typestore
-from course_lib.ros.messages.lazy_types import LazyTypes
+from course_lib.ros.messages.interface_files import LazyTypes
 
 
 def write(folder: Path, name: str, text: str) -> None:
@@ -27,7 +27,7 @@ def test_a_file_is_read_when_one_of_its_types_is_looked_up(
         read.append(path.stem)
         return original(path)
 
-    monkeypatch.setattr("course_lib.ros.messages.lazy_types.read_interface", spy)
+    monkeypatch.setattr("course_lib.ros.messages.interface_files.read_interface", spy)
     write(tmp_path, "a_msgs/msg/One.msg", "uint8 number 7")
     write(tmp_path, "a_msgs/srv/Two.srv", "---\nbool ok")
     defaults: dict[tuple[str, str], object] = {}

@@ -1,9 +1,8 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.zenoh.login import Login, gateway_key, parted, read_gateway_key
+from course_lib.ros.zenoh.login import Login, Wheel, gateway_key, parted, read_gateway_key
 from course_lib.ros.zenoh.session import open_session
-from course_lib.ros.zenoh.wheel import Wheel
 from tests.ros.zenoh.conftest import free_port
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-from cv_bridge.colors import Pixels, convert
-from cv_bridge.encodings import DEPTHS, Encoding, encoding_of
+from cv_bridge.colors import DEPTHS, Encoding, Pixels, convert, encoding_of
 
 JPEG_QUALITY = 95  # OpenCV's
 _FORMATS = {

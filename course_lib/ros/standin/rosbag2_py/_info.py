@@ -6,9 +6,32 @@ from pathlib import Path
 from rclpy.duration import Duration
 from rclpy.time import Time
 
-from course_lib.recording import Recording, bag_info, bag_metadata, topic_counts
-from rosbag2_py._storage import BagMetadata, TopicInformation, TopicMetadata
-from rosbag2_py._uri import folder_of, whole
+from course_lib.errors import CourseError
+from course_lib.recording import Recording, bag_info, bag_metadata, read_bag, topic_counts
+from course_lib.recording.salvage import data_files
+from rosbag2_py._storage import BagError, BagMetadata, TopicInformation, TopicMetadata
+
+
+def folder_of(uri: str) -> Path:
+    """Return a bag's folder; programs name the one file in it as well.
+
+    Raises:
+        BagError: The file is one of several.
+    """
+    path = Path(uri)
+    if path.suffix not in (".mcap", ".db3") or not path.is_file():
+        return path
+    if data_files(path.parent) != [path]:
+        raise BagError(f"{path} is one of several files. Open the bag's folder: {path.parent}.")
+    return path.parent
+
+
+def whole(uri: str) -> Recording:
+    """Read a bag; raises a BagError where there is none."""
+    try:
+        return read_bag(folder_of(uri))
+    except CourseError as error:
+        raise BagError(str(error)) from None
 
 
 class Info:

@@ -4,7 +4,7 @@ import re
 from bisect import bisect_left
 
 from course_lib.recording import Recording
-from rosbag2_py._info import metadata, topics
+from rosbag2_py._info import folder_of, metadata, topics, whole
 from rosbag2_py._storage import (
     STORAGES,
     BagError,
@@ -15,7 +15,6 @@ from rosbag2_py._storage import (
     StorageOptions,
     TopicMetadata,
 )
-from rosbag2_py._uri import folder_of, whole
 
 
 class SequentialReader:
