@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,9 @@ import pytest
 from course_lib.ros.standin_path import install
 from tests.kernels import listen_on_files
 
+# What tests and the processes they start import is compiled once, also where images forbid to keep it.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 install()
 if os.name == "posix":  # Windows has no such sockets
     listen_on_files()
