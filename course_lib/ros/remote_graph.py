@@ -1,7 +1,6 @@
 """The graph as a student's process sees it: its clock and its topics are at the other end of a pipe."""
 
 from collections.abc import Callable
-from dataclasses import astuple
 from typing import Any
 
 from course_lib.ros.channel import Channel, ChannelError
@@ -56,7 +55,7 @@ class RemoteGraph(Graph):
         """Add a publisher; returns its endpoint id."""
         self._last_id += 1
         self._publishers[self._last_id] = EndpointInfo(self._last_id, "pub", node, topic, type_name, qos)
-        self._channel.queue(["pub", self._last_id, node, topic, type_name, astuple(qos)])
+        self._channel.queue(["pub", self._last_id, node, topic, type_name, qos.row()])
         return self._last_id
 
     def add_subscription(
@@ -65,7 +64,7 @@ class RemoteGraph(Graph):
         """Add a subscription; returns its endpoint id."""
         self._last_id += 1
         self._on_message[self._last_id] = on_message
-        self._channel.queue(["sub", self._last_id, node, entity, topic, type_name, astuple(qos)])
+        self._channel.queue(["sub", self._last_id, node, entity, topic, type_name, qos.row()])
         return self._last_id
 
     def remove_endpoint(self, endpoint: int) -> None:
