@@ -1,10 +1,14 @@
-"""Setup of every test: ROS names come from the stand-in, and kernels need no port. Also a small disk."""
+"""Setup of every test: ROS names come from the stand-in, and kernels need no port.
+
+Also a small disk, and commands in this process.
+"""
 
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import hypothesis
 import pytest
@@ -32,3 +36,29 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         pytest.skip("no disk can be mounted here")
     yield place
     subprocess.run(("umount", "-l", str(place)), check=True)
+
+
+class Typed(NamedTuple):
+    """A command that has ended."""
+
+    returncode: object
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def in_process(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Typed]:
+    """Run `course WORDS` in this process: most of a second cheaper than in one of its own."""
+
+    from course_lib import cli
+    from course_lib.tools.run import HASH_SEED
+
+    def run(*words: str, cwd: Path) -> Typed:
+        monkeypatch.chdir(cwd)
+        monkeypatch.setattr(sys, "argv", ["course", *words])
+        monkeypatch.setenv("PYTHONHASHSEED", HASH_SEED)  # otherwise `course run` starts this process again
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+        return Typed(left.value.code, *capfd.readouterr())
+
+    return run

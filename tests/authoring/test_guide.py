@@ -14,7 +14,7 @@ import pytest
 from course_lib.authoring.flaw import ASPECTS
 from course_lib.authoring.new_week import notebook_of
 from course_lib.course.exercise import notebook_text, read_notebook, source
-from tests.authoring.test_new_course import ROOT, install, run
+from tests.authoring.test_new_course import BUILT_HERE, ROOT, install, run
 from tests.test_contributing import edit
 
 PAGE = (ROOT / "docs" / "author.md").read_text("utf-8")
@@ -52,7 +52,7 @@ class Author:
         if program == "cd":
             self.folder = self.folder / words[0]
         elif program == "pip":
-            self.python = install(self.folder.parent / "venv", self.folder)
+            self.python = install(self.folder.parent / "venv", self.folder, *BUILT_HERE)
         else:
             if words[0] == "grade":
                 self._hand_in(self.folder.parent / "submissions" / "ada")
