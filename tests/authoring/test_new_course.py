@@ -90,7 +90,7 @@ def test_the_kit_finds_the_installed_course_from_anywhere(python: Path, tmp_path
 def test_its_lessons_run_and_its_own_test_passes(project: Path, python: Path) -> None:
     for lesson in sorted((project / "notebooks").glob("week*.ipynb")):
         run(python, "-m", "course_lib", "run", lesson, cwd=project)
-    run(python, "-m", "pytest", "-q", "tests", cwd=project)
+    run(python, "-m", "pytest", "-q", "-p", "no:nbmake", "tests", cwd=project)  # it takes 1.3 s to load
 
 
 @pytest.mark.slow
