@@ -3,13 +3,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
 import course_lib
-from course_lib import cli
 from course_lib.tools.run import HASH_SEED
+from tests.conftest import Typed
 
 PROGRAM = Path(__file__).parent / "programs" / "timer.py"
 HELLO = "import rclpy\nrclpy.init()\nrclpy.create_node('hello').get_logger().info(rclpy.__file__)\n"
@@ -26,29 +25,6 @@ def course(*words: str, cwd: Path, **environment: str) -> "subprocess.CompletedP
         check=False,
         timeout=120,
     )
-
-
-class Typed(NamedTuple):
-    """A command that has ended."""
-
-    returncode: object
-    stdout: str
-    stderr: str
-
-
-@pytest.fixture
-def in_process(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Typed]:
-    """Like `course`, but in this process: most of a second cheaper, for a command that ends at once."""
-
-    def run(*words: str, cwd: Path) -> Typed:
-        monkeypatch.chdir(cwd)
-        monkeypatch.setattr(sys, "argv", ["course", *words])
-        monkeypatch.setenv("PYTHONHASHSEED", HASH_SEED)  # otherwise `course run` starts this process again
-        with pytest.raises(SystemExit) as left:
-            cli.main()
-        return Typed(left.value.code, *capfd.readouterr())
-
-    return run
 
 
 @pytest.fixture

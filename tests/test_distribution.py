@@ -6,12 +6,17 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import venv
 import zipfile
+from collections.abc import Iterable
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
 import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tests.authoring.test_new_course import hand_in
 from tests.checkout import ROOT, tracked
@@ -55,6 +60,38 @@ def test_sdist_and_wheel_are_what_an_index_accepts(built: Path) -> None:
 def test_the_wheel_of_the_sdist_and_of_the_checkout_are_equal(built: Path, tmp_path: Path) -> None:
     build(tmp_path / "again", "--wheel")
     assert wheel(built).read_bytes() == wheel(tmp_path / "again").read_bytes()
+
+
+BUILD = """
+import sys
+from pathlib import Path
+before = set(sys.modules)
+from course_lib.ros.messages.stubs import write_stubs
+write_stubs(Path(sys.argv[1]))
+print(*{name.partition(".")[0] for name in set(sys.modules) - before})
+"""
+
+
+def test_the_build_hook_loads_only_what_the_build_requires(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", BUILD, str(tmp_path)]
+    loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    assert list(tmp_path.rglob("__init__.pyi"))
+    system = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["build-system"]
+    distributions = packages_distributions()
+    used = {canonicalize_name(name) for module in loaded for name in distributions.get(module, [])}
+    assert used - installed_with(system["requires"]) == {"course-lib"}
+
+
+def installed_with(names: Iterable[str]) -> set[str]:
+    """Return the distributions that come with these requirements."""
+    found, waiting = set[str](), [Requirement(name) for name in names]
+    while waiting:
+        one = waiting.pop()
+        name = canonicalize_name(one.name)
+        if name not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
+            found.add(name)
+            waiting += map(Requirement, requires(name) or [])
+    return found
 
 
 def test_the_version_stands_in_one_place_and_the_citation_agrees(built: Path) -> None:

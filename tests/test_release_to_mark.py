@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.authoring.test_new_course import BUILT_HERE
+
 ROOT = Path(__file__).parents[1]
 SOLUTION = ROOT / "solutions" / "week01_solution.ipynb"
 
@@ -38,8 +40,9 @@ def student(instructors: Path) -> Path:
     # pip and the dependencies, which take a minute to download, come from this environment; not the kit.
     packages = next((home / "venv" / "lib").glob("python*/site-packages"))
     (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    install = ("-m", "pip", "install", "-q", "--no-deps", "-e", "course")
-    run(home / "venv" / "bin" / "python", *install, cwd=home)
+    # What builds it comes from here, too; tests/test_distribution.py knows that it names all of it.
+    options = ("-q", "--no-deps", *BUILT_HERE)
+    run(home / "venv" / "bin" / "python", "-m", "pip", "install", *options, "-e", "course", cwd=home)
     return home
 
 

@@ -1,13 +1,14 @@
 """The server of a graph for a student's process, which cannot reach the graph itself."""
 
 from collections.abc import Callable
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any, Self
 
 from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.clock import Alarm
 from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
+from course_lib.ros.topics import EndpointInfo
 
 MAX_NAME = 255  # characters of a topic, type or node: every sample of a recording has them
 MAX_WORD = 20  # characters of a policy, "manual_by_topic"
@@ -80,8 +81,8 @@ class GraphServer:
             "publish": ((int, bytes), self._publish),
             "alarm": ((int, int, int, int), self._alarm),
             "cancel": ((int,), self._cancel),
-            "nodes": ((), lambda: [astuple(node) for node in graph.nodes()]),
-            "endpoints": ((), lambda: [astuple(endpoint) for endpoint in graph.endpoints()]),
+            "nodes": ((), lambda: [(node.id, node.name, node.namespace) for node in graph.nodes()]),
+            "endpoints": ((), lambda: [_row(endpoint) for endpoint in graph.endpoints()]),
         }
 
     def serve(self) -> None:
@@ -190,6 +191,10 @@ class GraphServer:
     def _check(known: bool, what: str, number: int) -> None:
         if not known:
             raise ChannelError(f"The process speaks of {what} {number}, which is not its own.")
+
+
+def _row(info: EndpointInfo) -> tuple[Any, ...]:
+    return info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row()
 
 
 def _qos(values: list[Any]) -> Qos:

@@ -19,6 +19,13 @@ class Qos:
     liveliness: Literal["automatic", "manual_by_topic"] = "automatic"
     lease_ns: int | None = None
 
+    def row(self) -> tuple[str | int | None, ...]:
+        """Return the policies in their order; `dataclasses.astuple` takes 20 times as long, for copies."""
+        return (
+            self.history, self.depth, self.reliability, self.durability,
+            self.deadline_ns, self.lifespan_ns, self.liveliness, self.lease_ns,
+        )  # fmt: skip
+
 
 def incompatible(offered: Qos, requested: Qos) -> str | None:
     """Name the policy, as DDS does, that keeps a publisher and a subscription apart; None if they match."""

@@ -14,12 +14,14 @@ import pytest
 from course_lib.authoring.flaw import ASPECTS
 from course_lib.authoring.new_week import notebook_of
 from course_lib.course.exercise import notebook_text, read_notebook, source
-from tests.authoring.test_new_course import ROOT, install, run
+from tests.authoring.test_new_course import BUILT_HERE, ROOT, install, run
 from tests.test_contributing import edit
 
 PAGE = (ROOT / "docs" / "author.md").read_text("utf-8")
 BLOCK = re.compile(r"^```(\w+)((?: \w+=\S+)*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 WORD = re.compile(r"^\| `(expect_\w+)` \| [^|]* \| ([^|]*) \|$", re.MULTILINE)
+# The machine of the example has one, so that no command starts two processes, each with a jail.
+ONE_PROCESSOR = "import os; os.cpu_count = lambda: 1\n"
 SAID_ONCE = PAGE.split("Every word with a topic names three more:")[1].split("\n| word")[0]
 
 
@@ -52,7 +54,9 @@ class Author:
         if program == "cd":
             self.folder = self.folder / words[0]
         elif program == "pip":
-            self.python = install(self.folder.parent / "venv", self.folder)
+            self.python = install(self.folder.parent / "venv", self.folder, *BUILT_HERE)
+            packages = next(self.python.parents[1].glob("lib/python*/site-packages"))
+            (packages / "one_processor.pth").write_text(ONE_PROCESSOR)
         else:
             if words[0] == "grade":
                 self._hand_in(self.folder.parent / "submissions" / "ada")

@@ -160,14 +160,15 @@ def right() -> str:
     return RIGHT
 
 
+def written(path: Path, code: str, **course: str) -> Path:
+    """Write an exercise notebook."""
+    cells = [{"cell_type": "code", "source": cell} for cell in code.split("# next cell\n")]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"nbformat": 4, "metadata": {"course": course}, "cells": cells}))
+    return path
+
+
 @pytest.fixture
 def write_notebook() -> Callable[..., Path]:
     """Writes an exercise notebook."""
-
-    def write(path: Path, code: str, **course: str) -> Path:
-        cells = [{"cell_type": "code", "source": cell} for cell in code.split("# next cell\n")]
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"nbformat": 4, "metadata": {"course": course}, "cells": cells}))
-        return path
-
-    return write
+    return written

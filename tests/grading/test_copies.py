@@ -15,6 +15,7 @@ from course_lib.grading.handin.ids import with_ids
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.marks.mark import results_in
 from course_lib.grading.records import Course
+from tests.grading.test_report_pages import browser as browser  # a fixture
 from tests.grading.test_report_pages import page as page  # a fixture
 from tests.notebooks.graded import cells_of, solution
 from tests.notebooks.test_answers import ANSWERS

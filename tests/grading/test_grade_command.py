@@ -15,21 +15,29 @@ Grade = Callable[..., int]
 WITHOUT_NAMESPACES = ("bubblewrap", "namespaces")
 
 
+@pytest.fixture(scope="module")
+def templates() -> Iterator[dict[tuple[str, ...], TemplateProcess]]:
+    """Templates by the layers that they do without: each is started once."""
+    opened: dict[tuple[str, ...], TemplateProcess] = {}
+    yield opened
+    for template in opened.values():
+        template.close()
+
+
 @pytest.fixture
 def with_layers(
+    templates: dict[tuple[str, ...], TemplateProcess],
     course: Course,
     right: str,
     write_notebook: Callable[..., Path],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> Iterator[Callable[..., Grade]]:
+) -> Callable[..., Grade]:
     """Return a `course grade OPTIONS` without some layers; it returns the exit code."""
     write_notebook(tmp_path / "in" / "ada" / "week01_exercise.ipynb", right, student="ada")
-    opened: list[TemplateProcess] = []
 
     def without(*off: str) -> Grade:
-        template = TemplateProcess(off)
-        opened.append(template)
+        template = templates.get(off) or templates.setdefault(off, TemplateProcess(off))
         monkeypatch.setattr("course_lib.grading.run.run.shared_template", lambda _: template)
         monkeypatch.setattr("course_lib.grading.records.exercises_dir", lambda: course.exercises)
         monkeypatch.setattr("course_lib.grading.records.solutions_dir", lambda: course.solutions)
@@ -44,9 +52,7 @@ def with_layers(
         assert isinstance(code, int)
         return code
 
-    yield without
-    for template in opened:
-        template.close()
+    return without
 
 
 @pytest.mark.parametrize(

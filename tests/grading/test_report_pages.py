@@ -1,12 +1,12 @@
 """Reports and their index as a browser shows them, from the file system and offline."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 from course_lib.grading.grade import grade
 from course_lib.grading.marks.mark import Result, read_result
@@ -16,6 +16,7 @@ from course_lib.viewer.picture import find_browser
 from tests.browser.axe import faults
 from tests.browser.fake_host import chromium
 from tests.browser.test_page import pixels_of
+from tests.grading.conftest import RIGHT, write_course, written
 
 pytestmark = pytest.mark.browser
 
@@ -24,34 +25,50 @@ READING = ".course-time output"
 FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
-@pytest.fixture
-def page() -> Iterator[Page]:
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome on this machine")
     with chromium() as running:
-        context = running.new_context(offline=True, viewport={"width": 1000, "height": 800})
-        page = context.new_page()
-        errors: list[str] = []
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.set_default_timeout(8000)
-        yield page
-        assert errors == []
+        yield running
 
 
 @pytest.fixture
-def reports(course: Course, right: str, tmp_path: Path, write_notebook: Callable[..., Path]) -> Path:
-    """Ada's cube rises, Bob's frame and output are HTML, the third file is no notebook."""
+def page(browser: Browser) -> Iterator[Page]:
+    context = browser.new_context(offline=True, viewport={"width": 1000, "height": 800})
+    page = context.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.set_default_timeout(8000)
+    yield page
+    context.close()
+    assert errors == []
+
+
+@pytest.fixture(scope="module")
+def graded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Course, Path]:
+    """Return the course, and what `grade` writes: no test changes either.
+
+    Ada's cube rises, Bob's frame and output are HTML, the third file is no notebook.
+    """
+    top, right = tmp_path_factory.mktemp("graded"), RIGHT
+    course = write_course(top / "course")
     rising = right.replace("position.z = 0.5", "position.z = self.get_clock().now().nanoseconds / 1e9 % 10")
     hostile = right.replace('frame_id = "map"', f'frame_id = "{SCRIPT}"').replace(
         "Marker(type=Marker.CUBE)", f'Marker(type=Marker.TEXT_VIEW_FACING, text="{SCRIPT}", ns="{SCRIPT}")'
     )
     hostile += f'# next cell\nprint("{SCRIPT}")\nraise ValueError("{SCRIPT}")\n'
-    write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", rising)
-    write_notebook(tmp_path / "in/bob/week01_exercise.ipynb", hostile)
-    (tmp_path / "in/cleo <b>").mkdir()
-    (tmp_path / "in/cleo <b>/week01_exercise.ipynb").write_text("<html>")
-    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    return tmp_path / "out" / "reports"
+    written(top / "in/ada/week01_exercise.ipynb", rising)
+    written(top / "in/bob/week01_exercise.ipynb", hostile)
+    (top / "in/cleo <b>").mkdir()
+    (top / "in/cleo <b>/week01_exercise.ipynb").write_text("<html>")
+    grade(top / "in", top / "out", jobs=1, course=course)
+    return course, top / "out"
+
+
+@pytest.fixture
+def reports(graded: tuple[Course, Path]) -> Path:
+    return graded[1] / "reports"
 
 
 def yours(page: Page) -> np.ndarray:
@@ -96,10 +113,14 @@ def test_what_students_write_shows_as_text_and_does_not_run(page: Page, reports:
     assert page.locator("main img").count() == 0
 
 
-def test_without_the_viewer_a_report_says_which_file_it_lacks(page: Page, reports: Path) -> None:
+def test_without_the_viewer_a_report_says_which_file_it_lacks(
+    page: Page, reports: Path, tmp_path: Path
+) -> None:
+    alone = tmp_path / "reports" / "ada" / "week01_exercise.html"
+    alone.parent.mkdir(parents=True)
+    alone.write_bytes((reports / "ada/week01_exercise.html").read_bytes())
     (script,) = reports.glob("viewer-*.js")
-    script.unlink()
-    page.goto((reports / "ada/week01_exercise.html").as_uri())
+    page.goto(alone.as_uri())
     page.get_by_text(f"The scenes need the file {script.name}").wait_for()
 
 
@@ -127,9 +148,9 @@ def test_the_index_sorts_by_keyboard_and_leads_to_the_reports(page: Page, report
 
 
 def test_a_returned_report_plays_alone_in_an_empty_folder(
-    page: Page, reports: Path, course: Course, tmp_path: Path
+    page: Page, graded: tuple[Course, Path], tmp_path: Path
 ) -> None:
-    out = reports.parent
+    course, out = graded
     result = Result.from_plain(read_result(out / "results/ada/week01_exercise.json"))
     alone = tmp_path / "downloads" / "week01_exercise.html"
     alone.parent.mkdir()

@@ -25,8 +25,8 @@ from tests.hostile.submissions import ALL
 
 SECRET = "canary-4711"
 HONEST = ("aaa_honest", "mmm_honest", "zzz_honest")
-# Generous to what is only slow on a busy machine: what hangs costs this long.
-LIMITS = "cell_seconds = 4\nscenario_seconds = 4\ntotal_seconds = 40"
+# What hangs costs this long, of CPU mostly. What waits for a processor of a busy machine has longer.
+LIMITS = "cell_seconds = 2\nscenario_seconds = 2\ntotal_seconds = 40"
 IN_TIME = "2026-10-11 12:00:00 UTC"
 
 

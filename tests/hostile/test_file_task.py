@@ -39,7 +39,7 @@ ENTITIES = (
     ],
 )
 def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
-    with closing(SubmissionRun([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=4))) as session:
+    with closing(SubmissionRun([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=2))) as session:
         came = session.run(LAYOUT, LAYOUT.scenarios[0])
     assert any(came.errors[0].startswith(kind) for kind in error.split("|"))
     assert came.returns == ()

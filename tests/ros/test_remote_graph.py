@@ -166,3 +166,9 @@ def test_services_and_transforms_behind_the_pipe_give_the_same_recording_as_here
     assert {sample.topic for sample in here} == topics
     assert len(here) > 40
     assert recorded(partial(program_behind_the_pipe, name)) == recorded(partial(run_program, name)) == here
+
+
+def test_a_row_has_every_policy_in_its_place() -> None:
+    qos = Qos("keep_all", 3, "best_effort", "transient_local", 1, 2, "manual_by_topic", 4)
+    assert qos.row() == astuple(qos)
+    assert Qos(*qos.row()) == qos  # type: ignore[arg-type]  # as it comes from a pipe

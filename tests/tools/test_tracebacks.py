@@ -1,7 +1,13 @@
 import json
+from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
+from tests.conftest import Typed
 from tests.test_cli import course
+
+Run = Callable[[str], str]
 
 CELLS = """
 %load_ext course_lib
@@ -21,52 +27,58 @@ spin_for(2.0, Stub())
 """
 
 
-def run(cells: str, folder: Path) -> str:
-    notebook = folder / "cells.ipynb"
-    sources = [{"cell_type": "code", "source": source.strip()} for source in cells.split("---")]
-    notebook.write_text(json.dumps({"nbformat": 4, "cells": sources}))
-    done = course("run", notebook.name, cwd=folder)
-    assert done.returncode == 1
-    return done.stdout + done.stderr
+@pytest.fixture
+def run(tmp_path: Path, in_process: Callable[..., Typed]) -> Run:
+    """Return what `course run` shows of cells that fail."""
+
+    def run(cells: str) -> str:
+        notebook = tmp_path / "cells.ipynb"
+        sources = [{"cell_type": "code", "source": source.strip()} for source in cells.split("---")]
+        notebook.write_text(json.dumps({"nbformat": 4, "cells": sources}))
+        done = in_process("run", notebook.name, cwd=tmp_path)
+        assert done.returncode == 1
+        return done.stdout + done.stderr
+
+    return run
 
 
 def test_an_error_of_a_message_s_constructor_shows_the_student_s_line_and_not_the_generated_one(
-    tmp_path: Path,
+    run: Run,
 ) -> None:
-    shown = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')", tmp_path)
+    shown = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')")
     assert "String(dta='hello')" in shown
     assert "Invalid arguments passed to constructor: dta" in shown
     assert "in __init__" not in shown
 
 
-def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(tmp_path: Path) -> None:
-    shown = run(CELLS, tmp_path)
+def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(run: Run) -> None:
+    shown = run(CELLS)
     assert "NotImplementedError: nothing is published yet" in shown
     assert 'raise NotImplementedError("nothing is published yet")' in shown
     assert "spin_for(2.0, Stub())" in shown
     assert "executors.py" not in shown
 
 
-def test_an_error_in_the_answer_to_an_error_shows_both_without_the_kit(tmp_path: Path) -> None:
+def test_an_error_in_the_answer_to_an_error_shows_both_without_the_kit(run: Run) -> None:
     answer = (
         "import rclpy\nrclpy.init()\nnode = rclpy.create_node('stub')\n"
         "def tick():\n    raise KeyError('first')\nnode.create_timer(1.0, tick)\n"
         "try:\n    rclpy.spin(node)\nexcept KeyError as error:\n    raise ValueError('second') from error\n"
     )
-    shown = run(f"%load_ext course_lib\n---\n{answer}", tmp_path)
+    shown = run(f"%load_ext course_lib\n---\n{answer}")
     assert "raise KeyError('first')" in shown
     assert "raise ValueError('second') from error" in shown
     assert "executor" not in shown
 
 
-def test_a_wrong_field_shows_ross_text_below_the_students_line(tmp_path: Path) -> None:
-    shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1", tmp_path)
+def test_a_wrong_field_shows_ross_text_below_the_students_line(run: Run) -> None:
+    shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1")
     assert "Float64().data = 1" in shown
     assert "\nAssertionError: The 'data' field must be of type 'float'\nhint: write the number with" in shown
     assert "messages" not in shown
 
 
-def test_an_endless_recursion_is_folded_wherever_it_is_shown(tmp_path: Path) -> None:
+def test_an_endless_recursion_is_folded_wherever_it_is_shown(run: Run, tmp_path: Path) -> None:
     endless = "def a(n):\n    return b(n + 1)\ndef b(n):\n    return a(n)\na(0)\n"
     program = tmp_path / "program.py"
     program.write_text(endless)
@@ -74,25 +86,25 @@ def test_an_endless_recursion_is_folded_wherever_it_is_shown(tmp_path: Path) -> 
     assert "more frames of the same lines …" in done.stderr
     start = CELLS.partition("---")[0] + "---\n"
     one_line = "def a(n): return b(n + 1)\ndef b(n): return a(n)\na(0)\n"  # which IPython does not fold
-    for shown in (done.stderr, run(start + endless, tmp_path), run(start + one_line, tmp_path)):
+    for shown in (done.stderr, run(start + endless), run(start + one_line)):
         assert shown.count("return b(n + 1)") < 12
         assert "RecursionError: maximum recursion depth exceeded" in shown
         assert "hint: a function calls itself" in shown
 
 
-def test_a_property_of_a_display_that_is_set_as_an_attribute_gets_a_hint(tmp_path: Path) -> None:
+def test_a_property_of_a_display_that_is_set_as_an_attribute_gets_a_hint(run: Run) -> None:
     cells = (
         CELLS.partition("---")[0] + "from course_lib import Viewer\n---\nViewer().add('TF').enabled = False"
     )
-    assert 'hint: write display["Enabled"] = False.' in run(cells, tmp_path)
+    assert 'hint: write display["Enabled"] = False.' in run(cells)
 
 
-def test_a_syntax_error_keeps_its_caret(tmp_path: Path) -> None:
-    assert "^" in run(CELLS.partition("---")[0] + "---\ndef f(:", tmp_path)
+def test_a_syntax_error_keeps_its_caret(run: Run) -> None:
+    assert "^" in run(CELLS.partition("---")[0] + "---\ndef f(:")
 
 
-def test_what_the_kit_says_and_an_interrupt_need_no_traceback(tmp_path: Path) -> None:
+def test_what_the_kit_says_and_an_interrupt_need_no_traceback(run: Run) -> None:
     start = CELLS.partition("---")[0] + "from course_lib import spin_for\n---\n"
-    assert run(start + "spin_for('2')", tmp_path).startswith("CourseError: spin_for('2', …): give the")
+    assert run(start + "spin_for('2')").startswith("CourseError: spin_for('2', …): give the")
     stopped = "KeyboardInterrupt: the cell was stopped in cell In[1], line 1: raise KeyboardInterrupt.\n"
-    assert run(start + "raise KeyboardInterrupt", tmp_path) == stopped
+    assert run(start + "raise KeyboardInterrupt") == stopped
