@@ -17,12 +17,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize
 
 from course_lib.course.hand_out import prepare
 from tests.patience import PATIENCE
 
 KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
+# Software draws the views here: a screen of three frames a second, and edges that are not smooth, are enough.
+SLOW_SCREEN = """{
+    const everyFrame = window.requestAnimationFrame, interval = 330;  // [ms]
+    window.requestAnimationFrame = (draw) =>
+        setTimeout(() => everyFrame(draw), interval - performance.now() % interval);
+    window.cancelAnimationFrame = clearTimeout;  // a frame that has begun is drawn
+    const getContext = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+        return getContext.call(this, kind, kind === "2d" ? options : { ...options, antialias: false }); };
+}"""
+
+
+def slow_down(pages: Page | BrowserContext) -> None:
+    """Let pages that will be loaded draw little, unless they are for pictures."""
+    if not PICTURES:
+        pages.add_init_script(SLOW_SCREEN)
 
 
 @contextmanager
@@ -198,11 +216,12 @@ class Lab:
     @cached_property
     def page(self) -> Page:
         """The page that shows one file's notebook after the other's."""
-        return self.new_page(viewport={"width": 1280, "height": 900})
+        return self.new_page(viewport=VIEWPORT)
 
     def new_page(self, **settings: Any) -> Page:
         """Return a page with a time out for busy machines."""
         page = self.browser.new_page(**settings)
+        slow_down(page)
         page.set_default_timeout(PATIENCE * 1000)
         return page
 

@@ -14,18 +14,13 @@ from playwright.sync_api import Locator, expect
 
 from course_lib.course.installation import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
 DRAWN = 150  # [px] that are clearly coloured, in the best view
 A_LOOK = 1.5  # [s], longer than the slowest node is silent
-# Software draws the views here: with seven frames a second a lesson takes a third less of the processor.
-FEW_FRAMES = """() => {
-    window.everyFrame = window.requestAnimationFrame;
-    window.requestAnimationFrame = draw => setTimeout(() => everyFrame(draw), 140); }"""
-EVERY_FRAME = "() => { window.requestAnimationFrame = everyFrame; }"
 
 
 @dataclass(frozen=True)
@@ -40,9 +35,7 @@ class Lesson:
 @pytest.fixture(scope="module")
 def notebook(lab: Lab) -> Iterator[Notebook]:
     with opened(lab, LESSONS[0].name) as notebook:
-        notebook.page.evaluate(FEW_FRAMES)
         yield notebook
-        notebook.page.evaluate(EVERY_FRAME)
 
 
 @pytest.fixture(scope="module", params=LESSONS, ids=lambda path: path.stem)
@@ -66,11 +59,11 @@ def views(notebook: Notebook) -> Iterator[tuple[str, NDArray[np.int64]]]:
 
 def look(view: Locator) -> NDArray[np.int64]:
     """Look at a view until it is drawn in colours, or for a while; gives the most coloured picture."""
-    wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page)
+    wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page, A_FRAME)
     until = time.monotonic() + A_LOOK
     best = pixels_of(view)
     while coloured(best) <= DRAWN and time.monotonic() < until:
-        view.page.wait_for_timeout(100)
+        view.page.wait_for_timeout(A_FRAME * 1000)
         best = max(best, pixels_of(view), key=coloured)
     return best
 
