@@ -134,15 +134,21 @@ class Notebook:
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
         self.page.wait_for_function(all_ran)
 
-    def run_one_by_one(self) -> Iterator[tuple[str, Locator]]:
-        """Run the code cells in their order, each after the one before has ended; gives source and cell."""
-        script = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
-            .flatMap((c, i) => c.type == 'code' ? [[i, c.sharedModel.getSource()]] : [])"""
-        for index, source in self.page.evaluate(script):
-            self.cell(index)
-            self.page.evaluate("() => jupyterapp.commands.execute('notebook:run-cell')")
-            self.wait_idle()
-            yield source, self.cell(index)
+    def run_to_each(self, ending: str) -> Iterator[Locator]:
+        """Run the code cells one by one, each after the one before has ended; yields those with a last line.
+
+        Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
+        """
+        script = """async ([index, ending]) => {
+            const { content, sessionContext } = jupyterapp.shell.currentWidget;
+            await content.scrollToItem(content.widgets.length - 1, 'end');  // no view is drawn there
+            for (const cell of content.widgets.slice(index)) {
+                if (cell.model.type == 'code') await cell.constructor.execute(cell, sessionContext);
+                index++;
+                if (cell.model.sharedModel.getSource().split('\\n').pop() == ending) return index; } }"""
+        index = 0
+        while index := self.page.evaluate(script, [index, ending]):
+            yield self.cell(index - 1)
 
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""

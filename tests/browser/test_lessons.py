@@ -25,11 +25,11 @@ A_LOOK = 1.5  # [s], longer than the slowest node is silent
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson that a student went through, and what its views showed: source of the cell and pixels."""
+    """A lesson that a student went through, and what its views showed."""
 
     notebook: Notebook
     week: str
-    views: list[tuple[str, NDArray[np.int64]]]
+    views: list[NDArray[np.int64]]
 
 
 @pytest.fixture(scope="module")
@@ -45,16 +45,15 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
     return Lesson(notebook, request.param.stem[:6], list(views(notebook)))
 
 
-def views(notebook: Notebook) -> Iterator[tuple[str, NDArray[np.int64]]]:
+def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run."""
-    for number, (code, cell) in enumerate(notebook.run_one_by_one()):
-        if code.splitlines()[-1] == "viewer":
-            view = cell.locator("canvas").first
-            expect(view).to_be_visible()
-            view.scroll_into_view_if_needed()
-            yield code, look(view)
-            if PICTURES:
-                notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
+    for number, cell in enumerate(notebook.run_to_each("viewer")):
+        view = cell.locator("canvas").first
+        expect(view).to_be_visible()
+        view.scroll_into_view_if_needed()
+        yield look(view)
+        if PICTURES:
+            notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
 
 
 def look(view: Locator) -> NDArray[np.int64]:
@@ -73,7 +72,7 @@ def coloured(pixels: NDArray[np.int64]) -> int:
 
 
 def test_its_views_are_drawn(lesson: Lesson) -> None:
-    counts = [coloured(pixels) for _, pixels in lesson.views]
+    counts = [coloured(pixels) for pixels in lesson.views]
     assert max(counts) > DRAWN, counts
 
 
