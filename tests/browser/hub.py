@@ -25,7 +25,7 @@ PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
 LIGHT = "api/status"  # of a user's server: a page that costs nothing
 TOKEN = "token-of-the-tests"
-HURRIED = "tim"  # a user whose server ends kernels that were idle for 20 s, though their page is open
+HURRIED = "grace"  # a user whose server ends kernels that were idle for 20 s, though their page is open
 SETTINGS = """
 c = get_config()
 limits = ["cull_idle_timeout=20", "cull_interval=1", "cull_connected=True"]
