@@ -17,6 +17,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page
 
+from tests.browser.jupyterlab import VIEWPORT, slow_down
 from tests.browser.waiting import wait_until
 from tests.patience import PATIENCE
 
@@ -24,7 +25,7 @@ PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
 LIGHT = "api/status"  # of a user's server: a page that costs nothing
 TOKEN = "token-of-the-tests"
-HURRIED = "tim"  # a user whose server ends kernels that were idle for 20 s, though their page is open
+HURRIED = "grace"  # a user whose server ends kernels that were idle for 20 s, though their page is open
 SETTINGS = """
 c = get_config()
 limits = ["cull_idle_timeout=20", "cull_interval=1", "cull_connected=True"]
@@ -70,8 +71,9 @@ class Hub:
 
     def logged_in(self, user: str) -> Page:
         """Log a user in, in a browser of their own; return an empty page of it."""
-        context = self.browser.new_context(viewport={"width": 1280, "height": 900})
+        context = self.browser.new_context(viewport=VIEWPORT)
         context.set_default_timeout(PATIENCE * 1000)
+        slow_down(context)
         page = context.new_page()
         page.goto(f"{self.address}/hub/login?next=/hub/spawn/{user}?next=/user/{user}/{LIGHT}")
         page.fill("#username_input", user)

@@ -17,12 +17,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize
 
 from course_lib.course.hand_out import prepare
 from tests.patience import PATIENCE
 
 KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
+# Software draws the views here: a screen of three frames a second, and edges that are not smooth, are enough.
+SLOW_SCREEN = """{
+    const everyFrame = window.requestAnimationFrame, interval = 330;  // [ms]
+    window.requestAnimationFrame = (draw) =>
+        setTimeout(() => everyFrame(draw), interval - performance.now() % interval);
+    window.cancelAnimationFrame = clearTimeout;  // a frame that has begun is drawn
+    const getContext = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+        return getContext.call(this, kind, kind === "2d" ? options : { ...options, antialias: false }); };
+}"""
+
+
+def slow_down(pages: Page | BrowserContext) -> None:
+    """Let pages that will be loaded draw little, unless they are for pictures."""
+    if not PICTURES:
+        pages.add_init_script(SLOW_SCREEN)
 
 
 @contextmanager
@@ -116,15 +134,21 @@ class Notebook:
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
         self.page.wait_for_function(all_ran)
 
-    def run_one_by_one(self) -> Iterator[tuple[str, Locator]]:
-        """Run the code cells in their order, each after the one before has ended; gives source and cell."""
-        script = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
-            .flatMap((c, i) => c.type == 'code' ? [[i, c.sharedModel.getSource()]] : [])"""
-        for index, source in self.page.evaluate(script):
-            self.cell(index)
-            self.page.evaluate("() => jupyterapp.commands.execute('notebook:run-cell')")
-            self.wait_idle()
-            yield source, self.cell(index)
+    def run_to_each(self, ending: str) -> Iterator[Locator]:
+        """Run the code cells one by one, each after the one before has ended; yields those with a last line.
+
+        Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
+        """
+        script = """async ([index, ending]) => {
+            const { content, sessionContext } = jupyterapp.shell.currentWidget;
+            await content.scrollToItem(content.widgets.length - 1, 'end');  // no view is drawn there
+            for (const cell of content.widgets.slice(index)) {
+                if (cell.model.type == 'code') await cell.constructor.execute(cell, sessionContext);
+                index++;
+                if (cell.model.sharedModel.getSource().split('\\n').pop() == ending) return index; } }"""
+        index = 0
+        while index := self.page.evaluate(script, [index, ending]):
+            yield self.cell(index - 1)
 
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""
@@ -198,11 +222,12 @@ class Lab:
     @cached_property
     def page(self) -> Page:
         """The page that shows one file's notebook after the other's."""
-        return self.new_page(viewport={"width": 1280, "height": 900})
+        return self.new_page(viewport=VIEWPORT)
 
     def new_page(self, **settings: Any) -> Page:
         """Return a page with a time out for busy machines."""
         page = self.browser.new_page(**settings)
+        slow_down(page)
         page.set_default_timeout(PATIENCE * 1000)
         return page
 

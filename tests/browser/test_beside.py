@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
-from tests.browser.waiting import wait_until
+from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
@@ -51,12 +51,12 @@ def in_cells(notebook: Notebook) -> Locator:
 
 def test_the_view_docks_and_later_cells_change_it_while_their_own_hold_a_line(notebook: Notebook) -> None:
     expect(panel(notebook)).to_have_count(1)
-    wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page)
+    wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
     box, sheet = panel(notebook).bounding_box(), notebook.page.locator(".jp-Notebook").bounding_box()
     assert box is not None
     assert sheet is not None
     assert box["x"] >= sheet["x"] + sheet["width"]
-    assert box["height"] > 600  # [px] of 900: it fills the panel
+    assert box["height"] > 2 / 3 * VIEWPORT["height"]  # it fills the panel
     expect(in_cells(notebook)).to_have_count(0)
     expect(notebook.page.locator(".course-elsewhere:visible")).to_have_count(2)
     active = notebook.page.evaluate("document.activeElement.closest('.jp-Notebook') !== null")
@@ -76,7 +76,7 @@ def test_buttons_move_the_view_into_its_cells_and_back(notebook: Notebook) -> No
     notebook.page.get_by_role("button", name="Show the view in this cell again").first.click()
     expect(panel(notebook)).to_have_count(0)
     expect(in_cells(notebook)).to_have_count(2)
-    wait_until(lambda: red_pixels(in_cells(notebook).first) > ENOUGH, notebook.page)
+    wait_until(lambda: red_pixels(in_cells(notebook).first) > ENOUGH, notebook.page, A_FRAME)
     notebook.page.get_by_role("button", name="Beside the notebook").first.click()
     expect(panel(notebook)).to_have_count(1)
     notebook.page.locator(f"{TAB} .lm-TabBar-tabCloseIcon").click()

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOW, LIVE = "viewer.add(", "live = run_live(node)"
@@ -47,7 +47,7 @@ def view_in(cell: Locator) -> Locator:
 def wait_for_red(cell: Locator) -> None:
     """The first cube comes one second after the start."""
     view = view_in(cell)
-    wait_until(lambda: red_pixels(view) > ENOUGH, cell.page)
+    wait_until(lambda: red_pixels(view) > ENOUGH, cell.page, A_FRAME)
 
 
 def test_the_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_is_free(running: Notebook) -> None:

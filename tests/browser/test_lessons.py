@@ -14,35 +14,28 @@ from playwright.sync_api import Locator, expect
 
 from course_lib.course.installation import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
 DRAWN = 150  # [px] that are clearly coloured, in the best view
 A_LOOK = 1.5  # [s], longer than the slowest node is silent
-# Software draws the views here: with seven frames a second a lesson takes a third less of the processor.
-FEW_FRAMES = """() => {
-    window.everyFrame = window.requestAnimationFrame;
-    window.requestAnimationFrame = draw => setTimeout(() => everyFrame(draw), 140); }"""
-EVERY_FRAME = "() => { window.requestAnimationFrame = everyFrame; }"
 
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson that a student went through, and what its views showed: source of the cell and pixels."""
+    """A lesson that a student went through, and what its views showed."""
 
     notebook: Notebook
     week: str
-    views: list[tuple[str, NDArray[np.int64]]]
+    views: list[NDArray[np.int64]]
 
 
 @pytest.fixture(scope="module")
 def notebook(lab: Lab) -> Iterator[Notebook]:
     with opened(lab, LESSONS[0].name) as notebook:
-        notebook.page.evaluate(FEW_FRAMES)
         yield notebook
-        notebook.page.evaluate(EVERY_FRAME)
 
 
 @pytest.fixture(scope="module", params=LESSONS, ids=lambda path: path.stem)
@@ -52,25 +45,24 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
     return Lesson(notebook, request.param.stem[:6], list(views(notebook)))
 
 
-def views(notebook: Notebook) -> Iterator[tuple[str, NDArray[np.int64]]]:
+def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run."""
-    for number, (code, cell) in enumerate(notebook.run_one_by_one()):
-        if code.splitlines()[-1] == "viewer":
-            view = cell.locator("canvas").first
-            expect(view).to_be_visible()
-            view.scroll_into_view_if_needed()
-            yield code, look(view)
-            if PICTURES:
-                notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
+    for number, cell in enumerate(notebook.run_to_each("viewer")):
+        view = cell.locator("canvas").first
+        expect(view).to_be_visible()
+        view.scroll_into_view_if_needed()
+        yield look(view)
+        if PICTURES:
+            notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
 
 
 def look(view: Locator) -> NDArray[np.int64]:
     """Look at a view until it is drawn in colours, or for a while; gives the most coloured picture."""
-    wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page)
+    wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page, A_FRAME)
     until = time.monotonic() + A_LOOK
     best = pixels_of(view)
     while coloured(best) <= DRAWN and time.monotonic() < until:
-        view.page.wait_for_timeout(100)
+        view.page.wait_for_timeout(A_FRAME * 1000)
         best = max(best, pixels_of(view), key=coloured)
     return best
 
@@ -80,7 +72,7 @@ def coloured(pixels: NDArray[np.int64]) -> int:
 
 
 def test_its_views_are_drawn(lesson: Lesson) -> None:
-    counts = [coloured(pixels) for _, pixels in lesson.views]
+    counts = [coloured(pixels) for pixels in lesson.views]
     assert max(counts) > DRAWN, counts
 
 

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.jupyterlab import Lab, Notebook, write_notebook
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
@@ -91,7 +91,7 @@ def heard(notebook: Notebook) -> int:
 
 
 def test_twenty_views_are_drawn_and_no_context_is_lost(notebook: Notebook) -> None:
-    wait_until(lambda: are_all(notebook, 0), notebook.page)
+    wait_until(lambda: are_all(notebook, 0), notebook.page, A_FRAME)
     assert notebook.page.evaluate("lost") == 0
     assert notebook.errors() == []
 
@@ -115,13 +115,13 @@ def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook
 def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(notebook: Notebook, lab: Lab) -> None:
     notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     second = open_page(lab, notebook.folder)
-    wait_until(lambda: are_all(second, 0), second.page)
+    wait_until(lambda: are_all(second, 0), second.page, A_FRAME)
     paint = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
     notebook.kernel(paint)
     for one in (notebook, second):
-        wait_until(lambda one=one: are_all(one, 2), one.page)  # type: ignore[misc]  # mypy knows no default there
+        wait_until(lambda one=one: are_all(one, 2), one.page, A_FRAME)  # type: ignore[misc]  # mypy knows no default there
     notebook.open()
-    wait_until(lambda: are_all(notebook, 2), notebook.page)
+    wait_until(lambda: are_all(notebook, 2), notebook.page, A_FRAME)
     assert second.page.evaluate("lost") == notebook.page.evaluate("lost") == 0
     second.page.close()
 
@@ -132,7 +132,7 @@ def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(note
     assert are_all(notebook, 2)
     expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
     notebook.run_all()
-    wait_until(lambda: are_all(notebook, 0), notebook.page)
+    wait_until(lambda: are_all(notebook, 0), notebook.page, A_FRAME)
     expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
     assert notebook.errors() == []
 

@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, expect
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
 from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 ENOUGH = 300  # [px] of the yellow path
@@ -30,7 +30,7 @@ def yellow_pixels(view: Locator) -> int:
 def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) -> None:
     view = lesson.cell('compare("week00.shape"').locator("canvas").first
     expect(view).to_be_visible()
-    wait_until(lambda: yellow_pixels(view) > ENOUGH, lesson.page)
+    wait_until(lambda: yellow_pixels(view) > ENOUGH, lesson.page, A_FRAME)
     assert lesson.errors() == []
 
 

@@ -8,14 +8,15 @@ from playwright.sync_api import Page
 from tests.patience import PATIENCE
 
 A_MOMENT = 0.05  # [s]
+A_FRAME = 0.35  # [s], longer than a frame of `jupyterlab.SLOW_SCREEN`: to look at pixels sooner is of no use
 
 
-def wait_until(ready: Callable[[], object], page: Page | None = None) -> None:
-    """Wait until something is so; a page that is given goes on meanwhile."""
+def wait_until(ready: Callable[[], object], page: Page | None = None, every: float = A_MOMENT) -> None:
+    """Wait until something is so, asking at an interval in [s]; a page that is given goes on meanwhile."""
     end = time.monotonic() + PATIENCE
     while not ready():
         assert time.monotonic() < end, "it did not become so"
         if page:
-            page.wait_for_timeout(A_MOMENT * 1000)
+            page.wait_for_timeout(every * 1000)
         else:
-            time.sleep(A_MOMENT)
+            time.sleep(every)
