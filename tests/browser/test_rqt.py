@@ -13,6 +13,7 @@ from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+NARROW = 900  # [px] of a window
 NODES = """%load_ext course_lib
 from math import sin
 import rclpy
@@ -73,8 +74,15 @@ def look(notebook: Notebook, cell: Locator, name: str) -> None:
 def test_views_serve_keyboard_and_screen_reader(notebook: Notebook, view: str) -> None:
     expect(notebook.cell(view).locator(".rqt").first).to_be_visible()
     notebook.cell(view).evaluate("cell => cell.id = 'looked-at'")
-    found = faults(notebook.page, "#looked-at .rqt")
-    notebook.cell(view).evaluate("cell => cell.removeAttribute('id')")
+    usual = notebook.page.viewport_size
+    assert usual is not None
+    try:
+        found = faults(notebook.page, "#looked-at .rqt")
+        notebook.page.set_viewport_size({**usual, "width": NARROW})
+        found += faults(notebook.page, "#looked-at .rqt")
+    finally:
+        notebook.page.set_viewport_size(usual)
+        notebook.cell(view).evaluate("cell => cell.removeAttribute('id')")
     assert found == []
 
 

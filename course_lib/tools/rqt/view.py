@@ -184,7 +184,7 @@ class RqtView:
         self.listen()
         title = HTML(f"{STYLE}<b class='rqt-title'>{self.title}</b>", layout={"flex": "1"})
         head = HBox([title, *self.buttons(), self.button("Close", "times", self.close)])
-        controls = HBox(list(self.controls.values()), layout={"flex_flow": "row wrap"})
+        controls = HBox(list(self.controls.values()))
         self._frame = VBox([head, controls, self.notice, *self.body()])
         self._frame.add_class("rqt")
         self._act(self.refresh)
