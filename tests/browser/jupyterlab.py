@@ -38,7 +38,7 @@ SLOW_SCREEN = """{
 
 
 def slow_down(pages: Page | BrowserContext) -> None:
-    """Let pages that will be loaded draw little, unless they are for pictures."""
+    """Draw little in pages that will be loaded, unless they are for pictures."""
     if not PICTURES:
         pages.add_init_script(SLOW_SCREEN)
 
