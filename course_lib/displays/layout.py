@@ -56,9 +56,9 @@ def parse_yaml(text: str) -> Parsed:
     """
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
-    parsed = Parsed()
+    parsed, loader = Parsed(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # some builds lack libyaml
     try:
-        node = next(yaml.compose_all(text, Loader=yaml.CBaseLoader), None)
+        node = next(yaml.compose_all(text, Loader=loader), None)
         parsed.value = None if node is None else parsed.take(node)
     except yaml.MarkedYAMLError as error:
         mark, problem = error.problem_mark or error.context_mark, error.problem or error.context

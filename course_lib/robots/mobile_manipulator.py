@@ -12,6 +12,7 @@ from rclpy.node import Node, NodeOptions
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from course_lib.arrays import Floats, Matrix
+from course_lib.robots.kinematics import as_of_matrices
 from course_lib.robots.period import period_of
 from course_lib.robots.resources import resolve
 from course_lib.robots.rigid_motions import inverse, motion_of, twist_of
@@ -99,9 +100,7 @@ class OmniBase(Node):
 
     def _publish(self) -> None:
         (x, y), yaw = self._pose[:2, 3].tolist(), math.atan2(self._pose[1, 0], self._pose[0, 0])
-        z, w = math.sin(yaw / 2), math.cos(yaw / 2)
-        if (w if abs(w) > 0.5 else z) < 0:  # the sign that KDL gives a quaternion of a matrix
-            z, w = -z, -w
+        z, w = as_of_matrices(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[0, 2:].tolist()
         moved = TransformStamped(child_frame_id="base_link")
         moved.header.frame_id, moved.header.stamp = "odom", self.get_clock().now().to_msg()
         moved.transform.translation.x, moved.transform.translation.y = x, y

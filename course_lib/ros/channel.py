@@ -13,6 +13,7 @@ from course_lib.ros import wall
 MAX_FRAME = 32 * 2**20  # [B]
 MAX_ITEMS = 1_000_000  # of all lists and dicts in a frame: an empty one is 1 byte there, and 60 here
 READ, MOST = 2**14, 2**20  # [B] that are read at a time: of small frames several at once
+MOST_QUEUED = 256  # frames: a loop without an end is noticed at the other side, too
 TELL_AGAIN = 0.02  # [s] of the wall clock
 _HEADER = struct.Struct("!I")
 T = TypeVar("T")
@@ -51,15 +52,15 @@ class Channel:
         self._came = bytearray()  # behind the last frame
 
     def queue(self, frame: list[Any]) -> None:
-        """Keep a frame that needs no answer until the next `send`."""
-        body = msgpack.packb(frame, use_bin_type=True)
-        self._unsent.append(_HEADER.pack(len(body)) + body)
+        """Keep a frame that needs no answer until the next `send`, or until many wait."""
+        self._pack(frame)
+        if len(self._unsent) >= MOST_QUEUED:
+            self._send_all()
 
     def send(self, frame: list[Any]) -> None:
         """Send a frame, behind the queued ones; raises a ChannelError if it is not taken in time."""
-        self.queue(frame)
-        data, self._unsent = b"".join(self._unsent), []
-        self._do(self._socket.sendall, data)
+        self._pack(frame)
+        self._send_all()
 
     def receive(self) -> list[Any]:
         """Receive the next frame; raises a ChannelError if none comes in time, or it is malformed."""
@@ -81,6 +82,14 @@ class Channel:
     def close(self) -> None:
         """Close this end."""
         self._socket.close()
+
+    def _pack(self, frame: list[Any]) -> None:
+        body = msgpack.packb(frame, use_bin_type=True)
+        self._unsent.append(_HEADER.pack(len(body)) + body)
+
+    def _send_all(self) -> None:
+        data, self._unsent = b"".join(self._unsent), []
+        self._do(self._socket.sendall, data)
 
     def _taken(self, size: int) -> bytes:
         """Remove and return the next bytes, after waiting for so many."""

@@ -20,7 +20,7 @@ PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_
 
 
 class RecordingLimitError(ChannelError):
-    """The student's process published more than a recording may hold."""
+    """The student's process published, or asked for, more than a recording may hold."""
 
 
 @dataclass
@@ -182,7 +182,7 @@ class GraphServer:
     def _count_entity(self, *names: str) -> None:
         count = len(self.nodes) + len(self._endpoints) + len(self._alarms)
         if count >= MAX_ENTITIES or any(len(name) > MAX_NAME for name in names):
-            raise ChannelError(
+            raise RecordingLimitError(
                 f"More than {MAX_ENTITIES} nodes, topics and timers were asked for, "
                 f"or a name of over {MAX_NAME} characters."
             )

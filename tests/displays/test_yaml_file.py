@@ -1,4 +1,5 @@
 import pytest
+import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
 from course_lib.displays.layout import parse_yaml, yaml_text
 from course_lib.errors import CourseError
@@ -76,3 +77,10 @@ def test_what_is_nested_deeply_counts_for_its_depth() -> None:
 def test_a_layout_that_contains_itself_is_refused() -> None:
     with pytest.raises(CourseError, match="nested too deeply"):
         parse_yaml("a: &a [*a]")
+
+
+def test_a_pyyaml_that_was_built_without_libyaml_reads_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "a: 1.0\nb: ~\nc: '~'\nd: [x, {e: ''}]\n"
+    usual = parse_yaml(text)
+    monkeypatch.delattr(yaml, "CBaseLoader")
+    assert parse_yaml(text) == usual

@@ -79,6 +79,24 @@ def test_nodes_of_one_scenario_do_not_touch_those_of_the_next() -> None:
         assert [session.run(TALKER, TALKER.scenarios[0]).output for _ in range(2)] == ["1\n", "1\n"]
 
 
+FLOODS = {  # of a callback that never ends, and the limit's words
+    "self.get_logger().info('again')": "more messages were published than are recorded",
+    "self.create_timer(1.0, print)": "More than 10000 nodes, topics and timers",
+}
+
+
+@pytest.mark.parametrize("call", FLOODS)
+def test_a_loop_that_only_adds_to_the_graph_is_named_and_does_not_wait_for_the_time_limit(call: str) -> None:
+    cells = [
+        "from rclpy.node import Node",
+        f"class talker(Node):\n  def __init__(self):\n    super().__init__('t')\n    while True: {call}",
+    ]
+    with closing(SubmissionRun(cells, {TALKER.id: {}}, Limits())) as session:
+        came = session.run(TALKER, TALKER.scenarios[0])
+    assert [FLOODS[call] in error for error in came.errors] == [True]
+    assert came.stopped == "size"
+
+
 def test_a_thread_that_a_function_leaves_behind_is_not_there_in_the_next_scenario() -> None:
     cells = [
         "import threading, time",

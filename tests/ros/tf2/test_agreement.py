@@ -14,7 +14,7 @@ from course_lib.ros.tf2_transform import Transform, TransformException
 from tests.ros.tf2.random_trees import random_case
 
 DEBIAN = "/usr/bin/python3"
-CASES = 4_000
+CASES = 10_000
 
 
 def _answers(case: dict[str, Any]) -> list[list[Any]]:
