@@ -70,6 +70,7 @@ DOG_LOOKS: dict[str, Any] = {
 DOG_BOX = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS).requiring(ALWAYS)
 RED_CAR = expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0)
 BICYCLE_BOX = expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size)
+LAST_CAR = expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8), at=1.8)
 DOG_BEFORE = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS, at=1.5)
 LAST_100 = expect_path(
     TRAJECTORY, count=100, frame="world", ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)), yaw=1.2, tolerance=0.06
@@ -121,32 +122,20 @@ HIDDEN = {
             inputs=(
                 *seen(4.0),
                 inputs.set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
-                inputs.set_parameters("/perception_node", 0.6, max_detections=2),
-                inputs.set_parameters("/perception_node", 0.7, confidence_threshold=0.1),
+                inputs.set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
+                inputs.set_parameters("/perception_node", 2.0, max_detections=2),
             ),
             checks=(
+                expect_marker_count(MARKERS, 4, type="CUBE", at=1.8).requiring(DOG_BOX),
+                LAST_CAR.requiring(ALWAYS),
                 expect_marker_count(MARKERS, 2, type="CUBE").requiring(DOG_BOX),
                 BICYCLE_BOX.requiring(ALWAYS),
                 DOG_BOX,
             ),
         ),
         Scenario(
-            "another color and threshold",
-            seconds=3.0,  # [s]
-            seed=9,
-            inputs=(
-                *seen(3.0),
-                inputs.set_parameters("/perception_node", 0.5, car_color=[0.2, 0.4, 0.6, 0.8]),
-                inputs.set_parameters("/perception_node", 0.7, confidence_threshold=0.4),
-            ),
-            checks=(
-                expect_marker_count(MARKERS, 4, type="CUBE").requiring(DOG_BOX),
-                expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8)).requiring(ALWAYS),
-            ),
-        ),
-        Scenario(
             "the detector of others stops",
-            seconds=5.0,  # [s]
+            seconds=4.0,  # [s]
             seed=11,
             inputs=(*seen(2.0),),
             checks=(
