@@ -5,6 +5,7 @@ Also a small disk, and commands in this process.
 
 import gc
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Generator, Iterator
@@ -20,6 +21,8 @@ from tests.kernels import listen_on_files
 # What tests and the processes they start import is compiled once, also where images forbid to keep it.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun behind "&": children would, too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 install()
 if os.name == "posix":  # Windows has no such sockets
     listen_on_files()
