@@ -39,14 +39,10 @@ DOG = inputs.Found(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)  # just sur
 OBJECTS = (CAR, DOG, PERSON, BICYCLE)
 SEEN = [inputs.detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(19)]  # up to 4 s
 
-AHEAD, ASIDE = (
-    inputs.corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5)),
-    inputs.corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0)),
-)
-BEYOND, CLOSE = (
-    inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0)),
-    inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0)),
-)
+AHEAD = inputs.corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5))
+ASIDE = inputs.corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0))
+BEYOND = inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))
+CLOSE = inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
 PARTLY = "a box that is partly behind the camera"
 EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
 PX: dict[str, Any] = {"tolerance": 0.01, "unit": "px"}
@@ -84,7 +80,9 @@ PERSON_BOX = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS).requiring(ALWAYS)
 SURE, SUREST = (PERSON_BOX.titled(f"the person's box, {why}") for why in ("sure enough", "the surest"))
 PERSON_BEFORE = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, at=1.5)
 DOG_BOX = expect_marker(MARKERS, type="CUBE", ns="boxes", id=7, scale=DOG.size, color=GREY).requiring(ALWAYS)
-BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=(0.0, 0.5, 1.0, 0.5)).requiring(ALWAYS)
+BLUE = (0.0, 0.5, 1.0, 0.5)  # RGBA
+BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=BLUE, at=1.3)
+BLUE_CAR = BLUE_CAR.requiring(ALWAYS).titled("the car in its new color")
 
 
 def boxes(count: int) -> Check:
@@ -92,11 +90,14 @@ def boxes(count: int) -> Check:
     return expect_marker_count(MARKERS, count, type="CUBE").requiring(PERSON_BOX)
 
 
-def changed(*checks: Check, **parameter: Any) -> Scenario:
-    """Return a scenario in which a parameter is set while the node runs."""
-    published = (*SEEN[:14], inputs.set_parameters("/perception_node", 1.5, **parameter))
-    name = f"{next(iter(parameter))}, set while it runs"
-    return Scenario(name, seconds=3.0, seed=3, inputs=published, checks=lightly(*checks))
+def changed(*checks: Check, **parameters: Any) -> Scenario:
+    """Return a scenario in which parameters are set while the node runs: at 0.5 s, and a second at 1.5 s."""
+    sets = [
+        inputs.set_parameters("/perception_node", 0.5 + place, **{name: parameters[name]})
+        for place, name in enumerate(parameters)
+    ]
+    name = f"{', then '.join(parameters)}, set while it runs"
+    return Scenario(name, seconds=3.0, seed=3, inputs=(*SEEN[:14], *sets), checks=lightly(*checks))
 
 
 MARKERS_TASK = Task(
@@ -123,8 +124,7 @@ MARKERS_TASK = Task(
             ),
         ),
         changed(boxes(1).titled("one is above your threshold"), SURE, confidence_threshold=my("threshold")),
-        changed(boxes(1).titled("one box only"), SUREST, max_detections=1),
-        changed(BLUE_CAR.titled("the car in its new color"), car_color=[0.0, 0.5, 1.0, 0.5]),
+        changed(BLUE_CAR, boxes(1).titled("one box only"), SUREST, car_color=list(BLUE), max_detections=1),
         Scenario(
             "the detector stops",
             seconds=4.5,  # [s]
