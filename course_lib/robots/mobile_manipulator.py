@@ -94,9 +94,10 @@ class OmniBase(Node):
             self._speed = np.zeros(3)
         self._hold -= self._period
         self._publish()
-        motion = np.zeros(6)
-        motion[_PLANE] = self._speed * self._period
-        self._pose = self._pose @ motion_of(motion)
+        if self._speed.any():  # it stands still most of the time
+            motion = np.zeros(6)
+            motion[_PLANE] = self._speed * self._period
+            self._pose = self._pose @ motion_of(motion)
 
     def _publish(self) -> None:
         (x, y), yaw = self._pose[:2, 3].tolist(), math.atan2(self._pose[1, 0], self._pose[0, 0])

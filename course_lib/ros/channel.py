@@ -12,7 +12,7 @@ from course_lib.ros import wall
 
 MAX_FRAME = 32 * 2**20  # [B]
 MAX_ITEMS = 1_000_000  # of all lists and dicts in a frame: an empty one is 1 byte there, and 60 here
-READ, MOST = 2**14, 2**20  # [B] that are read at a time: of small frames several at once
+READ, MOST = 2**14, 2**20  # [B] that are read or queued at a time: of small frames several at once
 MOST_QUEUED = 256  # frames: a loop without an end is noticed at the other side, too
 TELL_AGAIN = 0.02  # [s] of the wall clock
 _HEADER = struct.Struct("!I")
@@ -44,17 +44,15 @@ class Channel:
         self._socket.settimeout(None)
         self.deadline: float | None = None  # [s] of the wall's monotonic clock
         self.overtime: Callable[[], float] = lambda: 0.0  # [s] that a deadline moves when met
-        self._set: tuple[float | None, float] = (
-            None,
-            0.0,
-        )  # the deadline that the socket has, and since when
+        self._set: tuple[float | None, float] = (None, 0.0)  # the socket's deadline, and since when
         self._unsent: list[bytes] = []
+        self._unsent_bytes = 0
         self._came = bytearray()  # behind the last frame
 
     def queue(self, frame: list[Any]) -> None:
         """Keep a frame that needs no answer until the next `send`, or until many wait."""
         self._pack(frame)
-        if len(self._unsent) >= MOST_QUEUED:
+        if len(self._unsent) >= MOST_QUEUED or self._unsent_bytes >= MOST:
             self._send_all()
 
     def send(self, frame: list[Any]) -> None:
@@ -86,9 +84,10 @@ class Channel:
     def _pack(self, frame: list[Any]) -> None:
         body = msgpack.packb(frame, use_bin_type=True)
         self._unsent.append(_HEADER.pack(len(body)) + body)
+        self._unsent_bytes += len(body)
 
     def _send_all(self) -> None:
-        data, self._unsent = b"".join(self._unsent), []
+        data, self._unsent, self._unsent_bytes = b"".join(self._unsent), [], 0
         self._do(self._socket.sendall, data)
 
     def _taken(self, size: int) -> bytes:

@@ -166,6 +166,10 @@ class Graph:
         """List the publishers and subscriptions in the order of their making."""
         return [info for info in self._topics.endpoints() if info.node not in self._resting]
 
+    def endpoints_on(self, topic: str) -> list[EndpointInfo]:
+        """List the publishers and subscriptions of a topic in the order of their making."""
+        return [info for info in self._topics.endpoints_on(topic) if info.node not in self._resting]
+
     def apart(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
         """Return the policy of QoS that keeps a pair of a topic apart; None if messages pass."""
         return incompatible(publisher.qos, subscription.qos)

@@ -83,6 +83,7 @@ class GraphServer:
             "cancel": ((int,), self._cancel),
             "nodes": ((), lambda: [(node.id, node.name, node.namespace) for node in graph.nodes()]),
             "endpoints": ((), lambda: [_row(endpoint) for endpoint in graph.endpoints()]),
+            "endpoints_on": ((str,), lambda topic: [_row(end) for end in graph.endpoints_on(topic)]),
         }
 
     def serve(self) -> None:

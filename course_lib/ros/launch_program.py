@@ -36,15 +36,7 @@ from course_lib.ros.packages import python_path, source
 from course_lib.ros.prefixed import Prefixes
 from course_lib.ros.process import INTERRUPTED, Function, Process, Processes, Program
 
-_COMPLAINTS = (
-    CourseError,
-    RuntimeError,
-    OSError,
-    PackageNotFoundError,
-    InvalidConditionExpressionError,
-)
-
-
+_COMPLAINTS = (CourseError, RuntimeError, OSError, PackageNotFoundError, InvalidConditionExpressionError)
 _ENDS = ("SIGINT", "SIGTERM", "SIGKILL", "SIGQUIT")
 
 

@@ -9,8 +9,6 @@ from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
 from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample
 
-_UNJUDGED = ("/rosout", "/parameter_events")
-
 
 class RemoteAlarm(Alarm):
     """An event in the other process's heap."""
@@ -80,11 +78,7 @@ class RemoteGraph(Graph):
             return
         info = self._publishers[endpoint]
         self._show(Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node))
-        frame = ["publish", endpoint, cdr]
-        if info.topic in _UNJUDGED:
-            self._channel.queue(frame)
-        else:
-            self._channel.send(frame)  # at once: it counts even if the program hangs next
+        self._channel.queue(["publish", endpoint, cdr])  # until the callback has ended
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
         """Schedule `action` for the time when the other process reports that `due_ns` has come."""
@@ -123,7 +117,14 @@ class RemoteGraph(Graph):
 
     def endpoints(self) -> list[EndpointInfo]:
         """List the publishers and subscriptions in the order of their making."""
-        rows = self._ask(["endpoints"])[0]
+        return self._endpoints(["endpoints"])
+
+    def endpoints_on(self, topic: str) -> list[EndpointInfo]:
+        """List the publishers and subscriptions of a topic in the order of their making."""
+        return self._endpoints(["endpoints_on", topic])
+
+    def _endpoints(self, frame: list[Any]) -> list[EndpointInfo]:
+        rows = self._ask(frame)[0]
         return [EndpointInfo(i, kind, node, topic, of, Qos(*qos)) for i, kind, node, topic, of, qos in rows]
 
     def _ask(self, frame: list[Any]) -> list[Any]:

@@ -99,6 +99,7 @@ class Topics:
     def __init__(self) -> None:
         self.publishers: dict[int, Publisher] = {}
         self.subscriptions: dict[int, Subscription] = {}
+        self._publishers_of: dict[str, list[Publisher]] = {}  # by topic
         self._subscriptions_of: dict[str, list[Subscription]] = {}
         self._receivers: dict[int, list[Subscription]] = {}  # by publisher, until an endpoint comes or goes
 
@@ -107,11 +108,17 @@ class Topics:
         infos = [p.info for p in self.publishers.values()] + [s.info for s in self.subscriptions.values()]
         return sorted(infos, key=lambda info: info.id)
 
+    def endpoints_on(self, topic: str) -> list[EndpointInfo]:
+        """List the endpoints of a topic in the order of their making."""
+        near = (*self._publishers_of.get(topic, ()), *self._subscriptions_of.get(topic, ()))
+        return sorted((end.info for end in near), key=lambda info: info.id)
+
     def add_publisher(self, info: EndpointInfo) -> None:
         """Add a publisher; the samples that it keeps are bounded by its history."""
         depth = info.qos.depth if info.qos.history == "keep_last" else None
         self._receivers.clear()
-        self.publishers[info.id] = Publisher(info, deque(maxlen=depth))
+        publisher = self.publishers[info.id] = Publisher(info, deque(maxlen=depth))
+        self._publishers_of.setdefault(info.topic, []).append(publisher)
 
     def add_subscription(self, subscription: Subscription) -> list[Sample]:
         """Add a subscription; returns the kept samples that it gets as a late joiner, oldest first."""
@@ -121,13 +128,16 @@ class Topics:
         self._subscriptions_of.setdefault(info.topic, []).append(subscription)
         if info.qos.durability != "transient_local":
             return []
-        kept = [s for p in self.publishers.values() if matches(p.info, info) for s in p.kept]
+        near = self._publishers_of.get(info.topic, ())
+        kept = [sample for p in near if matches(p.info, info) for sample in p.kept]
         return sorted(kept, key=lambda sample: sample.stamp_ns)
 
     def remove(self, endpoint: int) -> None:
         """Remove an endpoint; unknown ones are already gone."""
         self._receivers.clear()
-        self.publishers.pop(endpoint, None)
+        publisher = self.publishers.pop(endpoint, None)
+        if publisher is not None:
+            self._publishers_of[publisher.info.topic].remove(publisher)
         subscription = self.subscriptions.pop(endpoint, None)
         if subscription is not None:
             self._subscriptions_of[subscription.info.topic].remove(subscription)

@@ -64,7 +64,7 @@ class Source(ABC):
 
     def endpoints(self, topic: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         """List a topic's publishers or subscriptions."""
-        return [e for e in self.graph.endpoints() if e.topic == topic and e.kind == kind]
+        return [end for end in self.graph.endpoints_on(topic) if end.kind == kind]
 
     def offered(self, topic: str) -> list[Qos]:
         """List the QoS of the topic's publishers."""

@@ -16,10 +16,7 @@ from course_lib.tools.sources import Listening, Source
 from course_lib.tools.verb import Verb, Write, positive, value
 
 TF = "tf2_msgs/msg/TFMessage"
-TOPICS = {
-    ("/tf", TF): Qos(depth=100),
-    ("/tf_static", TF): Qos(depth=100, durability="transient_local"),
-}
+TOPICS = {("/tf", TF): Qos(depth=100), ("/tf_static", TF): Qos(depth=100, durability="transient_local")}
 _NOT_NAMED = "default_authority"
 
 

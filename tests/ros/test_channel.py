@@ -1,11 +1,21 @@
 import socket
 import struct
+from concurrent.futures import ThreadPoolExecutor
 
 import msgpack
 import pytest
 
 from course_lib.ros import wall
-from course_lib.ros.channel import MAX_FRAME, Channel, ChannelClosedError, ChannelError, ChannelTimeoutError
+from course_lib.ros.channel import (
+    MAX_FRAME,
+    MOST,
+    MOST_QUEUED,
+    Channel,
+    ChannelClosedError,
+    ChannelError,
+    ChannelTimeoutError,
+)
+from tests.patience import PATIENCE
 
 
 @pytest.fixture
@@ -23,6 +33,19 @@ def test_frames_arrive_as_sent_the_queued_ones_first(ends: tuple[Channel, socket
     channel.queue(["first", 1])
     channel.send(["second", b"\x00", None, [1.5]])
     assert [other.receive(), other.receive()] == [["first", 1], ["second", b"\x00", None, [1.5]]]
+
+
+@pytest.mark.parametrize("size", [1, 2**14])
+def test_queued_frames_are_sent_before_they_take_much_memory(
+    ends: tuple[Channel, socket.socket], size: int
+) -> None:
+    channel, other = ends[0], Channel(ends[1])
+    frames = [["frame", b"x" * size]] * min(MOST_QUEUED, MOST // size)
+    with ThreadPoolExecutor(1) as pool:
+        came = pool.submit(lambda: [other.receive() for _ in frames])
+        for frame in frames:
+            channel.queue(frame)
+        assert came.result(PATIENCE) == frames
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,5 @@
+import random
+
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Graph, current_graph, use_graph
 from course_lib.ros.qos import Qos
@@ -92,6 +94,24 @@ def test_removing_a_node_removes_its_endpoints_and_what_is_on_its_way_to_them() 
     assert got == []
     assert [node.name for node in graph.nodes()] == ["talker"]
     assert [endpoint.kind for endpoint in graph.endpoints()] == ["pub"]
+
+
+def test_the_endpoints_of_a_topic_are_those_of_the_whole_graph_on_it() -> None:
+    graph, chance = Graph(), random.Random(0)
+    nodes = [graph.add_node(f"n{number}", "/") for number in range(4)]
+    for _ in range(300):
+        node, topic = chance.choice(nodes), chance.choice("abc")
+        ends = graph.endpoints()
+        if ends and chance.random() < 0.4:
+            graph.remove_endpoint(chance.choice(ends).id)
+        elif chance.random() < 0.1:
+            chance.choice((graph.rest, graph.wake))(node)
+        elif chance.random() < 0.5:
+            graph.add_publisher(node, topic, STRING, Qos())
+        else:
+            graph.add_subscription(node, 0, topic, STRING, Qos(), lambda *_: None)
+        for topic in "abc":
+            assert graph.endpoints_on(topic) == [end for end in graph.endpoints() if end.topic == topic]
 
 
 def test_taps_and_watchers_see_all_until_they_are_taken_off() -> None:

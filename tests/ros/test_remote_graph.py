@@ -66,6 +66,7 @@ def behind_the_pipe(graph: Graph) -> None:
         talk(remote)
         assert [node.name for node in remote.nodes()] == ["talker", "echoer"]
         assert [endpoint.topic for endpoint in remote.endpoints()] == ["/count", "/echo", "/count"]
+        assert [end.kind for end in remote.endpoints_on("/count")] == ["pub", "sub"]
         channel.send(["done"])
 
     server = GraphServer(graph, in_a_child(child))
@@ -93,6 +94,7 @@ def test_a_program_behind_the_pipe_gives_the_same_recording_as_here() -> None:
         ["pub", 2, 99, "/t", "x", []],
         ["sub", 2, 99, 0, "/t", "x", []],
         ["cancel", 7],
+        ["endpoints_on", 7],
     ],
 )
 def test_a_frame_about_what_is_not_its_own_is_refused(frame: list[object]) -> None:

@@ -227,7 +227,7 @@ class RobotGraph(Graph):
 
     def _compare(self, topic: str) -> None:
         """Warn of pairs over the link that DDS would keep apart."""
-        ends = [info for info in self._topics.endpoints() if info.topic == topic]
+        ends = self._topics.endpoints_on(topic)
         for publisher in (info for info in ends if info.kind == "pub"):
             for heard in (info for info in ends if info.kind == "sub"):
                 if self._is_over_link(publisher, heard):

@@ -12,6 +12,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Int32, String
+from std_srvs.srv import Trigger
 
 from course_lib.ros.graph import Graph
 
@@ -104,6 +105,19 @@ def test_destroying_a_node_removes_what_it_made_and_may_be_repeated(node: Node, 
     node.destroy_node()
     assert (begun.nodes(), begun.endpoints()) == ([], [])
     assert [*node.publishers, *node.subscriptions, *node.timers] == []
+
+
+def test_a_node_is_made_and_destroyed_without_a_look_at_all_of_the_graph(
+    begun: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(begun, "endpoints", pytest.fail)  # a worker's graph asks another process for it
+    node = Node("talker")
+    node.create_publisher(String, "chatter", 10)
+    node.create_subscription(String, "chatter", print, 10)
+    node.create_service(Trigger, "start", print)
+    node.create_client(Trigger, "start")
+    assert node.count_subscribers("chatter") == 1
+    node.destroy_node()
 
 
 def test_what_was_destroyed_by_itself_does_not_keep_its_node_from_ending(node: Node) -> None:

@@ -13,11 +13,7 @@ from launch.entities import Action, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
 
-_PACKAGES = {
-    "ros2": "ros2cli",
-    "rviz2": "rviz2",
-    "xacro": "xacro",
-}  # the kit has these
+_PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2", "xacro": "xacro"}  # the kit has these
 
 
 def _echo(words: Sequence[str]) -> None:

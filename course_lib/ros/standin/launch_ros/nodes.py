@@ -52,7 +52,7 @@ class LifecycleLink:
 
     def ask(self, transition: int) -> bool:
         """Ask for a transition; False while the node's service is not there."""
-        if not any(e.topic == self._requests and e.kind == "sub" for e in self._graph.endpoints()):
+        if not any(end.kind == "sub" for end in self._graph.endpoints_on(self._requests)):
             return False
         request = srv.ChangeState.Request(transition=Transition(id=transition))
         self._asked.append(transition)

@@ -67,7 +67,7 @@ class Endpoint:
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each endpoint on the other side of the topic."""
-        on_topic = [info for info in self.node.graph.endpoints() if info.topic == self.topic_name]
+        on_topic = self.node.graph.endpoints_on(self.topic_name)
         me = next((info for info in on_topic if info.id == self.id), None)
         if me is None:
             return []

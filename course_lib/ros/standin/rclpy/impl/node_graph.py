@@ -140,5 +140,5 @@ class Node:
         return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
 
     def _on_topic(self, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
-        topic = self.resolve_topic_name(topic_name)
-        return [info for info in self.handle.graph.endpoints() if info.topic == topic and info.kind == kind]
+        ends = self.handle.graph.endpoints_on(self.resolve_topic_name(topic_name))
+        return [info for info in ends if info.kind == kind]
