@@ -12,7 +12,6 @@ from tests.browser.waiting import A_FRAME, wait_until
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
 ENDED = "The kernel of this view has ended."
-LOST = "Error displaying widget: model not found"  # ipywidgets looks for it for 2 s, also on a busy machine
 CELLS = (
     """\
 %load_ext course_lib
@@ -87,13 +86,6 @@ def are_all(notebook: Notebook, color: int) -> bool:
     return len(counts) == MANY and min(counts) > ENOUGH
 
 
-def are_all_after_reload(notebook: Notebook, color: int) -> bool:
-    """Return whether all views show a box of a colour; the page is loaded again if ipywidgets lost a view."""
-    if notebook.page.get_by_text(LOST).count():
-        notebook.open()
-    return are_all(notebook, color)
-
-
 def heard(notebook: Notebook) -> int:
     return int(notebook.kernel("print(len(node.heard))"))
 
@@ -129,7 +121,7 @@ def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(notebook:
     for one in (notebook, second):
         wait_until(lambda one=one: are_all(one, 2), one.page, A_FRAME)  # type: ignore[misc]  # mypy knows no default there
     notebook.open()
-    wait_until(lambda: are_all_after_reload(notebook, 2), notebook.page, A_FRAME)
+    wait_until(lambda: are_all(notebook, 2), notebook.page, A_FRAME)
     assert second.page.evaluate("lost") == notebook.page.evaluate("lost") == 0
     second.page.close()
 

@@ -218,6 +218,25 @@ def test_a_task_that_hangs_costs_its_time_once() -> None:
     assert (hung.stopped, again.stopped, other.returns) == ("time", "time", (1,))
 
 
+@pytest.mark.parametrize("end", ["while True: pass", "os._exit(0)"])
+def test_what_a_callback_publishes_before_it_hangs_or_kills_its_process_is_evidence(end: str) -> None:
+    cell = f"""
+import os
+from rclpy.node import Node
+from std_msgs.msg import String
+class talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.publisher = self.create_publisher(String, "/said", 1)
+        self.create_timer(1.0, self.tick)
+    def tick(self):
+        self.publisher.publish(String(data="before"))
+        {end}
+"""
+    came, _ = run(cell, task=TALKER)
+    assert [sample.topic for sample in came.samples if sample.topic == "/said"] == ["/said"]
+
+
 def test_cells_that_run_again_add_nothing_to_the_log_and_find_nothing() -> None:
     """Values that a scenario leaves behind, hidden inputs included, must not come out through the cells."""
     cells = [
