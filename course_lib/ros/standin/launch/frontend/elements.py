@@ -80,11 +80,7 @@ ELEMENTS |= {
     "shutdown": Element(actions.Shutdown, (Attribute("reason", text),)),
     "timer": Element(
         actions.TimerAction,
-        (
-            Attribute("period", of(float), needed=True),
-            _INNER,
-            Attribute("cancel_on_shutdown", of(bool)),
-        ),
+        (Attribute("period", of(float), needed=True), _INNER, Attribute("cancel_on_shutdown", of(bool))),
     ),
     "unset_env": Element(actions.UnsetEnvironmentVariable, (_NAME,)),
 }
