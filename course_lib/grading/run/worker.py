@@ -42,7 +42,7 @@ USUAL = (  # what most notebooks import, or need for a line of magic
     "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
     "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "yaml",
     "IPython.core.magics.extension", "course_lib.extension", "course_lib.displays.viewer",
-    "course_lib.ros.launch_program", "course_lib.tools.notebook",
+    "course_lib.ros.launch_program", "course_lib.tools.notebook", "pygments.formatters.terminal256",
 )  # fmt: skip
 SENT = (  # by most nodes, or by the kit's own; a type in a message's list comes with it
     "rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/Bool",
