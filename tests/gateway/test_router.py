@@ -1,6 +1,7 @@
 """`course router` in its own process, with raw Zenoh on both sides."""
 
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -55,13 +56,24 @@ def started(tmp_path: Path) -> Iterator[Started]:
         log = tmp_path / f"log{len(processes)}.txt"
         with log.open("wb") as out:
             command = [sys.executable, "-m", "course_lib", *words]
-            processes.append(subprocess.Popen(command, cwd=tmp_path, stdout=out, stderr=out))
+            environment = {**os.environ, "PYTHONFAULTHANDLER": "1"}
+            processes.append(subprocess.Popen(command, cwd=tmp_path, stdout=out, stderr=out, env=environment))
         return log
 
     yield start
-    for process in processes:
-        process.send_signal(signal.SIGINT)
-        assert process.wait(PATIENCE) == 0
+    assert [_interrupted(process) for process in processes] == [0] * len(processes), "".join(
+        log.read_text() for log in sorted(tmp_path.glob("log*.txt"))
+    )
+
+
+def _interrupted(process: "subprocess.Popen[bytes]") -> int:
+    """Return the exit code behind Ctrl+C; a process that goes on writes what its threads do, and is ended."""
+    process.send_signal(signal.SIGINT)
+    try:
+        return process.wait(PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGABRT)
+        return process.wait(PATIENCE)
 
 
 def says(log: Path, text: str) -> None:
