@@ -48,6 +48,7 @@ from course_lib.grading.reports.table import (
     Line,
     broken_lines,
     counts,
+    gone_lines,
     lost_report_lines,
     say,
     task_lines,
@@ -289,4 +290,6 @@ def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) ->
         say(f"Isolation of {number}: {isolation}.")
     for concern in concerns(results, out):
         say(f"Look at: {concern.line(out)}")
+    for line in gone_lines(results, *work.course.handed_in):
+        say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

@@ -75,6 +75,7 @@ class TaskResult:
         manual: Points that a person gave; they count instead of the checks'.
         comments: What that person says.
         rubric: The rows by which a person marks the task.
+        is_current: False if those points were given for another hand-in.
     """
 
     task: str
@@ -87,6 +88,7 @@ class TaskResult:
     manual: float | None = None
     comments: tuple[str, ...] = ()
     rubric: tuple[Row, ...] = ()
+    is_current: bool = True
 
     @property
     def fraction(self) -> float:
@@ -111,9 +113,9 @@ class TaskResult:
 
     @property
     def waits(self) -> bool:
-        """True if a person must mark it: by its rubric, or as a check with a share of its points raised."""
+        """True if a person must mark it: by its rubric, as a weighty check raised, or once more."""
         is_broken = any(check.broken and check.weight for check in self.checks)
-        return self.manual is None and (bool(self.rubric) or is_broken)
+        return not self.is_current or (self.manual is None and (bool(self.rubric) or is_broken))
 
     def as_plain(self) -> dict[str, Any]:
         """Return the entry of a result file."""
@@ -125,7 +127,7 @@ class TaskResult:
     @classmethod
     def from_plain(cls, content: Mapping[str, Any]) -> "TaskResult":
         """Return the task of an entry of a result file."""
-        known = {field.name: content[field.name] for field in fields(cls)}
+        known = {field.name: content[field.name] for field in fields(cls) if field.name in content}
         checks = tuple(CheckResult(**check) for check in content["checks"])
         return cls(**{**known, "checks": checks, "rubric": tuple(Row(**row) for row in content["rubric"])})
 

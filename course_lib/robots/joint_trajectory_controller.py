@@ -15,14 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 from course_lib.robots.period import period_of
-from course_lib.robots.trajectory import (
-    PREEMPTED,
-    REACHED,
-    TrajectoryGoal,
-    Waypoint,
-    sample,
-    waypoints_of,
-)
+from course_lib.robots.trajectory import PREEMPTED, REACHED, TrajectoryGoal, Waypoint, sample, waypoints_of
 from course_lib.robots.urdf import MOVING, Urdf, parse_urdf
 
 

@@ -11,14 +11,7 @@ from launch.actions import declared
 from launch.conditions import InvalidConditionExpressionError
 from launch.entities import Action, Entities, Event, LaunchContext, listed, text_of
 from launch.event_handlers import OnProcessIO
-from launch.events import (
-    ProcessExited,
-    ProcessIO,
-    ProcessStarted,
-    Shutdown,
-    ShutdownProcess,
-    SignalProcess,
-)
+from launch.events import ProcessExited, ProcessIO, ProcessStarted, Shutdown, ShutdownProcess, SignalProcess
 from launch.launch_description_sources import LaunchDescriptionSource
 
 from course_lib.errors import CourseError

@@ -147,8 +147,4 @@ def _rotated(rotation: Quaternion, point: Vector) -> Vector:
     x, y, z, w = rotation
     px, py, pz = point
     tx, ty, tz = 2 * (y * pz - z * py), 2 * (z * px - x * pz), 2 * (x * py - y * px)
-    return (
-        px + w * tx + y * tz - z * ty,
-        py + w * ty + z * tx - x * tz,
-        pz + w * tz + x * ty - y * tx,
-    )
+    return (px + w * tx + y * tz - z * ty, py + w * ty + z * tx - x * tz, pz + w * tz + x * ty - y * tx)

@@ -99,11 +99,7 @@ def ros2_over(
 
 
 def run_beside(
-    files: Sequence[Path],
-    tool: Callable[[Graph], None],
-    *,
-    seconds: float | None,
-    graph: Graph | None = None,
+    files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float | None, graph: Graph | None = None
 ) -> int:
     """Run programs, and a tool as soon as each of them waits; return their exit code. They end with the tool.
 

@@ -167,11 +167,7 @@ class Text:
     """
 
     def __init__(
-        self,
-        text: str,
-        height: float,
-        color: ArrayLike = (1.0, 1.0, 1.0, 1.0),
-        below: bool = False,
+        self, text: str, height: float, color: ArrayLike = (1.0, 1.0, 1.0, 1.0), below: bool = False
     ) -> None:
         self.text = text
         self.height = float(height)

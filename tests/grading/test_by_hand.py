@@ -110,6 +110,55 @@ def test_the_last_word_counts_and_all_are_kept_with_who_and_when(kinds: Course, 
     assert all(entry["by"] and entry["at"].endswith("+00:00") for entry in entries)
 
 
+def test_points_for_another_hand_in_wait_for_a_second_look(
+    kinds: Course, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    out, notebook = tmp_path / "out", tmp_path / "in/ada/week05_exercise.ipynb"
+    args = (out, "ada", "week05_exercise")
+    mark_by_hand(*args, "essay", "40", course=kinds)
+    mark_by_hand(*args, "motto", "0", course=kinds)
+    write_notebook(notebook, ANSWERS.replace("Be kind", "Listen"), student="ada")
+    grade(tmp_path / "in", out, jobs=1, course=kinds, resume=True)
+    assert line(out) == (70, 56, "needs_marking")
+    (result,) = results_in(out)
+    assert (
+        "week05.essay, week05.motto: marked in another hand-in: mark it again" in (result["row"]["message"])
+    )
+    mark_by_hand(*args, "motto", "30", course=kinds)
+    assert line(out) == (100, 80, "needs_marking")
+    mark_by_hand(*args, "essay", "40", course=kinds)
+    assert line(out) == (100, 80, "graded")
+
+
+def test_an_accepted_id_is_looked_at_again_in_another_hand_in(
+    kinds: Course, tmp_path: Path, write_notebook: WriteNotebook, capsys: pytest.CaptureFixture[str]
+) -> None:
+    notebook, out = tmp_path / "in/ada/week05_exercise.ipynb", tmp_path / "out"
+    for number, name in enumerate(("bob", "cleo")):
+        capsys.readouterr()
+        write_notebook(notebook, f"{ANSWERS}\nnumber = {number}", student=name)
+        grade(tmp_path / "in", out, jobs=1, course=kinds, resume=True)
+        assert line(out)[2] == "needs_marking"
+        assert "Look at: ID mismatch: 1 submission" in capsys.readouterr().out
+        mark_by_hand(out, "ada", "week05_exercise", "essay", "40", course=kinds)
+        grade(tmp_path / "in", out, jobs=1, course=kinds, resume=True)
+        assert line(out)[2] == "graded"
+        assert "Look at" not in capsys.readouterr().out
+
+
+def test_a_mark_whose_file_is_gone_is_named(
+    kinds: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "in/ada").rename(tmp_path / "in/bob")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds)
+    said = "Look at: no file any more, but the mark still counts: ada week05_exercise. Moved or withdrawn?"
+    assert said in capsys.readouterr().out
+    (tmp_path / "out/results/ada/week05_exercise.json").unlink()
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds, resume=True)
+    assert said not in capsys.readouterr().out
+    assert "ada,week05" not in (tmp_path / "out/gradebook.csv").read_text()
+
+
 def test_a_task_goes_by_its_short_name_and_a_student_by_any_spelling(kinds: Course, tmp_path: Path) -> None:
     said = mark_by_hand(tmp_path / "out", "ADA", "week05", "essay", "40", course=kinds)
     assert said == "ada week05_exercise: 40 for week05.essay; now 80, graded"

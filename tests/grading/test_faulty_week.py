@@ -15,7 +15,7 @@ from course_lib.grading.grade import grade
 from course_lib.grading.handin.hand_in import hand_in
 from course_lib.grading.handin.submission import find_submissions
 from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.platforms.gradescope import _one_week
+from course_lib.grading.platforms.gradescope import one_week
 from course_lib.grading.records import Course, catalog_of, result_path
 from course_lib.grading.reports.report import report
 from course_lib.grading.term.term import Files, write_term
@@ -126,9 +126,9 @@ def test_a_term_is_not_added_up_without_the_week(course: Course, tmp_path: Path)
 
 def test_an_autograder_is_made_of_other_weeks_only(course: Course) -> None:
     path = write(course, FAULTY)
-    assert b"week02" not in _one_week(path, "week01")
+    assert b"week02" not in one_week(path, "week01")
     with pytest.raises(CourseError, match=SAID):
-        _one_week(path, "week02")
+        one_week(path, "week02")
 
 
 def test_the_course_is_not_released(course: Course) -> None:

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from course_lib.course.course_file import read_course_file
+from course_lib.course.installation import exercises_dir
 from course_lib.errors import CourseError
-from course_lib.grading.platforms.gradescope import write_autograder
+from course_lib.grading.platforms.gradescope import one_week, write_autograder
 from course_lib.grading.platforms.harness import METADATA, grade_upload, results_of
 from course_lib.grading.records import Course
 from tests.grading.autograder_layout import graded_upload
@@ -179,6 +180,14 @@ def test_the_zip_has_scripts_at_its_top_and_one_weeks_answers(tmp_path: Path) ->
     assert 'gradescope week03 --run "$root" --hidden hidden --require-sandbox\n' in script
     for name in ("setup.sh", "run_autograder"):
         subprocess.run(["bash", "-n", tmp_path / "source" / name], check=True)
+
+
+@pytest.mark.parametrize("term", ["[term.weights]\nweek03 = 2", '[term]\ngroup_weeks = ["week02"]'])
+def test_a_term_of_other_weeks_does_not_stop_one_weeks_autograder(tmp_path: Path, term: str) -> None:
+    text = (exercises_dir() / "course.toml").read_text()
+    (tmp_path / "course.toml").write_text(f"{text}\n{term}\n")
+    (tmp_path / "one.toml").write_bytes(one_week(tmp_path / "course.toml", "week01"))
+    assert list(read_course_file(tmp_path / "one.toml").weeks) == ["week01"]
 
 
 @pytest.mark.parametrize(

@@ -118,12 +118,7 @@ def _keep_or_refuse(arrival: Arrival, out: Path, zone: ZoneInfo, done: Collectio
 
 
 def _exports(
-    source: Path,
-    zone: ZoneInfo,
-    roster: Path | None,
-    id_column: str,
-    times: Sequence[Path],
-    done: Collection,
+    source: Path, zone: ZoneInfo, roster: Path | None, id_column: str, times: Sequence[Path], done: Collection
 ) -> Exports:
     """Read the platform's exports; their columns are found by the numbers in the download."""
     if roster is None and not times:

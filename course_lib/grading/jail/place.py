@@ -7,12 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from course_lib.grading.jail import namespaces
-from course_lib.grading.jail.system_calls import (
-    KEEP_CAPABILITIES,
-    drop_capabilities,
-    prctl,
-    use_capabilities,
-)
+from course_lib.grading.jail.system_calls import KEEP_CAPABILITIES, drop_capabilities, prctl, use_capabilities
 
 Root = Literal["own", "bubblewrap", "host"]
 User = Literal["another", "real", "same"]

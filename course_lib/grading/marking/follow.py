@@ -8,14 +8,7 @@ from pathlib import Path
 
 from course_lib.errors import CourseError, counted
 from course_lib.grading.marks.mark import Result, need_results, read_result
-from course_lib.grading.records import (
-    Course,
-    catalog_of,
-    result_path,
-    sole_use,
-    this_course,
-    writing,
-)
+from course_lib.grading.records import Course, catalog_of, result_path, sole_use, this_course, writing
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import printable
 from course_lib.grading.reports.tables import write_tables

@@ -17,6 +17,7 @@ from course_lib.grading.marks.marks import (
     HandMark,
     add_marks,
     apply_marks,
+    marked_tasks,
     read_marks,
     revision_of,
     whole_task_counts,
@@ -120,8 +121,8 @@ class MarkingQueue:
             CourseError: There is none, or a file can't be read.
         """
         item = self.item(key)
-        task, marks = self._read(item)
-        shown = apply_marks(task, marks)
+        task, marks, sha256 = self._read(item)
+        shown = apply_marks(task, marks, sha256)
         mine = [mark for mark in marks if mark.task == item.task]
         return {
             **asdict(item),
@@ -144,18 +145,18 @@ class MarkingQueue:
             CourseError: There is no such task or row, or it has fewer points.
         """
         item = self.item(key)
-        task, _ = self._read(item)
+        task, _, sha256 = self._read(item)
         file = marks_path(self.out, item.student, item.exercise)
-        add_marks(file, task, given, by=by, revision=revision)
+        add_marks(file, task, given, sha256=sha256, by=by, revision=revision)
 
-    def _read(self, item: QueueItem) -> tuple[TaskResult, list[HandMark]]:
+    def _read(self, item: QueueItem) -> tuple[TaskResult, list[HandMark], str]:
         content = read_result(result_path(self.out, item.student, item.exercise))
         marks = read_marks(marks_path(self.out, item.student, item.exercise))
         found = (task for task in content.get("tasks", ()) if task["task"] == item.task)
         task = next(found, None)
         if task is None:
             raise CourseError(f"{item.exercise} of {item.student} has no task {item.task} any more")
-        return TaskResult.from_plain(task), marks
+        return TaskResult.from_plain(task), marks, content["sha256"]
 
     def _used(self, task: str) -> list[list[str]]:
         """Return the comments on a task, with their rows, the most frequent first."""
@@ -195,7 +196,7 @@ def _stamp(path: Path) -> Stamp:
 
 
 def _items(content: Mapping[str, Any], marks: Sequence[HandMark]) -> list[QueueItem]:
-    tasks = [apply_marks(TaskResult.from_plain(task), marks) for task in content.get("tasks", ())]
+    tasks = marked_tasks(content, marks)
     is_waiting = content["row"]["status"] == "needs_marking"
     first = tasks[:1] if is_waiting and not any(task.waits for task in tasks) else []
     return [_item(task, content, marks, waits=task.waits or task in first) for task in tasks]

@@ -13,8 +13,8 @@ from course_lib.errors import CourseError
 from course_lib.foreign import read_json
 from course_lib.grading.handin.ids import MISMATCH
 from course_lib.grading.handin.submission import Submission
-from course_lib.grading.judge import Judgement, TaskResult
-from course_lib.grading.marks.marks import HandMark, Mark, add_up, apply_marks, read_marks
+from course_lib.grading.judge import Judgement
+from course_lib.grading.marks.marks import HandMark, Mark, add_up, apply_marks, marked_tasks, read_marks
 from course_lib.grading.records import marks_path, result_path
 
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
@@ -77,7 +77,7 @@ class Result:
         """Return the result with the points of persons, for the report."""
         if self.judgement is None:
             return self
-        tasks = tuple(apply_marks(task, marks) for task in self.judgement.tasks)
+        tasks = tuple(apply_marks(task, marks, self.submission.sha256) for task in self.judgement.tasks)
         row, judgement = row_of(self.as_plain(), marks), replace(self.judgement, tasks=tasks)
         return replace(self, judgement=judgement, status=row["status"], message=row["message"])
 
@@ -193,10 +193,12 @@ def need_results(out: Path) -> None:
 def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[str, Any]:
     """Return the line of the gradebook for a result and the points of persons."""
     row = dict.fromkeys(MARK_COLUMNS, "") | {name: content[name] for name in TEXT_COLUMNS}
-    tasks = [apply_marks(TaskResult.from_plain(task), marks) for task in content.get("tasks", ())]
+    tasks = marked_tasks(content, marks)
     if tasks:
         full = sum(task.score >= task.points for task in tasks)
         said = f"{full} of {len(tasks)} tasks have full marks"
+        once_more = ", ".join(task.task for task in tasks if not task.is_current)
+        said += f"; {once_more}: marked in another hand-in: mark it again" * bool(once_more)
         row["message"] = "; ".join(filter(None, (said, content.get("remark"))))
         row |= asdict(add_up(tasks, content["days_late"], Late(content["percent_per_day"])))
     if any(task.waits for task in tasks):
@@ -204,6 +206,6 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
     if tasks and content.get("id_flag") == MISMATCH:
         row["reason"] = ", ".join(filter(None, (row["reason"], MISMATCH)))
         row["message"] = f"{content['id_note']}; {row['message']}"
-        if not marks:  # a person who gave marks has seen it
+        if not any(mark.is_of(content["sha256"]) for mark in marks):  # who gave marks has seen it
             row["status"] = "needs_marking"
     return {name: row[name] for name in COLUMNS}

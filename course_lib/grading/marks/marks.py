@@ -4,11 +4,11 @@ import getpass
 import json
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from course_lib.course.course_file import Late
 from course_lib.course.state import write_whole
@@ -66,6 +66,7 @@ class HandMark:
         comment: For the student; the last one of each row counts.
         by: The person.
         at: When, in ISO format.
+        sha256: Of the hand-in that the person has seen; "" is not known.
     """
 
     task: str
@@ -74,6 +75,11 @@ class HandMark:
     comment: str
     by: str
     at: str
+    sha256: str = ""
+
+    def is_of(self, sha256: str) -> bool:
+        """Return whether it may be of a hand-in."""
+        return self.sha256 in ("", sha256)
 
 
 @dataclass(frozen=True)
@@ -120,7 +126,13 @@ def revision_of(marks: Iterable[HandMark], task: str) -> str:
 
 
 def add_marks(
-    path: Path, task: TaskResult, given: Sequence[Given], *, by: str = "", revision: str | None = None
+    path: Path,
+    task: TaskResult,
+    given: Sequence[Given],
+    *,
+    sha256: str,
+    by: str = "",
+    revision: str | None = None,
 ) -> list[HandMark]:
     """Append the marks of one person to a file of marks, all or none; they are on the disk afterwards.
 
@@ -128,6 +140,7 @@ def add_marks(
         path: OUT/marks/STUDENT/EXERCISE.json.
         task: As it was judged.
         given: For the task, or for rows of its rubric.
+        sha256: Of the hand-in.
         by: The person; default: the user of the machine.
         revision: Of the task's marks that the person has seen; None does not ask.
 
@@ -138,7 +151,8 @@ def add_marks(
     with marks_turn(path.parents[2]):
         kept = read_marks(path)
         mine = [mark for mark in kept if mark.task == task.task]
-        new = [_hand_mark(task, one, mine, by or getpass.getuser()) for one in given]
+        by = by or getpass.getuser()
+        new = [replace(_hand_mark(task, one, mine, by), sha256=sha256) for one in given]
         if revision not in (None, revision_of(mine, task.task)):
             if list(map(_content, mine[-len(new) :])) == list(map(_content, new)):
                 return mine[-len(new) :]  # sent twice, as the first answer was lost
@@ -178,7 +192,13 @@ def _content(mark: HandMark) -> HandMark:
     return replace(mark, at="")
 
 
-def apply_marks(result: TaskResult, marks: Iterable[HandMark]) -> TaskResult:
+def marked_tasks(content: Mapping[str, Any], marks: Sequence[HandMark]) -> list[TaskResult]:
+    """Return the tasks of a result file with the points of persons."""
+    tasks = map(TaskResult.from_plain, content.get("tasks", ()))
+    return [apply_marks(task, marks, content["sha256"]) for task in tasks]
+
+
+def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> TaskResult:
     """Return a task with the points of persons: the last for the whole task, or the sum over all rows."""
     mine = [mark for mark in marks if mark.task == result.task]
     said = {mark.row: mark.comment for mark in mine}
@@ -186,12 +206,16 @@ def apply_marks(result: TaskResult, marks: Iterable[HandMark]) -> TaskResult:
     given = {mark.row: mark.points for mark in mine if mark.points is not None}
     if not given:
         return replace(result, comments=comments)
+    counting = {mark.row: mark for mark in mine if mark.points is not None}
     if whole_task_counts(mine):
-        return replace(result, manual=given[""], comments=comments)
+        is_current = counting[""].is_of(sha256)
+        return replace(result, manual=given[""], comments=comments, is_current=is_current)
     if missing := [row.text for row in result.rubric if row.text not in given]:
         return replace(result, comments=(*comments, f"still to be marked: {', '.join(missing)}"))
     share = sum(given[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
-    return replace(result, manual=round(result.points * share, 2), comments=comments)
+    is_current = all(counting[row.text].is_of(sha256) for row in result.rubric)
+    manual = round(result.points * share, 2)
+    return replace(result, manual=manual, comments=comments, is_current=is_current)
 
 
 def whole_task_counts(marks: Sequence[HandMark]) -> bool:

@@ -83,7 +83,7 @@ def _put(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
 
 def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a course that has one week, by their names in the zip."""
-    yield "course/exercises/course.toml", _one_week(root / "exercises" / "course.toml", week)
+    yield "course/exercises/course.toml", one_week(root / "exercises" / "course.toml", week)
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]
     if missing := [path for path in paths if not path.is_file()]:
@@ -97,8 +97,8 @@ def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
             yield f"course/{path.relative_to(root).as_posix()}", path.read_bytes()
 
 
-def _one_week(path: Path, week: str) -> bytes:
-    """Return course.toml without the tables of other weeks.
+def one_week(path: Path, week: str) -> bytes:
+    """Return course.toml without the term and the tables of other weeks.
 
     Raises:
         CourseError: It has no such week with points, or a faulty one; or others are not written as tables.
@@ -109,8 +109,10 @@ def _one_week(path: Path, week: str) -> bytes:
     if week not in weeks or not weeks[week].points:
         known = ", ".join(name for name, settings in weeks.items() if settings.points)
         raise CourseError(f"there is no exercise of {week!r}; weeks with an exercise: {known}")
-    others = re.compile(rf"^\[weeks\.(?!{week}[\].])[^\]\n]*\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+    heads = rf"^\[(?:weeks\.(?!{week}[\].])|term[\].])[^\n]*"
+    others = re.compile(rf"{heads}.*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
     text = others.sub("", path.read_text(encoding="utf-8"))
-    if list(tomllib.loads(text)["weeks"]) != [week]:
-        raise CourseError(f"{path}: write each week as a table, [weeks.{week}]")
+    left = tomllib.loads(text)
+    if list(left["weeks"]) != [week] or "term" in left:
+        raise CourseError(f"{path}: write week and term as tables: [weeks.{week}], [term]")
     return text.encode()

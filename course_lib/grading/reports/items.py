@@ -14,7 +14,7 @@ import numpy as np
 from course_lib.course.state import write_whole
 from course_lib.foreign import read_json
 from course_lib.grading.judge import CHECK_SECONDS, Judgement, TaskResult
-from course_lib.grading.marks.marks import HandMark, apply_marks, read_marks
+from course_lib.grading.marks.marks import HandMark, marked_tasks, read_marks
 from course_lib.grading.records import check_times_path, marks_path
 from course_lib.grading.reports.table import csv_of, fill
 from course_lib.grading.run.run import read_usage
@@ -181,11 +181,10 @@ def write_items(out: Path, results: Iterable[Mapping[str, Any]]) -> None:
 
 
 def _task_rows(result: Mapping[str, Any], marks: Sequence[HandMark]) -> Iterator[tuple[Any, ...]]:
-    for task in (apply_marks(TaskResult.from_plain(plain), marks) for plain in result.get("tasks", ())):
+    for task in marked_tasks(result, marks):
         sides = [[check for check in task.checks if check.hidden is hidden] for hidden in (False, True)]
         numbers = [n for side in sides for n in (sum(check.passed for check in side), len(side))]
-        waits = "" if task.waits else "checks"
-        by = "person" if task.manual is not None else waits
+        by = "" if task.waits else "checks" if task.manual is None else "person"
         names = (result["student"], result["exercise"], task.task)
         yield (*names, task.score, task.points, int(task.bonus), by, *numbers)
 

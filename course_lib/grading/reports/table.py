@@ -85,6 +85,18 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
     return list(made.values())
 
 
+def gone_lines(results: Iterable[Mapping[str, Any]], submissions: Path, out: Path) -> list[str]:
+    """Return whose marks still count, though the file is no longer in the folder of submissions."""
+    gone = [
+        one
+        for one in results
+        if (file := Path(one["file"])).is_relative_to(submissions) and not file.exists()
+    ]
+    who = few([f"{one['student']} {one['exercise']}" for one in gone])
+    todo = f"Moved or withdrawn? Remove {out / 'results'}/STUDENT/EXERCISE.json, then grade again"
+    return [f"Look at: no file any more, but the mark still counts: {who}. {todo}"] if gone else []
+
+
 def fill(template: str, **values: Any) -> str:
     """Return a page of templates/, in which every text is escaped."""
     return _templates().get_template(template).render(values)

@@ -61,7 +61,8 @@ class Concern:
 def flags(result: Mapping[str, Any], alike: Mapping[tuple[str, str], Alike]) -> list[Flag]:
     """Return what to look at in one result."""
     word = result.get("id_flag")
-    found = [Flag(word, word)] if word else []
+    is_accepted = word == MISMATCH and result["row"]["status"] != "needs_marking"
+    found = [Flag(word, word)] if word and not is_accepted else []
     if similar := alike.get((result["student"], result["exercise"])):
         found.append(Flag(SIMILAR, f"{SIMILAR}: {few(similar.others)}", similar.link))
     return found

@@ -16,14 +16,7 @@ from course_lib.grading.marks.requests import (
     read_requests,
     requests_path,
 )
-from course_lib.grading.records import (
-    Course,
-    catalog_of,
-    result_path,
-    sole_use,
-    this_course,
-    writing,
-)
+from course_lib.grading.records import Course, catalog_of, result_path, sole_use, this_course, writing
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.table import printable
 
@@ -104,12 +97,7 @@ def _of(out: Path, student: str, exercise: str) -> tuple[str, str]:
 
 
 def _change(
-    out: Path,
-    student: str,
-    exercise: str,
-    course: Course | None,
-    add: Callable[[Path, str], None],
-    text: str,
+    out: Path, student: str, exercise: str, course: Course | None, add: Callable[[Path, str], None], text: str
 ) -> None:
     """Store a request or an answer, as `add` does, and write the report again."""
     catalog = catalog_of(course or this_course())

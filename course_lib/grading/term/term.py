@@ -72,7 +72,11 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
     lines = [_line(one, weeks, members, results, exempt, quizzes, course) for one in members.members]
     with writing(out):
         write_whole(out / TERM_TABLE, csv_of((*FIXED, *weeks, *LISTS), _rows(lines, members, weeks)))
-    return [printable(line) for line in _said(out, lines, members, weeks, results, course)]
+    said = [*_said(out, lines, members, weeks, results, course)]
+    held = {week for one in quizzes.values() for week in one}
+    if course.term.quiz_percent and (without := [week for week in weeks if week not in held]):
+        said.insert(-1, f"No quiz of {few(without)} counts: nobody has a mark of it")
+    return [printable(line) for line in said]
 
 
 def _results(out: Path) -> dict[str, dict[str, dict[str, Any]]]:
@@ -101,7 +105,9 @@ def _line(
             mine = {one.id: results[week][one.id] for one in group if one.id in results[week]}
         is_exempt = week in exempt.get(member.id, {})
         marks[week] = WeekMark("exempt") if is_exempt else week_mark(member.id, mine, course.counts)
-    return TermLine(member.id, marks, add_up_term(marks, quizzes.get(member.id, {}), course.term))
+    quiz_weeks = {week for one in quizzes.values() for week in one}
+    total = add_up_term(marks, quizzes.get(member.id, {}), quiz_weeks, course.term)
+    return TermLine(member.id, marks, total)
 
 
 def week_mark(student: str, rows: Mapping[str, Mapping[str, Any]], counts: str) -> WeekMark:
@@ -149,19 +155,34 @@ def _said(
 ) -> Iterator[str]:
     """Yield who has not handed in, what is open, who is not in the class list, and a summary."""
     for week in weeks:
-        missing = [line.student for line in lines if line.marks[week].kind == "missing"]
+        zero = [line.student for line in lines if line.marks[week].kind == "missing"]
+        missing = [student for student in zero if student not in results[week]]
+        refused = [student for student in zero if student in results[week]]
         waiting = [line.student for line in lines if line.marks[week].kind == "open"]
         if missing:
             yield f"{week}: {counted(len(missing), 'student')} without a hand-in: {few(missing)}"
+        if refused:
+            yield f"{week}: {counted(len(refused), 'student')} with rejected files: {few(refused)}"
         if waiting:
             yield f"{week}: {counted(len(waiting), 'mark')} still open: {few(waiting)}"
-    strangers = sorted({one for week in results.values() for one in week} - members.by_id.keys())
-    if strangers:
-        who = counted(len(strangers), "student")
-        yield f"{who} with results, but not in the class list: {few(strangers)}"
-    if any(member.group for member in members.members) and not course.term.group_weeks:
-        yield "The class list has groups, but course.toml no group_weeks: each student's own hand-in counts"
+    yield from _odd(members, weeks, results, course)
     totals = [line.total.percent for line in lines if line.total.percent is not None]
     spread = f", mean {mean(totals):.1f}, median {median(totals):.1f} percent" if totals else ""
     what = ", ".join(weeks) or "no week with points"
     yield f"Wrote {out / TERM_TABLE}: {counted(len(lines), 'student')}, {what}{spread}"
+
+
+def _odd(members: ClassList, weeks: Sequence[str], results: Results, course: CourseFile) -> Iterator[str]:
+    """Yield where class list, results and course.toml do not fit."""
+    strangers = sorted({one for week in results.values() for one in week} - members.by_id.keys())
+    if strangers:
+        who = counted(len(strangers), "student")
+        yield f"{who} with results, but not in the class list: {few(strangers)}"
+    extended = {one for week in weeks for one in course.weeks[week].extensions}
+    if unknown := sorted(extended - members.by_id.keys()):
+        yield f"extensions in course.toml for IDs that are not in the class list: {few(unknown)}"
+    has_groups, group_weeks = any(one.group for one in members.members), course.term.group_weeks
+    if has_groups and not group_weeks:
+        yield "The class list has groups, but course.toml no group_weeks: each student's own hand-in counts"
+    if group_weeks and not has_groups:
+        yield "course.toml has group_weeks, but the class list no groups: everybody's own counts"

@@ -8,15 +8,7 @@ import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.wording import (
-    Problem,
-    close,
-    heard,
-    listed,
-    number,
-    numbers,
-    word,
-)
+from course_lib.grading.vocabulary.wording import Problem, close, heard, listed, number, numbers, word
 from course_lib.robots.trajectory import Waypoint
 from course_lib.ros import standin_path
 from course_lib.ros.clock import START_NS

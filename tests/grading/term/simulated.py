@@ -30,7 +30,9 @@ def write_results(out: Path, students: list[str], course: CourseFile, seed: int 
             if state == "by hand":
                 task = result.judgement.tasks[0]  # type: ignore[union-attr]
                 path = marks_path(out, student, f"{week}_exercise")
-                add_marks(path, task, [Given(round(chance.uniform(0, task.points), 1), "", "Read.")])
+                add_marks(
+                    path, task, [Given(round(chance.uniform(0, task.points), 1), "", "Read.")], sha256=""
+                )
             count += 1
     return count
 

@@ -3,12 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rcl_interfaces.msg import (
-    ListParametersResult,
-    ParameterDescriptor,
-    ParameterEvent,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, ParameterEvent, SetParametersResult
 
 from rclpy.exceptions import (
     InvalidParameterTypeException,
@@ -36,10 +31,7 @@ class Node(node_entities.Node):
     """The part of Node that holds parameters; it has the name Node for the sake of Python's errors."""
 
     def _keep_parameters(
-        self,
-        overrides: dict[str, Parameter],
-        allow_undeclared: bool,
-        events: Publisher[ParameterEvent],
+        self, overrides: dict[str, Parameter], allow_undeclared: bool, events: Publisher[ParameterEvent]
     ) -> None:
         """Start without parameters; the overrides are values from outside the program."""
         self._parameters: dict[str, Parameter] = {}
