@@ -20,7 +20,7 @@ ROOMS = sorted(path.parent for path in (ROOT / "course_lib").glob("*/__init__.py
 WRITTEN_BY_EXPORT = {"setup.py"}
 MAX_FILE, MAX_FUNCTION, MAX_README = 300, 40, 60  # lines
 # Of course_lib's Python: lower them when it shrinks, raise them for what an issue names.
-MOST_FILES, MOST_LINES, MOST_LONG_LINES = 538, 68_100, 3_000
+MOST_FILES, MOST_LINES, MOST_LONG_LINES = 538, 68_150, 3_000
 LONG = 100  # characters
 
 

@@ -125,6 +125,8 @@ def changed(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]
     """
     made: dict[int, str] = {}
     for old, new in variant.change:
+        if old == new:
+            raise CourseError(f"{old!r} is replaced by itself")
         now = [made.get(place, cell) for place, cell in enumerate(cells)]
         there = [i for i, cell in enumerate(now) if old in cell and re.search(rf"\b{name}\b", cell)]
         if len(there) != 1:

@@ -1,5 +1,6 @@
 """Rehearsals: notebooks of the author's, run in the jail and judged as submissions are."""
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ from course_lib.grading.run.run import run, unpack
 from course_lib.grading.task import Task
 
 STUDENT = "author"
+MOST = 100  # combinations of one task's personal options that are tried
 PATIENCE = 10.0  # times the course's limits of time: an author's machine has much else to do
 DEFINES = re.compile(r'(class|def|import|from|[A-Z_]+ =|"""|#|@|%load_ext)')
 CHECKS = re.compile(r"^check\(", re.MULTILINE)
@@ -103,14 +105,22 @@ def patient(course: Course) -> Catalog:
 
 
 def options(tasks: Iterable[Task]) -> int:
-    """Return how many rows of personal options there are, so that each option is in one of them."""
-    return max((len(choices) for task in tasks for choices in task.personal.values()), default=1)
+    """Return how many combinations of personal options a task has, of several the most, up to MOST."""
+    return max((min(_combinations(task), MOST) for task in tasks), default=1)
 
 
 def with_option(task: Task, row: int) -> Task:
     """Return the task with one option of each personal value, so that every student gets these."""
-    own = {name: (choices[row % len(choices)],) for name, choices in task.personal.items()}
+    count, own = _combinations(task), {}
+    number = row % count if count <= MOST else row * count // MOST  # beyond it, some all over them
+    for name, choices in task.personal.items():
+        number, index = divmod(number, len(choices))
+        own[name] = (choices[index],)
     return replace(task, personal=own)
+
+
+def _combinations(task: Task) -> int:
+    return math.prod(len(choices) for choices in task.personal.values())
 
 
 def _needed(cells: Sequence[str], tasks: Sequence[Task]) -> tuple[str, ...]:

@@ -77,6 +77,16 @@ def described_links(page: NotebookPage) -> Iterator[str]:
         yield "<img is HTML: write ![a description](attachment:picture.png)"
 
 
+def present_pictures(page: NotebookPage) -> Iterator[str]:
+    """Yield pictures that are neither attached nor a file."""
+    cells = page.notebook["cells"]
+    attached = {f"attachment:{name}" for cell in cells for name in cell.get("attachments", {})}
+    for target in re.findall(r"!\[[^\]]*\]\(([^)\s]+)", page.markdown):
+        is_file = "://" in target or (page.path.parent / target).is_file()
+        if target not in attached and not is_file:
+            yield f"the picture {target!r} is not there: drag it into the cell once more"
+
+
 def sentences(text: str) -> list[list[str]]:
     """Return the words of each sentence of the prose: no tables, no code, no pictures."""
     prose = re.sub(r"^\|[^\n]*$|^```.*?^```|!\[.*?\]\(.*?\)", "", text, flags=re.MULTILINE | re.DOTALL)
@@ -108,5 +118,6 @@ FOR_ALL: tuple[Rule, ...] = (
     parses,
     headings_in_order,
     described_links,
+    present_pictures,
     short_sentences,
 )

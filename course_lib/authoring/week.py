@@ -1,5 +1,6 @@
 """One week, verified: its answers run in the jail, its checks judged by what they say of them."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
@@ -11,8 +12,8 @@ from course_lib.authoring.edits import Edit, edits_of, packed, rehearsal_of, sai
 from course_lib.authoring.fields import misspelt
 from course_lib.authoring.flaw import Flaw
 from course_lib.authoring.mutants import operators
-from course_lib.authoring.rehearsal import Rehearsal, Rehearsed, cells_of, options, rehearse
-from course_lib.errors import place_of
+from course_lib.authoring.rehearsal import Rehearsal, Rehearsed, cells_of, options, rehearse, with_option
+from course_lib.errors import did_you_mean, place_of
 from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
 from course_lib.grading.records import Course, catalog_of
 from course_lib.grading.task import Scenario, Task
@@ -52,6 +53,7 @@ class WeekRehearsals:
 
     def flaws(self) -> Iterator[Flaw]:
         """Run all rehearsals, and yield what is wrong."""
+        yield from self._unchecked()
         edits = list(edits_of(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
         yield from (one for one in edits if isinstance(one, Flaw))
         groups = packed([one for one in edits if isinstance(one, Edit)], self._cells, self._week)
@@ -64,6 +66,17 @@ class WeekRehearsals:
         yield from self._never_failing()
         yield from self._too_few()
 
+    def _unchecked(self) -> Iterator[Flaw]:
+        """Yield IDs that cells check and no task has, and tasks that no cell checks."""
+        checks = r"^check\(\s*[\"'](\w+\.\w+)[\"']"
+        checked = set(re.findall(checks, "\n".join(self._cells), re.MULTILINE))
+        known = {task.id for task in catalog_of(self._course).of_week(self._week)}
+        for name in sorted(checked - known):
+            text = f"check({name!r}, …): there is no such task{did_you_mean(name, known, 3)}"
+            yield Flaw("solution", text, str(self._solution))
+        for name in sorted(known - checked):
+            yield Flaw("solution", f"no cell calls check({name!r}, …)", str(self._solution))
+
     def _made(self, rehearsals: Sequence[Rehearsal]) -> Iterator[Rehearsed]:
         return self._pool.map(rehearse, rehearsals, [self._course] * len(rehearsals))
 
@@ -73,7 +86,7 @@ class WeekRehearsals:
         plain = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
         yield plain, self._look_at_solution
         for row in range(1, options(self._tasks)):
-            own = [task for task in self._tasks if any(len(c) > row for c in task.personal.values())]
+            own = [task for task in self._tasks if options([task]) > row]
             some = replace(plain, tasks=tuple(task.id for task in own), option=row, hollow=False)
             yield some, partial(self._look_at_option, own, row)
         yield Rehearsal(self._week, "the stub", cells_of(self._exercise), ids), self._look_at_stub
@@ -108,7 +121,7 @@ class WeekRehearsals:
 
     def _look_at_option(self, tasks: Sequence[Task], row: int, made: Rehearsed) -> Iterator[Flaw]:
         for task, result in zip(tasks, made.results, strict=True):
-            own = {name: choices[row % len(choices)] for name, choices in task.personal.items()}
+            own = {name: choice for name, (choice,) in with_option(task, row).personal.items()}
             yield from self._full("solution", f"the solution with {own}", result, str(self._solution))
 
     def _full(self, aspect: str, what: str, result: TaskResult, place: str) -> Iterator[Flaw]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from course_lib.errors import CourseError
 from course_lib.ros.clock import START_NS
 from course_lib.ros.graph import Sample
 
@@ -168,7 +171,13 @@ class Check:
         return replace(self, title=title)
 
     def worth(self, weight: float) -> Check:
-        """Return the check with another share of the task's points; 0 only reports."""
+        """Return the check with another share of the task's points; 0 only reports.
+
+        Raises:
+            CourseError: The weight is negative, or no number.
+        """
+        if not (isinstance(weight, Real) and 0 <= weight < math.inf):
+            raise CourseError(f"worth({weight!r}): expected a weight of 0 or more")
         return replace(self, weight=weight)
 
     def requiring(self, *checks: Check) -> Check:

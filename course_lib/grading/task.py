@@ -156,6 +156,9 @@ class Task:
         _need_tuple(f"{self.id}: hints", self.hints, str)
         _need(len(self.hints) == HINTS, f"{self.id}: {len(self.hints)} hints, expected {HINTS}")
         check_scenarios(self.id, self.scenarios)
+        for name, options in self.personal.items():
+            what = f"{self.id}: personal {name!r}: {options!r}, expected a tuple of options"
+            _need(isinstance(options, tuple) and options, f"{what} (mind the last comma)")
         _need_tuple(f"{self.id}: ghost", self.ghost, Message)
         _need_tuple(f"{self.id}: rubric", self.rubric, Row)
         _need(bool(self.rubric) == (self.kind == "written"), f"{self.id}: a rubric belongs to kind 'written'")

@@ -52,6 +52,18 @@ RUN: list[Row] = [
         PUBLIC,
     ),
     ("second", [(ANSWERS, "color.b = 1.0\\n", "color.r = 1.0\\n")], "another name: ", ANSWERS),
+    (
+        "solution",
+        [(SOLUTION, 'check(\\"week09.post', 'check(\\"week09.pst')],
+        ".pst', …): there is no such task. Did you mean week",
+        SOLUTION,
+    ),
+    (
+        "solution",
+        [(SOLUTION, 'check(\\"week09.post', 'print(\\"week09.post')],
+        "no cell calls check",
+        SOLUTION,
+    ),
     ("wrong", [(ANSWERS, '"too low"', '"too high"')], "expected a message with 'too high'", ANSWERS),
     ("wrong", [(ANSWERS, "Marker.CUBE", "Marker.CUBES")], "a box: the code raises", ANSWERS),
     (
@@ -125,6 +137,9 @@ def test_a_fault_that_shows_when_answers_run_is_found(
 
 
 READ: list[Row] = [
+    ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "()}")], "'height': (), expected a tuple of options", ""),
+    ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "(0.6)}")], "0.6, expected a tuple of options", ""),
+    ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "worth(-1): expected a weight", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "NameError: name 'PST' is not defined. Did you mean POST", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "checks/week09.py line 59: ", ""),
     ("files", [(TOML, "post = 100", "pots = 100")], "course.toml has points for ['week09.pots']", ""),

@@ -39,6 +39,7 @@ def test_a_question_that_no_file_has_is_named(
 # what stands in the lesson, what somebody writes instead, and what is said of it
 LESSONS = [
     ("attachment:picture.png", "picture.png", "the first cell has no picture"),
+    ("(attachment:picture.png", "(attachment:pic.png", "'attachment:pic.png' is not there"),
     ("**After this lesson you can**", "**You can**", "missing: **After this lesson you can**"),
     ("**A true story.**", "**A story.**", "above '## Do you remember?'"),
     ("> Source:", "> From:", "has no line '> Source: …'"),

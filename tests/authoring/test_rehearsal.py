@@ -1,0 +1,37 @@
+"""Every combination of personal options is tried, as far as there are not too many."""
+
+from itertools import product
+
+import pytest
+
+from course_lib.authoring.answers import Variant, changed
+from course_lib.authoring.rehearsal import MOST, options, with_option
+from course_lib.errors import CourseError
+from course_lib.grading.task import Task
+
+
+def task(**personal: tuple[float, ...]) -> Task:
+    return Task("week09.post", "A post", "node", "Post", ("a", "b", "c"), personal=personal)
+
+
+def tried(one: Task) -> list[tuple[float, ...]]:
+    rows = [with_option(one, row).personal for row in range(options([one]))]
+    return [tuple(choice for (choice,) in row.values()) for row in rows]
+
+
+def test_each_combination_of_two_values_is_tried_once() -> None:
+    low, critical = (0.5, 0.75, 0.9), (0.1, 0.2)
+    assert sorted(tried(task(low=low, critical=critical))) == sorted(product(low, critical))
+    assert options([task(), task(low=low), task(low=low, critical=critical)]) == 6
+
+
+def test_of_too_many_combinations_some_all_over_them_are_tried() -> None:
+    many = tried(task(a=tuple(range(30)), b=tuple(range(30))))
+    assert len(set(many)) == len(many) == MOST
+    assert {b for _, b in many} == set(range(30))
+
+
+def test_a_change_that_changes_nothing_is_refused() -> None:
+    variant = Variant("week09.post", way="the same", change=(("x = 1", "x = 1"),))
+    with pytest.raises(CourseError, match="'x = 1' is replaced by itself"):
+        changed(variant, "Post", ["class Post:\n    x = 1"])
