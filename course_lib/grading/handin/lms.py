@@ -118,6 +118,9 @@ def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
     except (OSError, UnicodeError, KeyError, csv.Error) as error:
         command = f"term {out} --roster roster.csv" if is_term else f"grade SUBMISSIONS --out {out}"
         raise CourseError(f"{path} can't be read: {error!r}. Type: course {command}") from error
+    gradebook = out / "gradebook.csv"
+    if is_term and gradebook.is_file() and gradebook.stat().st_mtime > path.stat().st_mtime:
+        raise CourseError(f"{path} is older than {gradebook}: first type course term {out}")
     if not marks:
         known = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
         raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known}.")

@@ -52,10 +52,10 @@ def mark_by_hand(
     path = result_path(out, student, exercise)
     with sole_use(out), writing(out):
         result, file = Result.from_plain(read_result(path)), marks_path(out, student, exercise)
-        judged, sha256 = result.judgement, result.submission.sha256
+        judged, seen = result.judgement, result.submission.sha256
         tasks = {known.task: known for known in (judged.tasks if judged else ())}
         task = _task(task, tasks, f"{exercise} of {student}")
-        (given,) = add_marks(file, tasks[task], [Given(number, row, comment or None)], sha256=sha256)
+        (given,) = add_marks(file, tasks[task], [Given(number, row, comment or None)], sha256=seen)
         report(result, out, catalog)
         write_tables(out, catalog.course.zone)
     now, what = read_result(path)["row"], f"{task} ({given.row})" if given.row else task

@@ -197,8 +197,8 @@ def row_of(content: Mapping[str, Any], marks: Sequence[HandMark] = ()) -> dict[s
     if tasks:
         full = sum(task.score >= task.points for task in tasks)
         said = f"{full} of {len(tasks)} tasks have full marks"
-        once_more = ", ".join(task.task for task in tasks if not task.is_current)
-        said += f"; {once_more}: marked in another hand-in: mark it again" * bool(once_more)
+        if again := ", ".join(task.task for task in tasks if not task.is_current):
+            said += f"; {again}: marked in another hand-in: mark it again"
         row["message"] = "; ".join(filter(None, (said, content.get("remark"))))
         row |= asdict(add_up(tasks, content["days_late"], Late(content["percent_per_day"])))
     if any(task.waits for task in tasks):

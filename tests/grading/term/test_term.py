@@ -1,6 +1,7 @@
 """The table of a term, against a script of its own that computes the totals again."""
 
 import csv
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -191,6 +192,10 @@ def test_totals_go_into_the_platforms_csv_where_no_week_is_open(tmp_path: Path, 
     assert filled == {one: "" if line["open"] else line["total"] for one, line in rows.items()}
     assert {line["open"] != "" for line in rows.values()} == {True, False}
     assert any("open, left as it is" in line for line in said)
+    (out / "gradebook.csv").touch()  # somebody has marked since
+    os.utime(out / "term.csv", (1, 1))
+    with pytest.raises(CourseError, match=r"term.csv is older than .*gradebook.csv: first type course term"):
+        fill()
     (out / "term.csv").unlink()
     with pytest.raises(CourseError, match="course term"):
         fill()
