@@ -151,12 +151,21 @@ def test_a_mark_whose_file_is_gone_is_named(
 ) -> None:
     (tmp_path / "in/ada").rename(tmp_path / "in/bob")
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds)
-    said = "Look at: no file any more, but the mark still counts: ada week05_exercise. Moved or withdrawn?"
+    said = "Look at: no file any more, but its mark counts: ada week05_exercise. Moved or withdrawn?"
     assert said in capsys.readouterr().out
     (tmp_path / "out/results/ada/week05_exercise.json").unlink()
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds, resume=True)
     assert said not in capsys.readouterr().out
     assert "ada,week05" not in (tmp_path / "out/gradebook.csv").read_text()
+
+
+def test_a_rejected_file_has_no_mark_to_change(kinds: Course, tmp_path: Path) -> None:
+    (tmp_path / "in/ada/week05_exercise.ipynb").write_text("{")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds)
+    with pytest.raises(
+        CourseError, match=r"week05_exercise of ada has no mark to change: gradebook\.csv says why"
+    ):
+        mark_by_hand(tmp_path / "out", "ada", "week05_exercise", "essay", "1", course=kinds)
 
 
 def test_a_task_goes_by_its_short_name_and_a_student_by_any_spelling(kinds: Course, tmp_path: Path) -> None:

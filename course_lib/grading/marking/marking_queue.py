@@ -126,7 +126,7 @@ class MarkingQueue:
         mine = [mark for mark in marks if mark.task == item.task]
         return {
             **asdict(item),
-            "revision": revision_of(marks, item.task),
+            "revision": revision_of(marks, item.task, sha256),
             "score": shown.score,
             "rubric": [asdict(row) for row in task.rubric],
             "whole": whole_task_counts(mine),
@@ -219,5 +219,5 @@ def _item(
         state="waiting" if waits else "marked" if by_person else "checks",
         failed=tuple(dict.fromkeys(check.title for check in task.checks if not check.passed)),
         note=content.get("id_note") or "",
-        revision=revision_of(marks, task.task),
+        revision=revision_of(marks, task.task, content["sha256"]),
     )

@@ -97,6 +97,8 @@ def _task(name: str, tasks: Collection[str], of: str) -> str:
     Raises:
         CourseError: There is none; names the nearest.
     """
+    if not tasks:
+        raise CourseError(f"{of} has no mark to change: gradebook.csv says why")
     short = {task.split(".", 1)[-1]: task for task in tasks}
     found = name if name in tasks else short.get(name)
     if found is None:

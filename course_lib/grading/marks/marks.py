@@ -120,9 +120,9 @@ def read_entries(path: Path, kind: type[T]) -> list[T]:
         raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
 
 
-def revision_of(marks: Iterable[HandMark], task: str) -> str:
-    """Return the revision of a task's marks; each mark that is added changes it."""
-    return digest_of([asdict(mark) for mark in marks if mark.task == task])[:16]
+def revision_of(marks: Iterable[HandMark], task: str, sha256: str) -> str:
+    """Return the revision of a task; each mark that is added changes it, and another hand-in."""
+    return f"{sha256[:8]}-{digest_of([asdict(mark) for mark in marks if mark.task == task])[:16]}"
 
 
 def add_marks(
@@ -145,7 +145,7 @@ def add_marks(
         revision: Of the task's marks that the person has seen; None does not ask.
 
     Raises:
-        MarksConflictError: The task has other marks by now.
+        MarksConflictError: The task has other marks by now, or there is another hand-in.
         CourseError: There is no such row, or it has fewer points.
     """
     with marks_turn(path.parents[2]):
@@ -153,11 +153,13 @@ def add_marks(
         mine = [mark for mark in kept if mark.task == task.task]
         by = by or getpass.getuser()
         new = [replace(_hand_mark(task, one, mine, by), sha256=sha256) for one in given]
-        if revision not in (None, revision_of(mine, task.task)):
+        if revision is not None and revision != revision_of(mine, task.task, sha256):
             if list(map(_content, mine[-len(new) :])) == list(map(_content, new)):
                 return mine[-len(new) :]  # sent twice, as the first answer was lost
-            who = mine[-1].by if mine else "somebody"
-            raise MarksConflictError(f"{who} has marked {task.task} meanwhile")
+            who = f"{mine[-1].by if mine else 'somebody'} has marked"
+            if not revision.startswith(f"{sha256[:8]}-"):
+                who = "the student has changed"
+            raise MarksConflictError(f"{who} {task.task} meanwhile")
         _write(path, [*kept, *new])
     return new
 
@@ -206,16 +208,14 @@ def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> T
     given = {mark.row: mark.points for mark in mine if mark.points is not None}
     if not given:
         return replace(result, comments=comments)
-    counting = {mark.row: mark for mark in mine if mark.points is not None}
+    of_this = {mark.row: mark.is_of(sha256) for mark in mine if mark.points is not None}
     if whole_task_counts(mine):
-        is_current = counting[""].is_of(sha256)
-        return replace(result, manual=given[""], comments=comments, is_current=is_current)
+        return replace(result, manual=given[""], comments=comments, is_current=of_this[""])
     if missing := [row.text for row in result.rubric if row.text not in given]:
         return replace(result, comments=(*comments, f"still to be marked: {', '.join(missing)}"))
     share = sum(given[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
-    is_current = all(counting[row.text].is_of(sha256) for row in result.rubric)
-    manual = round(result.points * share, 2)
-    return replace(result, manual=manual, comments=comments, is_current=is_current)
+    result = replace(result, is_current=all(of_this[row.text] for row in result.rubric))
+    return replace(result, manual=round(result.points * share, 2), comments=comments)
 
 
 def whole_task_counts(marks: Sequence[HandMark]) -> bool:

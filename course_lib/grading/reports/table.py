@@ -87,14 +87,10 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
 
 def gone_lines(results: Iterable[Mapping[str, Any]], submissions: Path, out: Path) -> list[str]:
     """Return whose marks still count, though the file is no longer in the folder of submissions."""
-    gone = [
-        one
-        for one in results
-        if (file := Path(one["file"])).is_relative_to(submissions) and not file.exists()
-    ]
-    who = few([f"{one['student']} {one['exercise']}" for one in gone])
+    files = {Path(one["file"]): f"{one['student']} {one['exercise']}" for one in results}
+    gone = [one for file, one in files.items() if not file.exists() and submissions in file.parents]
     todo = f"Moved or withdrawn? Remove {out / 'results'}/STUDENT/EXERCISE.json, then grade again"
-    return [f"Look at: no file any more, but the mark still counts: {who}. {todo}"] if gone else []
+    return [f"Look at: no file any more, but its mark counts: {few(gone)}. {todo}"] if gone else []
 
 
 def fill(template: str, **values: Any) -> str:

@@ -86,6 +86,18 @@ def test_a_person_who_has_not_seen_the_last_mark_gets_a_conflict_and_both_marks_
     assert comments(tmp_path / "out") == ["clear", "vague"]
 
 
+def test_a_person_who_has_read_another_hand_in_gets_a_conflict(kinds: Course, tmp_path: Path) -> None:
+    queue = MarkingQueue(tmp_path / "out")
+    key = item(queue, "ada", ESSAY)
+    seen = queue.item(key).revision
+    path = next((tmp_path / "out/results/ada").glob("*.json"))
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps(content | {"sha256": "0" * 64}))
+    with pytest.raises(MarksConflictError, match=r"the student has changed week05\.essay meanwhile"):
+        queue.save(key, [Given(5, "1", "clear")], "ann", seen)
+    queue.save(key, [Given(5, "1", "clear")], "ann", queue.item(key).revision)
+
+
 def test_marks_of_another_task_of_the_student_are_no_conflict(kinds: Course, tmp_path: Path) -> None:
     queue = MarkingQueue(tmp_path / "out")
     essay, motto = item(queue, "ada", ESSAY), item(queue, "ada", MOTTO)
