@@ -61,8 +61,7 @@ class Concern:
 def flags(result: Mapping[str, Any], alike: Mapping[tuple[str, str], Alike]) -> list[Flag]:
     """Return what to look at in one result."""
     word = result.get("id_flag")
-    is_accepted = word == MISMATCH and result["row"]["status"] != "needs_marking"
-    found = [Flag(word, word)] if word and not is_accepted else []
+    found = [Flag(word, word)] if word else []
     if similar := alike.get((result["student"], result["exercise"])):
         found.append(Flag(SIMILAR, f"{SIMILAR}: {few(similar.others)}", similar.link))
     return found
@@ -72,7 +71,8 @@ def concerns(results: Iterable[Mapping[str, Any]], out: Path) -> list[Concern]:
     """Return each kind of thing to look at, with those whom it concerns."""
     alike, who, pages = alike_in(out), defaultdict[str, list[str]](list), set[str]()
     for result in results:
-        for flag in flags(result, alike):
+        is_held = result["row"]["status"] == "needs_marking"
+        for flag in (one for one in flags(result, alike) if one.kind != MISMATCH or is_held):
             who[flag.kind].append(f"{result['student']} {result['exercise']}")
             pages |= {flag.link.split("#")[0]} - {""}
     return [
