@@ -40,9 +40,9 @@ class Edit:
 
 
 def said(result: TaskResult, *, hidden: bool | None = None) -> str:
-    """Return all messages and kinds of mistake of the checks that failed."""
+    """Return all messages, or what they raised, and kinds of mistake of the checks that failed."""
     failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
-    return "\n".join(f"{check.message}\n{check.mistake}" for check in failed)
+    return "\n".join(f"{check.broken or check.message}\n{check.mistake}" for check in failed)
 
 
 def packed(edits: Iterable[Edit], cells: Sequence[str], week: str) -> list[tuple[list[Edit], Rehearsal]]:

@@ -5,8 +5,10 @@ from itertools import product
 import pytest
 
 from course_lib.authoring.answers import Variant, changed
+from course_lib.authoring.edits import said
 from course_lib.authoring.rehearsal import MOST, options, with_option
 from course_lib.errors import CourseError
+from course_lib.grading.judge import CheckResult, TaskResult
 from course_lib.grading.task import Task
 
 
@@ -35,3 +37,10 @@ def test_a_change_that_changes_nothing_is_refused() -> None:
     variant = Variant("week09.post", way="the same", change=(("x = 1", "x = 1"),))
     with pytest.raises(CourseError, match="'x = 1' is replaced by itself"):
         changed(variant, "Post", ["class Post:\n    x = 1"])
+
+
+def test_what_an_own_check_raised_is_said_with_its_place() -> None:
+    broken = "checks/week09.py line 12: IndexError: list index out of range"
+    check = CheckResult("own", "public", False, 1.0, 0.0, "could not judge", "could not judge", broken=broken)
+    result = TaskResult("week09.post", "A post", 100.0, False, (check,))
+    assert said(result).splitlines() == [broken, "could not judge"]
