@@ -111,8 +111,8 @@ def options(tasks: Iterable[Task]) -> int:
 
 def with_option(task: Task, row: int) -> Task:
     """Return the task with one option of each personal value, so that every student gets these."""
-    count, own = _combinations(task), {}
-    number = row % count if count <= MOST else row * count // MOST  # beyond it, some all over them
+    rows, own = options([task]), {}
+    number = row % rows * _combinations(task) // rows  # all of them, or some from begin to end
     for name, choices in task.personal.items():
         number, index = divmod(number, len(choices))
         own[name] = (choices[index],)

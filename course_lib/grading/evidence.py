@@ -166,18 +166,16 @@ class Check:
     requires: tuple[Check, ...] = ()
     origin: Origin | None = field(default=None, compare=False, repr=False)
 
+    def __post_init__(self) -> None:
+        if not (isinstance(self.weight, Real) and 0 <= self.weight < math.inf):
+            raise CourseError(f"the check {self.title!r} is worth {self.weight!r}: expected 0 or more")
+
     def titled(self, title: str) -> Check:
         """Return the check under another title."""
         return replace(self, title=title)
 
     def worth(self, weight: float) -> Check:
-        """Return the check with another share of the task's points; 0 only reports.
-
-        Raises:
-            CourseError: The weight is negative, or no number.
-        """
-        if not (isinstance(weight, Real) and 0 <= weight < math.inf):
-            raise CourseError(f"worth({weight!r}): expected a weight of 0 or more")
+        """Return the check with another share of the task's points; 0 only reports."""
         return replace(self, weight=weight)
 
     def requiring(self, *checks: Check) -> Check:

@@ -7,9 +7,7 @@ from course_lib.ros.channel import Channel, ChannelError
 from course_lib.ros.clock import Alarm
 from course_lib.ros.graph import Graph
 from course_lib.ros.qos import Qos
-from course_lib.ros.topics import EndpointInfo, NodeInfo, OnMessage, Sample
-
-_UNJUDGED = ("/rosout", "/parameter_events")
+from course_lib.ros.topics import OWN_TOPICS, EndpointInfo, NodeInfo, OnMessage, Sample
 
 
 class RemoteAlarm(Alarm):
@@ -81,7 +79,7 @@ class RemoteGraph(Graph):
         info = self._publishers[endpoint]
         self._show(Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node))
         frame = ["publish", endpoint, cdr]
-        if info.topic in _UNJUDGED:
+        if info.topic in OWN_TOPICS:  # they are no evidence
             self._channel.queue(frame)
         else:
             self._channel.send(frame)  # at once: it counts even if the program hangs next

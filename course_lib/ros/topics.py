@@ -9,6 +9,7 @@ from typing import Any, Literal
 from course_lib.ros.qos import Qos, incompatible
 
 OnMessage = Callable[[bytes, int, int], None]  # (cdr, source_ns, received_ns)
+OWN_TOPICS = ("/rosout", "/parameter_events")  # of every node
 SERVICE_TOPICS = (("rq", "Request"), ("rr", "Reply"))  # round a service's name, as in DDS
 SERVICE_HEADER = struct.Struct("<qq")  # before the CDR bytes: the client's endpoint, its count of requests
 

@@ -139,7 +139,7 @@ def test_a_fault_that_shows_when_answers_run_is_found(
 READ: list[Row] = [
     ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "()}")], "'height': (), expected a tuple of options", ""),
     ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "(0.6)}")], "0.6, expected a tuple of options", ""),
-    ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "worth(-1): expected a weight", ""),
+    ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "is worth -1: expected 0 or more", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "NameError: name 'PST' is not defined. Did you mean POST", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "checks/week09.py line 59: ", ""),
     ("files", [(TOML, "post = 100", "pots = 100")], "course.toml has points for ['week09.pots']", ""),

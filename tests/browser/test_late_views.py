@@ -1,3 +1,5 @@
+"""Views that were there before their widgets, while JupyterLab restores a page."""
+
 import pytest
 from playwright.sync_api import Browser
 

@@ -16,11 +16,9 @@ from course_lib.ros.graph import Graph, Sample
 from course_lib.ros.graph_server import PICTURES
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.qos import Qos
-from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
+from course_lib.ros.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS
 
 INPUT_NODE = "scenario"
-# Every node's own; /rosout names files besides, and those of cells are called otherwise in each process.
-NOT_EVIDENCE = ("/rosout", "/parameter_events")
 SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
 MOST_INPUTS, LARGE = 2048, 10_000  # inputs that are kept as they are published, and the bytes of a larger one
 MOST_REJECTIONS = 10  # of a scenario
@@ -102,7 +100,8 @@ class ScenarioGraph:
         self.graph.add_subscription(self._ours, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), hear)
 
     def _record(self, sample: Sample) -> None:
-        if sample.node != self._ours and sample.topic not in NOT_EVIDENCE:
+        # /rosout names files, and those of cells are called otherwise in each process.
+        if sample.node != self._ours and sample.topic not in OWN_TOPICS:
             self._samples.append(self._room.fitted(sample))
 
 

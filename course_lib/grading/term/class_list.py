@@ -148,7 +148,7 @@ def read_exemptions(path: Path, members: ClassList, course: CourseFile) -> dict[
 
 
 def read_quizzes(path: Path, members: ClassList, course: CourseFile) -> dict[str, dict[str, float]]:
-    """Return the percent of each quiz, by student and week.
+    """Return the percent of each quiz, by student and week; 0 for who has none where others have.
 
     Raises:
         CourseError: A column or a row is wrong, or a percent is not a number from 0 to 100.
@@ -156,7 +156,8 @@ def read_quizzes(path: Path, members: ClassList, course: CourseFile) -> dict[str
     found = defaultdict[str, dict[str, float]](dict)
     for where, student, week, text in _rows(path, QUIZZES, members, course):
         found[student][week] = _percent(text, where)
-    return dict(found)
+    held = {week for percents in found.values() for week in percents}
+    return {one.id: dict.fromkeys(held, 0.0) | found[one.id] for one in members.members}
 
 
 def _percent(text: str, where: str) -> float:

@@ -72,10 +72,10 @@ def write_term(out: Path, files: Files, course: CourseFile | None = None) -> lis
     lines = [_line(one, weeks, members, results, exempt, quizzes, course) for one in members.members]
     with writing(out):
         write_whole(out / TERM_TABLE, csv_of((*FIXED, *weeks, *LISTS), _rows(lines, members, weeks)))
-    said = [*_said(out, lines, members, weeks, results, course)]
-    held = {week for one in quizzes.values() for week in one}
-    if course.term.quiz_percent and (without := [week for week in weeks if week not in held]):
-        said.insert(-1, f"No quiz of {few(without)} counts: nobody has a mark of it")
+    held = {week for percents in quizzes.values() for week in percents} if course.term.quiz_percent else weeks
+    without = [week for week in weeks if week not in held]
+    said = [f"No quiz of {few(without)} counts: nobody has a mark of it"] if without else []
+    said += _said(out, lines, members, weeks, results, course)
     return [printable(line) for line in said]
 
 
@@ -105,9 +105,7 @@ def _line(
             mine = {one.id: results[week][one.id] for one in group if one.id in results[week]}
         is_exempt = week in exempt.get(member.id, {})
         marks[week] = WeekMark("exempt") if is_exempt else week_mark(member.id, mine, course.counts)
-    quiz_weeks = {week for one in quizzes.values() for week in one}
-    total = add_up_term(marks, quizzes.get(member.id, {}), quiz_weeks, course.term)
-    return TermLine(member.id, marks, total)
+    return TermLine(member.id, marks, add_up_term(marks, quizzes.get(member.id, {}), course.term))
 
 
 def week_mark(student: str, rows: Mapping[str, Mapping[str, Any]], counts: str) -> WeekMark:

@@ -1,6 +1,6 @@
 """From the marks of weeks to a student's total: weights, exemptions, the lowest ones, quizzes."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -61,15 +61,12 @@ class TermLine:
         return [week for week, mark in self.marks.items() if mark.kind == kind]
 
 
-def add_up_term(
-    marks: Mapping[str, WeekMark], quizzes: Mapping[str, float], quiz_weeks: Collection[str], term: Term
-) -> Total:
+def add_up_term(marks: Mapping[str, WeekMark], quizzes: Mapping[str, float], term: Term) -> Total:
     """Return the total of one student.
 
     Args:
         marks: By week.
-        quizzes: Percent by week; one of `quiz_weeks` that is missing is zero.
-        quiz_weeks: In which anybody has a quiz.
+        quizzes: Percent by week, of all weeks with a quiz.
         term: Weights, and what does not count.
     """
     counted = {week: mark.percent for week, mark in marks.items() if mark.percent is not None}
@@ -81,10 +78,10 @@ def add_up_term(
         return Total(None, None)
     whole = sum(weights[week] for week in kept)
     weeks = sum(weights[week] * counted[week] for week in kept) / whole
-    held = [week for week in counted if week in quiz_weeks]
+    held = [week for week in counted if week in quizzes]
     if not term.quiz_percent or not held:
         return Total(round(weeks, 2), round(weeks, 2), dropped=dropped)
-    quiz = sum(quizzes.get(week, 0.0) for week in held) / len(held)
+    quiz = sum(quizzes[week] for week in held) / len(held)
     share = term.quiz_percent / FULL
     return Total(round((1 - share) * weeks + share * quiz, 2), round(weeks, 2), round(quiz, 2), dropped)
 

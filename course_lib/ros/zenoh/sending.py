@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Self
 
 from course_lib.ros import wall
+from course_lib.ros.topics import OWN_TOPICS
 from course_lib.ros.zenoh.commands import COMMANDS, moves, still
 from course_lib.ros.zenoh.link import Outlet
 
 STALE = 0.5  # [s] without a command, after which a moving robot is stopped
 LOOK = 0.05  # [s] between two looks
 LEASE = 10.0  # [s] after which Zenoh notices that a link is dead
-UNSENT = ("/rosout", "/parameter_events")  # every node has them: they stay here without a word
 
 Tell = Callable[[str], None]  # prints a line
 
@@ -56,7 +56,7 @@ class HeldBack:
 
     def note(self, name: str, option: str) -> None:
         """Count a message or a call; `option` would let it out."""
-        if name in UNSENT:
+        if name in OWN_TOPICS:  # they stay here without a word
             return
         self.counts[name] += 1
         if self.counts[name] == 1:

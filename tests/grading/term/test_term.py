@@ -130,7 +130,7 @@ MARKS = {"week01": WeekMark("graded", 80.0), "week02": WeekMark("missing", 0.0)}
 def test_weights_exemptions_and_the_lowest_weeks(
     marks: dict[str, WeekMark], term: Term, total: float | None, dropped: tuple[str, ...]
 ) -> None:
-    made = add_up_term(marks, {"week01": 100.0}, {*marks}, term)
+    made = add_up_term(marks, dict.fromkeys(marks, 0.0) | {"week01": 100.0}, term)
     assert (made.percent, made.dropped) == (total, dropped)
 
 
